@@ -47,7 +47,8 @@ constexpr VerbText kSurfaceText = {
     "move by half a voxel along each axis at most to be smooth, and less where the volume of a\n"
     "label would change by more than 1 %; --smooth off keeps the sides of voxels. Where a label\n"
     "touches itself at an edge or a point, points of its surface are moved apart, by about a\n"
-    "hundredth of a voxel, so that programs which join points, as of STL, find it closed.\n\n"
+    "hundredth of a voxel, so that programs which join points, as of STL, find it closed.\n"
+    "--max-deviation keeps lines where three labels meet as they are, so that parts fit.\n\n"
     "Examples:\n"
     "  octavo surface head.8vo --isovalue 226 -o bone.stl\n"
     "  octavo surface head.8vo --isovalue 226 --max-deviation 0.5voxel -o light.stl\n"
@@ -122,9 +123,6 @@ void check_label_options(const SurfaceArguments& arguments) {
   if (arguments.allow_open) reject_option("--allow-open", "surface.whole");
   if (!arguments.report.empty()) reject_option("--report", "surface.whole");
   if (!arguments.seed.empty()) reject_option("--seed", "surface.whole");
-  if (parse_deviation(arguments.max_deviation).amount != 0) {
-    reject_option("--max-deviation", "surface.whole");
-  }
   if (arguments.part_format && (arguments.interfaces || mesh_format_of(arguments.output))) {
     reject_option("--part-format", "surface.folder");
   }
@@ -147,6 +145,7 @@ LabelSurfacesOptions label_options_of(const SurfaceArguments& arguments, const C
     throw Error(ErrorKind::invalid_argument, "--smooth takes off, or 1 to 1000 steps");
   }
   options.smoothing_steps = static_cast<int>(steps);
+  options.max_deviation = parse_deviation(arguments.max_deviation);
   options.space = arguments.space == "ras" ? MeshSpace::ras : MeshSpace::lps;
   return options;
 }

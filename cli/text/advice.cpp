@@ -120,7 +120,6 @@ constexpr Advice kAdvice[] = {
     {kUsage, "isovalue.missing", "", "give --isovalue VALUE"},
     {kUsage, "isovalue.range", "", "give another --isovalue"},
     {kUsage, "isovalue.stored", "", "leave out --stored"},
-    {kAny, "smoothing", "", "--smooth off keeps them"},
     {kAny, "labels.kind", "", "'octavo threshold' makes labels of it"},
     {kUsage, "labels.mode", "", "leave out --label, or draw them with --mode surface"},
     {kAny, "labels.names", "", "octavo info --metadata lists the names"},

@@ -81,6 +81,13 @@ std::string label_surfaces_text(const LabelSurfacesOptions& options,
       fmt::format("{}: {} labels, {} triangles\n", options.output.path, result.labels.size(),
                   result.triangle_count);
   text += touching_text(result);
+  if (result.max_deviation_mm > 0) {
+    text += fmt::format("{:.3g} % of the triangles between labels, proven within {:.4g} mm; {} "
+                        "cross others\n",
+                        100 * static_cast<double>(result.reduced_triangle_count) /
+                            static_cast<double>(result.full_triangle_count),
+                        result.max_deviation_mm, result.crossing_triangles.value_or(0));
+  }
   std::vector<std::string> all_names;
   for (const LabelSurface& surface : result.labels) {
     all_names.push_back(names_in(result).name_of(surface.label));
@@ -106,6 +113,9 @@ nlohmann::ordered_json label_surfaces_json(const LabelSurfacesOptions& options,
                                            const LabelSurfacesResult& result) {
   nlohmann::ordered_json labels = nlohmann::ordered_json::array();
   for (const LabelSurface& surface : result.labels) labels.push_back(label_json(surface, result));
+  nlohmann::ordered_json crossing = nullptr;
+  if (result.crossing_triangles) crossing = *result.crossing_triangles;
+  const bool is_spaced = is_spacing_known(result.volume);
   return {{"output", options.output.path},
           {"is_written", result.is_written},
           {"file_bytes", result.file_bytes},
@@ -115,6 +125,11 @@ nlohmann::ordered_json label_surfaces_json(const LabelSurfacesOptions& options,
           {"smoothing_steps", options.smoothing_steps},
           {"triangles", result.triangle_count},
           {"points", result.point_count},
+          {"interface_triangles", result.reduced_triangle_count},
+          {"full_interface_triangles", result.full_triangle_count},
+          {"max_deviation_mm",
+           optional_json(is_spaced ? std::optional(result.max_deviation_mm) : std::nullopt)},
+          {"self_intersections", crossing},
           {"pairs", result.pair_count},
           {"closed_manifold", result.is_sound},
           {"labels", labels}};

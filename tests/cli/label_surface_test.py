@@ -139,6 +139,19 @@ class LabelSurfaces(cli_test.InFolder):
         header = (self.folder / "some.ply").read_bytes().split(b"end_header\n")[0].decode()
         self.assertIn("element face %d\n" % some["triangles"], header)
 
+    def test_fewer_triangles_fit_as_well(self):
+        full = self.json("surface", "l.8vo", "--parts", "-o", "full")
+        light = self.json("surface", "l.8vo", "--parts", "--max-deviation", "0.5voxel", "-o",
+                          "light")
+        self.assertEqual(light["full_interface_triangles"], full["interface_triangles"])
+        self.assertLess(light["interface_triangles"], 0.9 * full["interface_triangles"])
+        self.assertEqual((light["max_deviation_mm"], light["self_intersections"]), (0.25, 0))
+        corners = collections.Counter()
+        for row in light["labels"]:
+            self.assertTrue(row["closed"] and row["manifold"])
+            corners.update(frozenset(t) for t in read_stl(self.folder / row["output"]))
+        self.assertEqual(set(corners.values()), {1, 2})
+
     def test_parts_go_into_one_file_as_objects(self):
         for name in ("a.3mf", "a.glb", "a.vtp", "a.ply"):
             report = self.json("surface", "l.8vo", "--parts", "-o", name)

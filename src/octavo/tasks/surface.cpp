@@ -84,11 +84,6 @@ void check_kind(const SurfaceOptions& options, const VolumeDescription& volume) 
   }
 }
 
-void check_deviation(const AskedDeviation& asked) {
-  if (asked.amount >= 0 && std::isfinite(asked.amount)) return;
-  throw Error(ErrorKind::invalid_argument, "the deviation must be a number of 0 or more");
-}
-
 SurfaceField field_of(const SurfaceOptions& options, const VolumeDescription& volume) {
   if (volume.kind == VolumeKind::labels) {
     return SurfaceField::of_labels(
@@ -173,11 +168,6 @@ TriangleMesh piece_at_seed(const FileReader& reader, const SurfaceField& field,
   return std::move(piece->mesh);
 }
 
-double deviation_mm(const AskedDeviation& asked, const Geometry& geometry) {
-  const auto& [x, y, z] = geometry.spacing_mm;
-  return asked.amount * (asked.is_in_voxels ? std::min({x, y, z}) : 1);
-}
-
 /// A grid for what lies within the deviation of a mesh; nothing where its steps take much of that.
 std::optional<PointGrid> grid_within(const TriangleMesh& mesh, double deviation_mm) {
   constexpr double kShare = 0.25;
@@ -250,12 +240,20 @@ std::vector<std::string> comments_of(const SurfaceOptions& options, const FileRe
 
 }  // namespace
 
+double deviation_mm(const AskedDeviation& asked, const Geometry& geometry) {
+  if (!(asked.amount >= 0) || !std::isfinite(asked.amount)) {
+    throw Error(ErrorKind::invalid_argument, "the deviation must be a number of 0 or more");
+  }
+  const auto& [x, y, z] = geometry.spacing_mm;
+  return asked.amount * (asked.is_in_voxels ? std::min({x, y, z}) : 1);
+}
+
 SurfaceResult surface(const SurfaceOptions& options, const TaskContext& context) {
   const MeshFormat format = format_of(options);
   const std::shared_ptr<const FileReader> reader = open_volume(options.input, context);
   const VolumeDescription& volume = reader->description();
   require_level(reader->levels(), options.level);
-  check_deviation(options.max_deviation);
+  deviation_mm(options.max_deviation, volume.geometry);
   check_kind(options, volume);
   const SurfaceField field = field_of(options, volume);
   check_range(*reader, field, options);

@@ -21,6 +21,10 @@ struct AskedDeviation {
   bool is_in_voxels = true;  ///< of the shortest side of a voxel of the level; else mm
 };
 
+/// In mm, of voxels of a geometry.
+/// Throws Error{invalid_argument} unless it is a number of 0 or more
+double deviation_mm(const AskedDeviation& asked, const Geometry& geometry);
+
 struct SurfaceOptions {
   std::string input;  ///< an .8vo file or a URL of one
   Output output;      ///< ends in .stl, .ply, .obj, .glb, .vtp or .3mf

@@ -14,7 +14,9 @@
 #include "octavo/core/label_color.h"
 #include "octavo/core/sha256.h"
 #include "octavo/file/storage/pending_file.h"
+#include "octavo/mesh/decimation.h"
 #include "octavo/mesh/mesh_normals.h"
+#include "octavo/mesh/nets/interface_decimation.h"
 #include "octavo/mesh/nets/interface_mesh.h"
 #include "octavo/mesh/nets/net_extraction.h"
 #include "octavo/mesh/nets/smoothed_interfaces.h"
@@ -90,6 +92,7 @@ class LabelSurfaceWriter {
     names_ = &reader_->description().metadata.facts().labels;
     asked_ = labels_of(options.labels, *names_, options.input);
     geometry_ = reader_->levels().geometry(reader_->description().geometry, options.level);
+    result_.max_deviation_mm = deviation_mm(options.max_deviation, geometry_);
   }
 
   LabelSurfacesResult write() {
@@ -162,6 +165,24 @@ class LabelSurfaceWriter {
     result_.volume = reader_->description();
     result_.voxel_digest = reader_->voxel_digest();
     result_.pair_count = net.pairs.size();
+    result_.full_triangle_count = surfaces_.interfaces.mesh.triangles.size();
+    if (result_.max_deviation_mm > 0) reduce();
+    result_.reduced_triangle_count = surfaces_.interfaces.mesh.triangles.size();
+  }
+
+  /// Takes triangles away as far as the deviation allows.
+  void reduce() {
+    const TriangleMesh& mesh = surfaces_.interfaces.mesh;
+    require_numbered(mesh.triangles.size());
+    constexpr std::uint64_t kBytesPerPoint = 600;
+    context_.require_memory(kBytesPerPoint * mesh.points.size(), "the surface");
+    DecimatedInterfaces reduced;
+    context_.on_threads([&] {
+      reduced = decimate_interfaces(surfaces_.interfaces, result_.max_deviation_mm, geometry_,
+                                    context_.watcher());
+    });
+    surfaces_.interfaces = std::move(reduced.interfaces);
+    result_.crossing_triangles = reduced.crossing_triangles;
   }
 
   void check_asked() const {
@@ -212,11 +233,9 @@ class LabelSurfaceWriter {
     };
     const auto most = std::max_element(result_.labels.begin(), result_.labels.end(), changes_more);
     if (std::abs(most->volume_change) <= kMaxVolumeChange) return;
-    context_.warn(Warning(fmt::format("{}: smoothing changes volumes by more than 1 %; that of {} "
-                                      "by {:+.2g} %",
-                                      options_.input, label_words(*names_, most->label),
-                                      100 * most->volume_change),
-                          "smoothing"));
+    context_.warn(fmt::format("{}: volumes change by more than 1 %; that of {} by {:+.2g} %",
+                              options_.input, label_words(*names_, most->label),
+                              100 * most->volume_change));
   }
 
   std::vector<std::string> comments() const {

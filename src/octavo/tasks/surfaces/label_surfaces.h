@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "octavo/mesh/mesh_check.h"
 #include "octavo/tasks/asked_labels.h"
 #include "octavo/tasks/outputs.h"
+#include "octavo/tasks/surface.h"
 #include "octavo/tasks/task_context.h"
 
 namespace octavo {
@@ -30,6 +32,8 @@ struct LabelSurfacesOptions {
   AskedLabels labels;                        ///< these; with none all but 0
   int level = 0;
   int smoothing_steps = 20;  ///< 0: sides of voxels stay as they are
+  /// Of surfaces with fewer triangles; lines where three labels meet stay as they are.
+  AskedDeviation max_deviation;
   MeshSpace space = MeshSpace::lps;
 };
 
@@ -57,6 +61,11 @@ struct LabelSurfacesResult {
   Sha256Digest voxel_digest{};
   std::uint64_t point_count = 0;
   std::uint64_t triangle_count = 0;
+  std::uint64_t full_triangle_count = 0;  ///< of all surfaces, each once, before there were fewer
+  std::uint64_t reduced_triangle_count = 0;  ///< the same behind that
+  double max_deviation_mm = 0;               ///< proven, in both directions
+  /// Triangles that cross others; nothing where all triangles are kept.
+  std::optional<std::uint64_t> crossing_triangles;
   std::uint64_t pair_count = 0;      ///< of labels that lie side by side, 0 among them
   std::vector<LabelSurface> labels;  ///< ascending
   bool is_sound = false;             ///< those of all labels are closed and manifold
@@ -65,12 +74,12 @@ struct LabelSurfacesResult {
 };
 
 /// Writes surfaces between the labels of a level, where the volume ends as well. All files get
-/// their names when all are complete. Warns where smoothing changes a volume by more than 1 %.
+/// their names when all are complete. Warns where a volume changes by more than 1 %.
 /// Throws  as open_labels, require_free, labels_of, extract_net and write_mesh;
 ///         Error{invalid_argument} where no voxel has a label, for a label that is not there, for
 ///         formats that cannot hold what is asked for
 /// Memory  130 bytes per triangle of the surfaces, and twice the part that is written; all parts
-///         where they go into one file
+///         where they go into one file; with a deviation that of decimate_interfaces
 LabelSurfacesResult label_surfaces(const LabelSurfacesOptions& options,
                                    const TaskContext& context);
 

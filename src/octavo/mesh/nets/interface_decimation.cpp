@@ -1,0 +1,206 @@
+#include "octavo/mesh/nets/interface_decimation.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+#include "octavo/mesh/decimation.h"
+#include "octavo/mesh/triangle_tree.h"
+
+namespace octavo {
+
+namespace {
+
+constexpr std::uint32_t kNoNumber = 0xffffffff;
+constexpr double kCloser = 0.4;  // of the deviation of surfaces that cross others
+constexpr int kCloserRounds = 3;  // after which they stay as they are
+
+/// Passes on whether to stop, and nothing else.
+class QuietProgress final : public Progress {
+ public:
+  explicit QuietProgress(const Progress& watched) : watched_(watched) {}
+  void begin(std::string_view, std::int64_t, std::string_view) override {}
+  void advance(std::int64_t) override {}
+  void end() override {}
+  bool is_cancelled() const override { return watched_.is_cancelled(); }
+
+ private:
+  const Progress& watched_;
+};
+
+/// The surface between two labels.
+struct Patch {
+  std::vector<std::uint32_t> points;  // of the full mesh, by those of `mesh`
+  std::vector<std::uint32_t> locked;  // points of `mesh`
+  TriangleMesh mesh;
+  Decimated reduced;
+  int rounds = 0;  // that it was done again
+};
+
+class InterfaceDecimation {
+ public:
+  InterfaceDecimation(const InterfaceMesh& full, double max_deviation_mm, const Geometry& geometry,
+                      Progress& progress)
+      : full_(full),
+        max_deviation_mm_(max_deviation_mm),
+        geometry_(geometry),
+        progress_(progress),
+        quiet_(progress),
+        is_kept_(full.mesh.triangles.size()) {}
+
+  DecimatedInterfaces reduced() {
+    find_kept();
+    make_patches();
+    {
+      const ProgressScope scope(progress_, "fewer triangles",
+                                static_cast<std::int64_t>(patches_.size()), "surfaces");
+      for (Patch& patch : patches_) {
+        reduce(patch);
+        progress_.advance(1);
+      }
+    }
+    while (true) {
+      DecimatedInterfaces result{joined(), 0};
+      const std::vector<std::uint32_t> crossing =
+          crossing_triangles(TriangleTree(result.interfaces.mesh), progress_);
+      result.crossing_triangles = crossing.size();
+      if (!reduce_closer(result.interfaces, crossing)) return result;
+    }
+  }
+
+ private:
+  /// Triangles around points at which a label touches itself.
+  void find_kept() {
+    std::vector<bool> is_touching(full_.mesh.points.size());
+    for (std::size_t i = 0; i < is_kept_.size(); ++i) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        if ((full_.fans[i] >> 4 * k & 15) != 0) is_touching[full_.mesh.triangles[i][k]] = true;
+      }
+    }
+    for (std::size_t i = 0; i < is_kept_.size(); ++i) {
+      const MeshTriangle& t = full_.mesh.triangles[i];
+      is_kept_[i] = is_touching[t[0]] || is_touching[t[1]] || is_touching[t[2]];
+    }
+  }
+
+  void make_patches() {
+    // The surface that each point lies within; those of several, or of triangles that are kept,
+    // are locked.
+    const auto kept = static_cast<std::uint32_t>(full_.pairs.size());
+    std::vector<std::uint32_t> owners(full_.mesh.points.size(), kNoNumber);
+    std::vector<bool> is_locked(full_.mesh.points.size());
+    for (std::size_t i = 0; i < is_kept_.size(); ++i) {
+      const std::uint32_t owner = is_kept_[i] ? kept : full_.pair_of[i];
+      for (const std::uint32_t point : full_.mesh.triangles[i]) {
+        if (owners[point] == kNoNumber) owners[point] = owner;
+        is_locked[point] = is_locked[point] || owner == kept || owners[point] != owner;
+      }
+    }
+    std::vector<std::vector<std::uint32_t>> triangles(full_.pairs.size());
+    for (std::size_t i = 0; i < is_kept_.size(); ++i) {
+      if (!is_kept_[i]) triangles[full_.pair_of[i]].push_back(static_cast<std::uint32_t>(i));
+    }
+    patches_.resize(full_.pairs.size());
+    std::vector<std::uint32_t> numbers(full_.mesh.points.size(), kNoNumber);
+    for (std::size_t pair = 0; pair < patches_.size(); ++pair) {
+      Patch& patch = patches_[pair];
+      for (const std::uint32_t triangle : triangles[pair]) {
+        MeshTriangle& added = patch.mesh.triangles.emplace_back(full_.mesh.triangles[triangle]);
+        for (std::uint32_t& point : added) {
+          std::uint32_t& number = numbers[point];
+          if (number == kNoNumber) {
+            number = static_cast<std::uint32_t>(patch.points.size());
+            patch.points.push_back(point);
+            patch.mesh.points.push_back(full_.mesh.points[point]);
+            if (is_locked[point]) patch.locked.push_back(number);
+          }
+          point = number;
+        }
+      }
+      for (const std::uint32_t point : patch.points) numbers[point] = kNoNumber;
+    }
+  }
+
+  void reduce(Patch& patch) {
+    double deviation = patch.rounds < kCloserRounds ? max_deviation_mm_ : 0;
+    for (int round = 0; round < patch.rounds; ++round) deviation *= kCloser;
+    patch.reduced = decimate(patch.mesh, {deviation, geometry_, patch.locked}, quiet_);
+  }
+
+  /// Reduces the surfaces that some triangles belong to again; false where none is left that could
+  /// be reduced less.
+  bool reduce_closer(const InterfaceMesh& mesh, const std::vector<std::uint32_t>& crossing) {
+    std::vector<std::uint32_t> pairs;
+    for (const std::uint32_t triangle : crossing) pairs.push_back(mesh.pair_of[triangle]);
+    std::sort(pairs.begin(), pairs.end());
+    pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+    bool is_changed = false;
+    for (const std::uint32_t pair : pairs) {
+      Patch& patch = patches_[pair];
+      if (patch.rounds == kCloserRounds) continue;
+      ++patch.rounds;
+      reduce(patch);
+      is_changed = true;
+    }
+    return is_changed;
+  }
+
+  /// All surfaces as one mesh.
+  InterfaceMesh joined() const {
+    InterfaceMesh made;
+    made.pairs = full_.pairs;
+    std::vector<std::uint32_t> numbers(full_.mesh.points.size(), kNoNumber);
+    const auto number_of = [&](std::uint32_t point) {
+      std::uint32_t& number = numbers[point];
+      if (number == kNoNumber) {
+        number = static_cast<std::uint32_t>(made.mesh.points.size());
+        made.mesh.points.push_back(full_.mesh.points[point]);
+      }
+      return number;
+    };
+    for (std::size_t i = 0; i < is_kept_.size(); ++i) {
+      if (!is_kept_[i]) continue;
+      const MeshTriangle& t = full_.mesh.triangles[i];
+      made.mesh.triangles.push_back({number_of(t[0]), number_of(t[1]), number_of(t[2])});
+      made.pair_of.push_back(full_.pair_of[i]);
+      made.fans.push_back(full_.fans[i]);
+    }
+    for (std::size_t pair = 0; pair < patches_.size(); ++pair) {
+      const Patch& patch = patches_[pair];
+      const TriangleMesh& mesh = patch.reduced.mesh;
+      std::vector<std::uint32_t> own(mesh.points.size(), kNoNumber);
+      for (std::size_t i = 0; i < patch.locked.size(); ++i) {
+        own[patch.reduced.locked[i]] = number_of(patch.points[patch.locked[i]]);
+      }
+      for (std::size_t i = 0; i < own.size(); ++i) {
+        if (own[i] != kNoNumber) continue;
+        own[i] = static_cast<std::uint32_t>(made.mesh.points.size());
+        made.mesh.points.push_back(mesh.points[i]);
+      }
+      for (const MeshTriangle& t : mesh.triangles) {
+        made.mesh.triangles.push_back({own[t[0]], own[t[1]], own[t[2]]});
+        made.pair_of.push_back(static_cast<std::uint32_t>(pair));
+        made.fans.push_back(0);
+      }
+    }
+    return made;
+  }
+
+  const InterfaceMesh& full_;
+  double max_deviation_mm_;
+  const Geometry& geometry_;
+  Progress& progress_;
+  QuietProgress quiet_;
+  std::vector<bool> is_kept_;  // triangles
+  std::vector<Patch> patches_;
+};
+
+}  // namespace
+
+DecimatedInterfaces decimate_interfaces(const InterfaceMesh& full, double max_deviation_mm,
+                                        const Geometry& geometry, Progress& progress) {
+  return InterfaceDecimation(full, max_deviation_mm, geometry, progress).reduced();
+}
+
+}  // namespace octavo

@@ -1,0 +1,31 @@
+// Surfaces between labels with fewer triangles, all of them proven to lie within a distance of the
+// full ones, and these of them.
+//
+// Each surface between two labels is decimated by itself (decimation.h). Lines where it meets
+// others stay as they are, and so does what lies around places at which a label touches itself:
+// what two labels or three share stays shared, and parts fit as before. Where triangles of
+// different surfaces cross, both are done again more closely, in the end not at all.
+#pragma once
+
+#include <cstdint>
+
+#include "octavo/core/geometry.h"
+#include "octavo/core/progress.h"
+#include "octavo/mesh/nets/interface_mesh.h"
+
+namespace octavo {
+
+struct DecimatedInterfaces {
+  InterfaceMesh interfaces;
+  /// Triangles that cross others: of full surfaces without any, none.
+  std::uint64_t crossing_triangles = 0;
+};
+
+/// geometry  of the grid that the net was taken from
+/// Requires a deviation above 0. Uses the threads of the calling task arena.
+/// Throws  as decimate
+/// Memory  60 bytes per triangle, and that of decimate for the largest surface between two labels
+DecimatedInterfaces decimate_interfaces(const InterfaceMesh& full, double max_deviation_mm,
+                                        const Geometry& geometry, Progress& progress);
+
+}  // namespace octavo
