@@ -154,10 +154,25 @@ void prove_all(const std::vector<std::shared_ptr<PartFile>>& parts, Progress& pr
   for (const auto& part : parts) part->prove();
 }
 
+/// What a part that was cut off while it was copied takes already; nothing where that is not known.
+std::optional<std::uint64_t> begun_bytes(const JoinLayout& layout, Storage& storage,
+                                         const std::string& path) {
+  const std::optional<std::uint64_t> stored = storage.stored_bytes(joined_name(path));
+  if (!stored) return std::nullopt;
+  std::uint64_t whole = 0;
+  for (const Section& own : own_bytes_of(layout)) whole += own.length;
+  for (const CopiedRun& run : layout.runs) {
+    const PartPlace place{layout.plan, run.first_group, run.end_group};
+    if (storage.exists(copied_name(path, place))) whole += run.length;
+  }
+  return *stored - std::min(*stored, whole);
+}
+
 /// Where a part goes as soon as it is copied, the largest of them needs room; where it stands on
 /// another disk, that makes no room.
+/// begun  bytes of them that take room already
 void require_room(Storage& storage, const std::string& path,
-                  const std::vector<std::shared_ptr<PartFile>>& parts) {
+                  const std::vector<std::shared_ptr<PartFile>>& parts, std::uint64_t begun) {
   const std::optional<DiskSpace> here = storage.disk_space(folder_of(path));
   if (!here) return;
   std::uint64_t largest = 0;
@@ -168,7 +183,8 @@ void require_room(Storage& storage, const std::string& path,
     if (makes_room) largest = std::max(largest, part->stream_bytes());
     else from_elsewhere += part->stream_bytes();
   }
-  const std::uint64_t needed = largest + from_elsewhere;
+  const std::uint64_t all = largest + from_elsewhere;
+  const std::uint64_t needed = all - std::min(all, begun);
   if (here->free_bytes >= needed) return;
   constexpr std::uint64_t kMebibyte = std::uint64_t{1} << 20;
   throw Error(ErrorKind::io,
@@ -437,9 +453,14 @@ std::uint64_t consume_parts(const BuildPlan& plan, const std::vector<std::string
   check_target(storage, path, overwrite);
   const bool goes_on = find_layout(plan, storage, path).has_value();
   prove_all(parts, progress);
-  lay_out_join(plan, parts, storage, path, overwrite, work, progress);
-  // A part that was cut off in the middle takes room already.
-  if (!goes_on) require_room(storage, path, parts);
+  const JoinLayout layout = lay_out_join(plan, parts, storage, path, overwrite, work, progress);
+  auto left = parts;
+  std::erase_if(left, [&](const auto& part) {
+    return storage.exists(copied_name(path, part->place()));
+  });
+  // Without a word of the disk on what was begun the copies themselves tell.
+  const auto begun = goes_on ? begun_bytes(layout, storage, path) : std::optional<std::uint64_t>(0);
+  if (begun) require_room(storage, path, left, *begun);
   for (const auto& part : parts) {
     copy_part(plan, part, storage, path, progress);
     storage.remove(part->path());

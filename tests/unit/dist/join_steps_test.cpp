@@ -41,9 +41,12 @@ class FullDisk final : public Storage {
   void remove(const std::string& p) override { files_.remove(p); }
   std::vector<std::string> list(const std::string& p) override { return files_.list(p); }
   void sync_folder(const std::string& p) override { files_.sync_folder(p); }
+  std::optional<std::uint64_t> stored_bytes(const std::string&) override { return stored; }
   std::optional<DiskSpace> disk_space(const std::string& folder) override {
     return DiskSpace{free_, folder == "elsewhere" ? 2U : 1U};
   }
+
+  std::optional<std::uint64_t> stored;  ///< of every file
 
  private:
   MemoryStorage& files_;
@@ -266,6 +269,30 @@ TEST_F(JoinSteps, NothingIsConsumedBeforeAllIsProvenAndThereIsRoom) {
   storage_.files.erase(joined_name("a.8vo"));
   FullDisk enough(storage_, all);
   EXPECT_EQ(consume_on(enough), whole_.size());
+  expect_done(0);
+}
+
+// What a copy that was cut off has written needs no more room; all else does.
+TEST_F(JoinSteps, AConsumingJoinThatGoesOnLooksForRoomAsWell) {
+  const JoinLayout layout = lay_out(runs_);
+  std::uint64_t own = 0;
+  for (const Section& section : own_bytes_of(layout)) own += section.length;
+  std::vector<std::string> names;
+  std::uint64_t largest = 0;
+  for (const GroupRun& run : runs_) {
+    names.push_back(part_name(run));
+    largest = std::max(largest, PartFile::open(storage_, names.back())->stream_bytes());
+  }
+  FullDisk disk(storage_, largest - 10);
+  const auto consume_on_disk = [&] {
+    return consume_parts(plan_, names, disk, "a.8vo", false, {.threads = 1}, progress_);
+  };
+  disk.stored = own + 9;
+  const std::string text = failure_of(consume_on_disk, ErrorKind::io);
+  EXPECT_NE(text.find("no room"), std::string::npos) << text;
+  EXPECT_EQ(open_parts(storage_, runs_).size(), 3U);
+  disk.stored = own + 10;
+  EXPECT_EQ(consume_on_disk(), whole_.size());
   expect_done(0);
 }
 

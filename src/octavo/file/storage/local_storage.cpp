@@ -437,6 +437,13 @@ class LocalStorage final : public Storage {
                      static_cast<std::uint64_t>(status.st_dev)};
   }
 
+  std::optional<std::uint64_t> stored_bytes(const std::string& path) override {
+    struct stat status {};
+    if (::stat(path.c_str(), &status) != 0) return std::nullopt;
+    constexpr std::uint64_t kBlockBytes = 512;  // whatever the block size of the disk
+    return static_cast<std::uint64_t>(status.st_blocks) * kBlockBytes;
+  }
+
   void sync_folder(const std::string& folder) override {
     LocalFile file(folder);
     if (!file.open(folder, O_RDONLY | O_DIRECTORY)) fail("cannot open", folder, errno);

@@ -52,6 +52,8 @@ std::unique_ptr<StorageFile> Storage::create_folder(const std::string& path, con
   throw Error(ErrorKind::io, "cannot make the folder: this storage has none", path);
 }
 
+std::optional<std::uint64_t> Storage::stored_bytes(const std::string&) { return std::nullopt; }
+
 bool Storage::has_locks(const std::string&) { return true; }
 
 std::unique_ptr<StorageFile> Storage::lock_left(const std::string&) { return nullptr; }

@@ -91,6 +91,9 @@ class Storage {
   virtual void sync_folder(const std::string& folder) = 0;
   /// Nothing where it is not known, and unless overridden.
   virtual std::optional<DiskSpace> disk_space(const std::string& folder);
+  /// What a file takes on its disk, which is less than its size where nothing was written; nothing
+  /// where that is not known, and unless overridden.
+  virtual std::optional<std::uint64_t> stored_bytes(const std::string& path);
   /// Locks a folder while what is returned lives, for who changes several names in it; waits for
   /// others, then Error{io}. Null where the file system has no locks, and unless overridden.
   virtual std::unique_ptr<StorageFile> lock_folder(const std::string& folder);
