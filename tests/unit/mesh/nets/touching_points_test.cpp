@@ -27,7 +27,7 @@ InterfaceMesh interfaces_of(const testing::BuiltLabels& labels, int steps) {
 
 TEST(TouchingPoints, LeavesSurfacesThatAreClosedByTheirPlaces) {
   std::size_t touching = 0;
-  for (unsigned seed = 0; seed < 40; ++seed) {
+  for (unsigned seed = 0; seed < 10; ++seed) {
     const Size3 size = {7, 8, 9};
     const testing::BuiltLabels labels(size, testing::random_labels(size, seed, 1 + seed % 5));
     for (const int steps : {0, 5}) {
@@ -51,7 +51,7 @@ TEST(TouchingPoints, LeavesSurfacesThatAreClosedByTheirPlaces) {
       }
     }
   }
-  EXPECT_GT(touching, 1000u);
+  EXPECT_GT(touching, 500u);
 }
 
 TEST(TouchingPoints, MovesBothNeighborsAlikeAtACorner) {
