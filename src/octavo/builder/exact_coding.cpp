@@ -14,6 +14,8 @@ namespace {
 constexpr double kMedianOfDifference = 0.954;  // of two normal numbers of deviation 1
 // A coding seen in fewer values than this may be chance.
 constexpr std::size_t kEnoughMultiples = 64;
+// Means between the smallest and the largest value take one of so many steps, or of more.
+constexpr double kFewestSteps = 32;
 constexpr double kMostFloat = std::numeric_limits<float>::max();
 
 // Whether many of the values have floats beside them that are no multiples.
@@ -258,7 +260,8 @@ std::optional<SampleCoding> coding_of_few(const FloatSample& sample, const Sampl
     // As a mask: two codes, of which the smaller value has 0
     coding.offset = std::abs(first) < std::abs(last) ? first : last;
     coding.scale = last - first;
-    const bool is_usual = (last - first) / usual.scale < 1.5;
+    const double usual_steps = (last - first) / usual.scale;
+    const bool is_usual = usual_steps < 1.5 || usual_steps == kFewestSteps;
     const bool holds = exact_code(coding, values.front()) && exact_code(coding, values.back());
     return is_usual || !holds ? std::nullopt : std::optional(coding);
   }
@@ -271,6 +274,25 @@ std::optional<SampleCoding> coding_of_few(const FloatSample& sample, const Sampl
   std::frexp((high - low) / kCodes, &exponent);
   coding.scale = std::ldexp(1.0, exponent);
   return coding.scale <= usual.scale ? std::nullopt : std::optional(coding);
+}
+
+SampleCoding with_steps_for_means(const SampleCoding& coding, std::span<const float> values) {
+  const auto code_of = [&](float v) {
+    return (static_cast<double>(v) - coding.offset) / coding.scale;
+  };
+  const auto has_code = [&](float v) { return std::abs(code_of(v)) < kLargestCode; };
+  const auto first = std::ranges::find_if(values, has_code);
+  const auto last = std::find_if(values.rbegin(), values.rend(), has_code);
+  if (first == values.end() || *first == *last) return coding;
+  const double low = code_of(*first);
+  const double high = code_of(*last);
+  const double farthest = std::max(std::abs(low), std::abs(high));
+  // A power of two, so that what was a code is one still
+  double parts = 1;
+  while (parts * (high - low) < kFewestSteps && 2 * parts * farthest < kLargestCode) parts *= 2;
+  SampleCoding finer = coding;
+  finer.scale = coding.scale / parts;
+  return finer;
 }
 
 void count_clipped(const SampleCoding& coding, std::span<const float> voxels,

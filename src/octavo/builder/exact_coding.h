@@ -34,6 +34,12 @@ SampleCoding exact_coding_of(const FloatSample& sample, std::span<const SampleCo
 /// None for other volumes, or where the usual one has as few codes.
 std::optional<SampleCoding> coding_of_few(const FloatSample& sample, const SampleCoding& usual);
 
+/// The coding with its steps divided by the power of two that makes 32 of them or more between the
+/// smallest and the largest value that codes reach: means of few values are then no roundings to
+/// these. Each value that had a code of its own keeps one.
+/// values  ascending, finite
+SampleCoding with_steps_for_means(const SampleCoding& coding, std::span<const float> values);
+
 /// Finite voxels whose codes are not the nearest to them, as these end at +-(2^31 - 2): level 0 has
 /// them bit by bit, coarse levels as the last code.
 struct ClippedVoxels {

@@ -247,13 +247,13 @@ bool FloatPlanes::take_exact() {
 
 void FloatPlanes::choose_exact() {
   coding_ = exact_coding_of(sample_, hints_of(source_.description()));
-  if (!is_spread_) return;
-  const auto few = coding_of_few(sample_, coding_);
+  const auto few = is_spread_ ? coding_of_few(sample_, coding_) : std::nullopt;
   const TrialStack stack{sample_.planes, description_.size.x, description_.size.y};
   // Two values are as a mask, however few of them some boxes hold.
   if (few && (sample_.values.size() == 2 || is_smaller_coding(stack, *few, coding_))) {
     coding_ = *few;
   }
+  coding_ = with_steps_for_means(coding_, sample_.values);
 }
 
 // Takes a coding when the max error leaves room for its roundings.

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <limits>
 #include <random>
 
@@ -140,6 +141,72 @@ TEST(ExactBuild, EveryLevelMeansTheFiniteVoxelsAndIsNanWhereThereAreNone) {
       ASSERT_LE(static_cast<double>(coarse[i]), static_cast<double>(high[i]) + 2 * step);
     }
     fine = coarse;
+  }
+}
+
+/// Voxels [z][y][x], each asked for in this order.
+std::vector<float> voxels_of(const Size3& size, const std::function<float(const Index3&)>& f) {
+  std::vector<float> voxels;
+  for (std::int64_t z = 0; z < size.z; ++z) {
+    for (std::int64_t y = 0; y < size.y; ++y) {
+      for (std::int64_t x = 0; x < size.x; ++x) voxels.push_back(f({x, y, z}));
+    }
+  }
+  return voxels;
+}
+
+/// Means of 2 x 2 x 2 samples.
+std::vector<double> means_of(const std::vector<double>& fine, std::int64_t side) {
+  std::vector<double> coarse(fine.size() / 8);
+  for (std::size_t i = 0; i < fine.size(); ++i) {
+    const auto at = static_cast<std::int64_t>(i);
+    const std::int64_t x = at % side / 2;
+    const std::int64_t y = at / side % side / 2;
+    const std::int64_t z = at / side / side / 2;
+    coarse[static_cast<std::size_t>((z * (side / 2) + y) * (side / 2) + x)] += fine[i] / 8;
+  }
+  return coarse;
+}
+
+TEST(ExactBuild, FewValuesHaveMeansBetweenThem) {
+  constexpr std::int64_t kSide = 64;
+  constexpr Size3 kCube{kSide, kSide, kSide};
+  std::minstd_rand random(5);
+  struct Case {
+    const char* name;
+    std::function<float(const Index3&)> voxel;
+    double range;
+    double max_error = 0;
+  };
+  const auto checker = [](const Index3& p) { return (p.x + p.y + p.z) % 2 == 0 ? 0.0f : 1000.0f; };
+  const Case cases[] = {
+      {"checkerboard", checker, 1000},
+      {"checkerboard within 1", checker, 1000, 1},
+      {"two", [&](const Index3&) { return random() % 10 < 3 ? 1.0f : 0.0f; }, 1},
+      {"five", [&](const Index3&) { return static_cast<float>(random() % 5); }, 4},
+      {"phases", [&](const Index3&) { return random() % 3 == 0 ? 0.35f : 1.25f; }, 0.9},
+      {"one", [](const Index3& p) { return p == Index3{31, 32, 33} ? 6.0f : 5.0f; }, 1},
+  };
+  for (const Case& one : cases) {
+    const ScratchFolder folder;
+    const std::vector<float> voxels = voxels_of(kCube, one.voxel);
+    Volume volume = volume_of(voxels);
+    volume.description.size = kCube;
+    build(volume, {.max_error = one.max_error}, folder.file("few.8vo"));
+    const auto reader = open_file(folder.file("few.8vo"));
+    const double step = reader->description().coding->scale;
+    EXPECT_LE(step, one.range / 32) << one.name;
+    std::vector<double> means(voxels.begin(), voxels.end());
+    for (int level = 1; level <= 3; ++level) {
+      means = means_of(means, kSide >> (level - 1));
+      const std::vector<float> samples = level_of(*reader, level);
+      ASSERT_EQ(samples.size(), means.size());
+      double farthest = 0;
+      for (std::size_t i = 0; i < means.size(); ++i) {
+        farthest = std::max(farthest, std::abs(static_cast<double>(samples[i]) - means[i]));
+      }
+      EXPECT_LE(farthest, 1.5 * step) << one.name << " at level " << level;
+    }
   }
 }
 

@@ -145,7 +145,7 @@ TEST(ExactCoding, ANumberThatAllPlanesAreMultiplesOfGoesBeforeThatOfTheFirst) {
   EXPECT_EQ(coding.scale, 0.1);
 }
 
-TEST(ExactCoding, TwoValuesHaveTwoCodes) {
+TEST(ExactCoding, TwoValuesLie32StepsApart) {
   const std::pair<float, float> pairs[] = {
       {-1000, 3071.5f}, {0.1f, 0.7300001f}, {1.5f, -3.4028235e38f}, {1, 1.0000001f}, {0, 255}};
   for (const auto& [one, other] : pairs) {
@@ -155,7 +155,28 @@ TEST(ExactCoding, TwoValuesHaveTwoCodes) {
     SampleCoding coding;
     EXPECT_EQ(clipped_of(*source, &coding).count, 0) << one;
     const double steps = (static_cast<double>(other) - static_cast<double>(one)) / coding.scale;
-    EXPECT_NEAR(std::abs(steps), 1, 1e-6) << one;
+    EXPECT_NEAR(std::abs(steps), 32, 1e-5) << one;
+  }
+}
+
+TEST(ExactCoding, StepsAreDividedUntilThereAre32) {
+  constexpr float kFar = std::numeric_limits<float>::max();
+  struct Case {
+    std::vector<float> values;
+    double scale;
+    double finer;
+  };
+  const Case cases[] = {
+      {{0, 1}, 1, 1.0 / 32},          {{5, 6}, 1, 1.0 / 32},      {{0, 1, 2, 3, 4}, 1, 0.125},
+      {{0, 31}, 1, 0.5},              {{0, 32}, 1, 1},            {{-3, 900}, 1, 1},
+      {{-kFar, 0, 1}, 1, 1.0 / 32},   {{0, 1, 1e8f}, 1, 1},       {{7}, 1, 1},
+      {{}, 1, 1},                     {{16777214, 16777215}, 1, 1.0 / 32},
+  };
+  for (const Case& one : cases) {
+    const SampleCoding coding{VoxelType::int32, one.scale, 0, true};
+    const SampleCoding finer = with_steps_for_means(coding, one.values);
+    EXPECT_EQ(finer.scale, one.finer) << (one.values.empty() ? 0 : one.values.back());
+    EXPECT_EQ(with_steps_for_means(finer, one.values), finer);
   }
 }
 
