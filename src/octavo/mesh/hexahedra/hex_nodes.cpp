@@ -1,7 +1,9 @@
 #include "octavo/mesh/hexahedra/hex_nodes.h"
 
 #include <algorithm>
+#include <numeric>
 #include <string>
+#include <utility>
 
 #include "octavo/core/error.h"
 
@@ -9,21 +11,26 @@ namespace octavo {
 
 namespace {
 
-/// The o-code of two bits of each coordinate.
-constexpr std::array<std::uint8_t, 64> kCodeOfPlace = [] {
-  std::array<std::uint8_t, 64> codes{};
-  for (unsigned i = 0; i < 64; ++i) {
-    const unsigned x = i & 3;
-    const unsigned y = i >> 2 & 3;
-    const unsigned z = i >> 4;
-    codes[i] = static_cast<std::uint8_t>((y & 1) | (x & 1) << 1 | (z & 1) << 2 | (y >> 1) << 3 |
-                                         (x >> 1) << 4 | (z >> 1) << 5);
+/// Four bits of a coordinate, two zeros between.
+constexpr std::array<std::uint16_t, 16> kSpreadBits = [] {
+  std::array<std::uint16_t, 16> spread{};
+  for (unsigned i = 0; i < 16; ++i) {
+    spread[i] = static_cast<std::uint16_t>((i & 1) | (i & 2) << 2 | (i & 4) << 4 | (i & 8) << 6);
   }
-  return codes;
+  return spread;
 }();
 
-constexpr std::uint64_t code_of_place(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
-  return kCodeOfPlace[(x & 3) | (y & 3) << 2 | (z & 3) << 4];
+/// Of a point in its block.
+struct NodePlace {
+  std::size_t word = 0;
+  std::uint64_t bit = 0;
+};
+
+NodePlace node_place(const GridPoint& point) {
+  const std::uint32_t code = static_cast<std::uint32_t>(kSpreadBits[point[1] & 15]) |
+                             static_cast<std::uint32_t>(kSpreadBits[point[0] & 15]) << 1 |
+                             static_cast<std::uint32_t>(kSpreadBits[point[2] & 15]) << 2;
+  return {code >> 6, std::uint64_t{1} << (code & 63)};
 }
 
 GridPoint stepped(const GridPoint& from, std::uint32_t x, std::uint32_t y, std::uint32_t z) {
@@ -48,14 +55,6 @@ GridPoint corner_point(const HexCell& cell, std::size_t number) {
 
 GridPoint node_block(const GridPoint& point) {
   return {point[0] >> 4, point[1] >> 4, point[2] >> 4};
-}
-
-std::size_t word_at(const GridPoint& point) {
-  return code_of_place(point[0] >> 2, point[1] >> 2, point[2] >> 2);
-}
-
-std::uint64_t bit_at(const GridPoint& point) {
-  return std::uint64_t{1} << code_of_place(point[0], point[1], point[2]);
 }
 
 std::uint64_t code_of_block(const GridPoint& block) {
@@ -113,7 +112,8 @@ void HexNodes::set_corners(std::span<const HexCell> cells) {
         near.at = {kNone, kNone, kNone};
         look_around(cell, near);
       }
-      blocks_[block].nodes[0][word_at(point)] |= bit_at(point);
+      const auto [word, bit] = node_place(point);
+      blocks_[block].nodes[0][word] |= bit;
     }
   }
 }
@@ -124,8 +124,17 @@ void HexNodes::number_nodes() {
                 "the mesh has " + std::to_string(count_) + " nodes; solvers number 2147483647")
         .with_field("level");
   }
-  std::sort(blocks_.begin(), blocks_.end(),
-            [](const Block& a, const Block& b) { return a.code < b.code; });
+  // Blocks are large: each is moved once.
+  std::vector<std::uint32_t> order(blocks_.size());
+  std::iota(order.begin(), order.end(), std::uint32_t{0});
+  std::sort(order.begin(), order.end(), [this](std::uint32_t a, std::uint32_t b) {
+    return blocks_[a].code < blocks_[b].code;
+  });
+  std::vector<Block> sorted;
+  sorted.reserve(blocks_.size());
+  for (const std::uint32_t place : order) sorted.push_back(blocks_[place]);
+  blocks_ = std::move(sorted);
+
   std::array<std::uint64_t, 2> next = {0, count_ - hanging_count_};
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
     Block& block = blocks_[i];
@@ -141,8 +150,7 @@ void HexNodes::number_nodes() {
 
 std::uint32_t HexNodes::number_in(std::uint32_t block, const GridPoint& point) const noexcept {
   if (block == kNone) return kNone;
-  const std::size_t word = word_at(point);
-  const std::uint64_t bit = bit_at(point);
+  const auto [word, bit] = node_place(point);
   for (std::size_t kind = 0; kind < 2; ++kind) {
     const std::uint64_t nodes = blocks_[block].nodes[kind][word];
     if ((nodes & bit) == 0) continue;
@@ -207,10 +215,10 @@ void HexNodes::find_hanging(std::span<const HexCell> cells) {
       const std::uint32_t block = block_of(point, near);
       if (block == kNone) continue;
       auto& nodes = blocks_[block].nodes;
-      const std::size_t word = word_at(point);
-      const std::uint64_t bit = bit_at(point) & nodes[0][word];
-      nodes[0][word] &= ~bit;
-      nodes[1][word] |= bit;
+      const auto [word, bit] = node_place(point);
+      const std::uint64_t found = bit & nodes[0][word];
+      nodes[0][word] &= ~found;
+      nodes[1][word] |= found;
     }
   }
   for (const Block& block : blocks_) {

@@ -83,6 +83,7 @@ class HexNodes {
 
   /// Bytes per block of 16^3 points, its entry in the table included.
   static constexpr std::uint64_t kBlockBytes = 1650;
+  /// Twice that while they are numbered.
   std::uint64_t memory_bytes() const noexcept { return blocks_.size() * kBlockBytes; }
 
  private:

@@ -34,11 +34,28 @@ struct BalanceBlock {
   std::uint8_t& row(std::array<std::uint8_t, 84>& rows, int level, int y, int z) {
     return rows[first_row(level) + static_cast<std::size_t>(z * cells_along(level) + y)];
   }
-  bool has(const std::array<std::uint8_t, 84>& rows, int level, const Index3& cell) const {
-    const std::int64_t at = cell.z * cells_along(level) + cell.y;
-    return (rows[first_row(level) + static_cast<std::size_t>(at)] >> cell.x & 1) != 0;
-  }
 };
+
+/// The place of a cell by its code in a block: its row is z * count + y, its bit x.
+struct CellPlace {
+  std::uint8_t x = 0;
+  std::uint8_t y = 0;
+  std::uint8_t z = 0;
+};
+
+constexpr std::array<CellPlace, 512> kCellPlaces = [] {
+  std::array<CellPlace, 512> places{};
+  for (unsigned code = 0; code < 512; ++code) {
+    for (unsigned bit = 0; bit < 3; ++bit) {
+      places[code].y = static_cast<std::uint8_t>(places[code].y | (code >> 3 * bit & 1) << bit);
+      places[code].x =
+          static_cast<std::uint8_t>(places[code].x | (code >> (3 * bit + 1) & 1) << bit);
+      places[code].z =
+          static_cast<std::uint8_t>(places[code].z | (code >> (3 * bit + 2) & 1) << bit);
+    }
+  }
+  return places;
+}();
 
 /// Bit pairs of a row joined: bit i is set where bit 2i or 2i + 1 is.
 std::uint8_t halved_row(std::uint32_t row) {
@@ -115,9 +132,8 @@ class LeafBalance::Blocks {
         if (voxels == 0) continue;
         for (std::uint64_t octant = 0; octant < 8; ++octant) {
           if ((voxels >> 8 * octant & 0xff) == 0) continue;
-          const Index3 cell = deinterleave(word << 3 | octant);
-          block.row(block.split, 1, static_cast<int>(cell.y), static_cast<int>(cell.z)) |=
-              static_cast<std::uint8_t>(1 << cell.x);
+          const CellPlace& cell = kCellPlaces[word << 3 | octant];
+          block.row(block.split, 1, cell.y, cell.z) |= static_cast<std::uint8_t>(1 << cell.x);
         }
       }
       for (int level = 1; level < 3; ++level) {
@@ -297,11 +313,14 @@ class LeafBalance::Blocks {
   void add_cells(const BalanceBlock& block, const OCode& first, std::vector<OCode>& all) const {
     const std::uint64_t base = block.code << 3 * (kBalanceBlockLevel - first.level);
     for (std::uint64_t code = first.code; code < first.code + 8; ++code) {
-      const Index3 cell = deinterleave(code);
-      if (block.has(block.split, first.level, cell)) {
+      const CellPlace& cell = kCellPlaces[code];
+      const std::size_t row =
+          first_row(first.level) + static_cast<std::size_t>(cell.z * cells_along(first.level) +
+                                                            cell.y);
+      if ((block.split[row] >> cell.x & 1) != 0) {
         if (first.level > 1) add_cells(block, {first.level - 1, code << 3}, all);
         else add_voxels(block, code, all);
-      } else if (block.has(block.full, first.level, cell)) {
+      } else if ((block.full[row] >> cell.x & 1) != 0) {
         all.push_back({first.level, base | code});
       }
     }
