@@ -67,7 +67,11 @@ class Certificate {
     const NearCorner& c = corners[(at + 2) % 3];
     NearCorner halfway;
     if (!finder_.find(middle(a, b), corners, depth, halfway)) return false;
-    return proves({a, halfway, c}, depth - 1) && proves({halfway, b, c}, depth - 1);
+    // The half that is less likely to be proven comes first.
+    if (a.nearest.distance > b.nearest.distance) {
+      return proves({a, halfway, c}, depth - 1) && proves({halfway, b, c}, depth - 1);
+    }
+    return proves({halfway, b, c}, depth - 1) && proves({a, halfway, c}, depth - 1);
   }
 
  private:
@@ -102,7 +106,7 @@ class Certificate {
   const Finder& finder_;
 };
 
-constexpr int kDepth = 12;
+constexpr int kDepth = 14;
 
 /// Searches the tree, near the corners of small parts only where these do not do.
 class TreeFinder {
@@ -134,7 +138,7 @@ class TreeFinder {
   }
 
  private:
-  static constexpr int kSearchingDepth = 4;   // from which on the nearest is always sought
+  static constexpr int kSearchingDepth = 6;   // from which on the nearest is always sought
   static constexpr double kNearEnough = 0.6;  // of the distance: no nearer triangle is sought
 
   double distance_to(const Point3& place, std::uint32_t triangle) const {
@@ -186,6 +190,7 @@ class PointFinder {
   void gather(const TriangleMesh& mesh, const MeshTriangle& triangle, const KnownNearby& known) {
     points_.clear();
     places_.clear();
+    is_any_far_ = false;
     for (std::size_t k = 0; k < 3; ++k) {
       for (const std::uint32_t beside : known.mesh_fans.of(triangle[k])) {
         const MeshTriangle& t = mesh.triangles[beside];
@@ -214,6 +219,9 @@ class PointFinder {
     return is_found(found);
   }
 
+  /// Whether a place was met near which there is no triangle.
+  bool is_any_far() const { return is_any_far_; }
+
   TriangleTree::Nearest nearest(const Point3& place) const {
     const MeshPoint p = {static_cast<float>(place[0]), static_cast<float>(place[1]),
                          static_cast<float>(place[2])};
@@ -228,7 +236,7 @@ class PointFinder {
       lowest = squared;
       nearest = i;
     }
-    if (places_.empty()) return tree_.nearest(place, distance_);
+    if (places_.empty()) return searched(place);
     TriangleTree::Nearest found;
     double best = distance_ * distance_;
     for (const std::uint32_t number : fans_.of(points_[nearest])) {
@@ -237,12 +245,18 @@ class PointFinder {
       best = own;
       found.triangle = number;
     }
-    if (found.triangle == TriangleTree::kNone) return tree_.nearest(place, distance_);
+    if (found.triangle == TriangleTree::kNone) return searched(place);
     found.distance = std::sqrt(best);
     return found;
   }
 
  private:
+  TriangleTree::Nearest searched(const Point3& place) const {
+    const TriangleTree::Nearest found = tree_.nearest(place, distance_);
+    if (found.triangle == TriangleTree::kNone) is_any_far_ = true;
+    return found;
+  }
+
   void add(const AttachedPoints& attached, std::uint32_t triangle) {
     for (std::uint32_t point = attached.first[triangle]; point != TriangleTree::kNone;
          point = attached.next[point]) {
@@ -259,6 +273,7 @@ class PointFinder {
   double distance_;
   std::vector<std::uint32_t> points_;
   std::vector<MeshPoint> places_;
+  mutable bool is_any_far_ = false;
 };
 
 using FoundTriangles = tbb::enumerable_thread_specific<std::vector<std::uint32_t>>;
@@ -272,13 +287,20 @@ std::vector<std::uint32_t> joined(const FoundTriangles& found) {
   return all;
 }
 
-/// Of each point of a mesh the triangle of the other surface that its hint names, where that is
-/// near enough.
-std::vector<TriangleTree::Nearest> hinted(const TriangleMesh& mesh, const TriangleMesh& other,
+/// Of points of some triangles of a mesh the triangle of the other surface that their hints name,
+/// where that is near enough.
+std::vector<TriangleTree::Nearest> hinted(const TriangleMesh& mesh,
+                                          std::span<const std::uint8_t> is_left_out,
+                                          const TriangleMesh& other,
                                           std::span<const std::uint32_t> hints, double distance) {
+  std::vector<std::uint8_t> is_asked(mesh.points.size());
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    if (is_left_out[i] != 0) continue;
+    for (const std::uint32_t point : mesh.triangles[i]) is_asked[point] = 1;
+  }
   std::vector<TriangleTree::Nearest> near(hints.size());
   tbb::parallel_for(std::size_t{0}, hints.size(), [&](std::size_t i) {
-    if (hints[i] == TriangleTree::kNone) return;
+    if (is_asked[i] == 0 || hints[i] == TriangleTree::kNone) return;
     const double own = std::sqrt(squared_distance(
         place_of_point(mesh.points[i]), places_of(other, other.triangles[hints[i]])));
     if (own <= distance) near[i] = {hints[i], own};
@@ -290,8 +312,15 @@ std::vector<TriangleTree::Nearest> hinted(const TriangleMesh& mesh, const Triang
 
 std::vector<std::uint32_t> unproven_triangles(const TriangleMesh& mesh, const TriangleTree& tree,
                                               double distance, const Progress& progress,
-                                              std::span<const std::uint32_t> hints) {
-  const std::vector<TriangleTree::Nearest> near = hinted(mesh, tree.mesh(), hints, distance);
+                                              std::span<const std::uint32_t> hints,
+                                              std::span<std::uint8_t> is_by_hints) {
+  std::vector<std::uint8_t> none;
+  if (is_by_hints.empty()) {
+    none.resize(mesh.triangles.size());
+    is_by_hints = none;
+  }
+  std::vector<TriangleTree::Nearest> near;
+  if (!hints.empty()) near = hinted(mesh, is_by_hints, tree.mesh(), hints, distance);
   const CornerFinder known(tree.mesh(), distance);
   const Certificate by_hints(tree.mesh(), distance, known);
   const TreeFinder searching(tree, distance);
@@ -299,11 +328,13 @@ std::vector<std::uint32_t> unproven_triangles(const TriangleMesh& mesh, const Tr
   tbb::parallel_for(std::uint32_t{0}, static_cast<std::uint32_t>(mesh.triangles.size()),
                     [&](std::uint32_t number) {
     stop_now_and_then(number, progress);
+    if (is_by_hints[number] != 0) return;
     NearCorners corners = unknown(places_of(mesh, mesh.triangles[number]));
     if (!near.empty()) {
       for (std::size_t k = 0; k < 3; ++k) corners[k].nearest = near[mesh.triangles[number][k]];
       if (std::all_of(corners.begin(), corners.end(), is_found) &&
           by_hints.proves(corners, CornerFinder::kDepth)) {
+        is_by_hints[number] = 1;
         return;
       }
     }
@@ -336,7 +367,9 @@ std::vector<std::uint32_t> unproven_triangles(const TriangleMesh& mesh,
           by_points.proves(corners, PointFinder::kDepth)) {
         continue;
       }
-      if (!searching.proves(unknown(places))) found.local().push_back(triangles[i]);
+      if (finder.is_any_far() || !searching.proves(unknown(places))) {
+        found.local().push_back(triangles[i]);
+      }
     }
   });
   return joined(found);

@@ -2,7 +2,7 @@
 //
 // Distance to a triangle is a convex function. So all of a triangle a, b, c lies within a distance
 // of the other surface where one triangle of that lies within it of a, b and c. Where none does, a
-// triangle is cut in two at its longest side, up to twelve times. Nothing is sampled: what is not
+// triangle is cut in two at its longest side, up to 14 times. Nothing is sampled: what is not
 // proven counts as too far.
 //
 // Any triangle that is near enough is a proof, not only the nearest. So triangles that are known to
@@ -24,11 +24,14 @@ namespace octavo {
 /// ascending. Uses the threads of the calling task arena.
 /// hints     of each point of the mesh: a triangle of the tree that may be near, or
 ///           TriangleTree::kNone; empty: none
+/// is_by_hints  of each triangle, or empty: where not 0 it is known to be proven; set to 1 where
+///              nothing but the triangles that its hints name proved it
 /// progress  is asked whether to stop, and told nothing
 /// Throws  Error{cancelled}
 std::vector<std::uint32_t> unproven_triangles(const TriangleMesh& mesh, const TriangleTree& tree,
                                               double distance, const Progress& progress,
-                                              std::span<const std::uint32_t> hints = {});
+                                              std::span<const std::uint32_t> hints = {},
+                                              std::span<std::uint8_t> is_by_hints = {});
 
 /// Points of the other surface that lie near triangles of a mesh, as lists.
 struct AttachedPoints {

@@ -12,7 +12,15 @@ namespace octavo {
 
 namespace {
 
-std::size_t index(int number) { return static_cast<std::size_t>(number); }
+/// Numbers of a part are its own: no check of bounds in the innermost loops.
+template <class T>
+T& item(std::vector<T>& items, int number) {
+  return items.data()[number];
+}
+template <class T>
+const T& item(const std::vector<T>& items, int number) {
+  return items.data()[number];
+}
 
 bool has_corner(const CollapseTriangle& t, int vertex) {
   return t.corners[0] == vertex || t.corners[1] == vertex || t.corners[2] == vertex;
@@ -34,6 +42,7 @@ void CollapsePart::run(double tolerance) {
   mark_ = 0;
   find_fans();
   heap_.clear();
+  candidates_.clear();
   for (const CollapseTriangle& t : triangles) {
     for (std::size_t k = 0; k < 3; ++k) {
       const int a = t.corners[k];
@@ -41,11 +50,9 @@ void CollapsePart::run(double tolerance) {
       if (a < b) push(a, b);
     }
   }
-  while (!heap_.empty()) {
-    const Candidate best = heap_.front();
-    std::pop_heap(heap_.begin(), heap_.end());
-    heap_.pop_back();
-    if (fans_[index(best.a)].stamp != best.a_stamp || fans_[index(best.b)].stamp != best.b_stamp) {
+  while (!heap_.is_empty()) {
+    const Candidate best = candidates_.data()[heap_.pop()];
+    if (item(fans_, best.a).stamp != best.a_stamp || item(fans_, best.b).stamp != best.b_stamp) {
       continue;
     }
     collapse(best.a, best.b);
@@ -55,7 +62,7 @@ void CollapsePart::run(double tolerance) {
 void CollapsePart::find_fans() {
   fans_.assign(vertices.size(), {});
   for (const CollapseTriangle& t : triangles) {
-    for (const int vertex : t.corners) ++fans_[index(vertex)].count;
+    for (const int vertex : t.corners) ++item(fans_, vertex).count;
   }
   std::size_t first = 0;
   for (Fan& fan : fans_) {
@@ -65,8 +72,8 @@ void CollapsePart::find_fans() {
   around_.resize(first);
   for (std::size_t i = 0; i < triangles.size(); ++i) {
     for (const int vertex : triangles[i].corners) {
-      Fan& fan = fans_[index(vertex)];
-      around_[fan.first + fan.count++] = static_cast<int>(i);
+      Fan& fan = item(fans_, vertex);
+      around_.data()[fan.first + fan.count++] = static_cast<int>(i);
     }
   }
 }
@@ -74,8 +81,8 @@ void CollapsePart::find_fans() {
 /// Where the vertex would lie that takes the place of two, and what that costs; false where it must
 /// not be.
 bool CollapsePart::find_place(int a, int b, Point3& place, double& cost) const {
-  const CollapseVertex& first = vertices[index(a)];
-  const CollapseVertex& second = vertices[index(b)];
+  const CollapseVertex& first = item(vertices, a);
+  const CollapseVertex& second = item(vertices, b);
   if (first.is_locked && second.is_locked) return false;
   Quadric quadric = first.quadric;
   quadric.add(second.quadric);
@@ -101,15 +108,15 @@ void CollapsePart::push(int a, int b) {
   Point3 place;
   double cost = 0;
   if (!find_place(a, b, place, cost)) return;
-  heap_.push_back({static_cast<float>(cost), a, b, fans_[index(a)].stamp, fans_[index(b)].stamp});
-  std::push_heap(heap_.begin(), heap_.end());
+  heap_.push(static_cast<float>(cost), static_cast<std::uint32_t>(candidates_.size()));
+  candidates_.push_back({a, b, item(fans_, a).stamp, item(fans_, b).stamp});
 }
 
 bool CollapsePart::collapse(int a, int b) {
   Point3 place;
   double cost = 0;
   if (!find_place(a, b, place, cost)) return false;
-  const int keep = vertices[index(b)].is_locked ? b : a;
+  const int keep = item(vertices, b).is_locked ? b : a;
   const int gone = keep == a ? b : a;
   find_star(keep, gone);
   if (!keeps_topology(keep, gone) || !keeps_shapes(keep, gone, place) || !keeps_points()) {
@@ -123,10 +130,10 @@ void CollapsePart::find_star(int keep, int gone) {
   star_.clear();
   lost_.clear();
   for (const int vertex : {keep, gone}) {
-    const Fan& fan = fans_[index(vertex)];
+    const Fan& fan = item(fans_, vertex);
     for (std::size_t i = 0; i < fan.count; ++i) {
-      const int triangle = around_[fan.first + i];
-      const CollapseTriangle& t = triangles[index(triangle)];
+      const int triangle = around_.data()[fan.first + i];
+      const CollapseTriangle& t = item(triangles, triangle);
       if (!has_corner(t, keep) || !has_corner(t, gone)) star_.push_back(triangle);
       else if (vertex == keep) lost_.push_back(triangle);
     }
@@ -134,7 +141,7 @@ void CollapsePart::find_star(int keep, int gone) {
 }
 
 int CollapsePart::opposite(int triangle, int a, int b) const {
-  for (const int vertex : triangles[index(triangle)].corners) {
+  for (const int vertex : item(triangles, triangle).corners) {
     if (vertex != a && vertex != b) return vertex;
   }
   return -1;
@@ -145,27 +152,27 @@ bool CollapsePart::keeps_topology(int keep, int gone) {
   sides_ = {opposite(lost_[0], keep, gone), opposite(lost_[1], keep, gone)};
   if (sides_[0] == sides_[1]) return false;
   for (const int side : sides_) {
-    if (fans_[index(side)].count <= 3 && !vertices[index(side)].is_locked) return false;
+    if (item(fans_, side).count <= 3 && !item(vertices, side).is_locked) return false;
   }
   // Neighbors of both ends are just the two sides. Beside a locked vertex edges may lie in other
   // parts, so that a locked neighbor of one counts as one of both.
   const auto visit_neighbors = [&](int vertex, auto visit) {
-    const Fan& fan = fans_[index(vertex)];
+    const Fan& fan = item(fans_, vertex);
     for (std::size_t i = 0; i < fan.count; ++i) {
-      for (const int other : triangles[index(around_[fan.first + i])].corners) visit(other);
+      for (const int other : item(triangles, around_.data()[fan.first + i]).corners) visit(other);
     }
   };
   ++mark_;
-  visit_neighbors(keep, [&](int vertex) { marks_[index(vertex)] = mark_; });
+  visit_neighbors(keep, [&](int vertex) { item(marks_, vertex) = mark_; });
   int common = 0;
   visit_neighbors(gone, [&](int vertex) {
     if (vertex == keep || vertex == gone) return;
-    const bool is_shared = marks_[index(vertex)] == mark_;
-    const bool may_be_shared = vertices[index(keep)].is_locked &&
-                               vertices[index(vertex)].is_locked && vertex != sides_[0] &&
+    const bool is_shared = item(marks_, vertex) == mark_;
+    const bool may_be_shared = item(vertices, keep).is_locked &&
+                               item(vertices, vertex).is_locked && vertex != sides_[0] &&
                                vertex != sides_[1];
     if (!is_shared && !may_be_shared) return;
-    marks_[index(vertex)] = 0;
+    item(marks_, vertex) = 0;
     ++common;
   });
   return common == 2;
@@ -176,12 +183,12 @@ bool CollapsePart::keeps_shapes(int keep, int gone, const Point3& place) {
   constexpr double kSliver = 1e-4;
   renewed_.clear();
   for (const int triangle : star_) {
-    const CollapseTriangle& t = triangles[index(triangle)];
+    const CollapseTriangle& t = item(triangles, triangle);
     TrianglePlaces before;
     TrianglePlaces after;
     for (std::size_t k = 0; k < 3; ++k) {
       const int vertex = t.corners[k];
-      before[k] = vertices[index(vertex)].place;
+      before[k] = item(vertices, vertex).place;
       after[k] = vertex == keep || vertex == gone ? place : before[k];
     }
     const Point3 old_normal =
@@ -206,17 +213,17 @@ bool CollapsePart::keeps_shapes(int keep, int gone, const Point3& place) {
 /// own  the place in star_ of the triangle it is attached to now; -1: that one is lost
 bool CollapsePart::take_point(int point, int own) {
   constexpr double kNearEnough = 0.16;  // of the squared tolerance: no nearer one is looked for
-  const AttachedPoint& p = points[index(point)];
+  const AttachedPoint& p = item(points, point);
   double best = std::numeric_limits<double>::infinity();
   int best_place = -1;
   if (own >= 0) {
-    best = squared_distance(p.place, renewed_[index(own)].places);
+    best = squared_distance(p.place, item(renewed_, own).places);
     best_place = own;
   }
   const auto count = static_cast<int>(renewed_.size());
   for (int i = 0; i < count && best >= kNearEnough * p.squared_tolerance; ++i) {
     if (i == own) continue;
-    const NewTriangle& t = renewed_[index(i)];
+    const NewTriangle& t = item(renewed_, i);
     const double height = dot(t.normal, difference(p.place, t.places[0]));
     if (height * height >= best || height * height > p.squared_tolerance) continue;
     const double squared = squared_distance(p.place, t.places);
@@ -232,12 +239,12 @@ bool CollapsePart::take_point(int point, int own) {
 bool CollapsePart::keeps_points() {
   moved_.clear();
   for (const int triangle : lost_) {
-    for (int p = triangles[index(triangle)].first_point; p >= 0; p = points[index(p)].next) {
+    for (int p = item(triangles, triangle).first_point; p >= 0; p = item(points, p).next) {
       if (!take_point(p, -1)) return false;
     }
   }
   for (std::size_t i = 0; i < star_.size(); ++i) {
-    for (int p = triangles[index(star_[i])].first_point; p >= 0; p = points[index(p)].next) {
+    for (int p = item(triangles, star_[i]).first_point; p >= 0; p = item(points, p).next) {
       if (!take_point(p, static_cast<int>(i))) return false;
     }
   }
@@ -245,44 +252,44 @@ bool CollapsePart::keeps_points() {
 }
 
 void CollapsePart::commit(int keep, int gone, const Point3& place) {
-  CollapseVertex& kept = vertices[index(keep)];
+  CollapseVertex& kept = item(vertices, keep);
   kept.place = place;
-  kept.quadric.add(vertices[index(gone)].quadric);
+  kept.quadric.add(item(vertices, gone).quadric);
   for (const int triangle : lost_) {
-    triangles[index(triangle)].is_left = false;
-    triangles[index(triangle)].first_point = -1;
+    item(triangles, triangle).is_left = false;
+    item(triangles, triangle).first_point = -1;
   }
   for (const int triangle : star_) {
-    CollapseTriangle& t = triangles[index(triangle)];
+    CollapseTriangle& t = item(triangles, triangle);
     t.first_point = -1;
     std::replace(t.corners.begin(), t.corners.end(), gone, keep);
   }
   for (const auto& [point, place_in_star] : moved_) {
-    CollapseTriangle& t = triangles[index(star_[index(place_in_star)])];
-    points[index(point)].next = std::exchange(t.first_point, point);
+    CollapseTriangle& t = item(triangles, item(star_, place_in_star));
+    item(points, point).next = std::exchange(t.first_point, point);
   }
 
   // The fan of the kept vertex is the star; the two sides lose a triangle.
-  fans_[index(keep)].first = around_.size();
-  fans_[index(keep)].count = static_cast<std::uint32_t>(star_.size());
+  item(fans_, keep).first = around_.size();
+  item(fans_, keep).count = static_cast<std::uint32_t>(star_.size());
   around_.insert(around_.end(), star_.begin(), star_.end());
-  fans_[index(gone)].count = 0;
+  item(fans_, gone).count = 0;
   for (const int side : sides_) {
-    Fan& fan = fans_[index(side)];
+    Fan& fan = item(fans_, side);
     const auto begin = around_.begin() + static_cast<std::ptrdiff_t>(fan.first);
     const auto end = std::remove_if(begin, begin + fan.count, [&](int triangle) {
-      return !triangles[index(triangle)].is_left;
+      return !item(triangles, triangle).is_left;
     });
     fan.count = static_cast<std::uint32_t>(end - begin);
   }
-  ++fans_[index(keep)].stamp;
-  ++fans_[index(gone)].stamp;
+  ++item(fans_, keep).stamp;
+  ++item(fans_, gone).stamp;
 
   ++mark_;
-  marks_[index(keep)] = mark_;
+  item(marks_, keep) = mark_;
   for (const int triangle : star_) {
-    for (const int vertex : triangles[index(triangle)].corners) {
-      if (std::exchange(marks_[index(vertex)], mark_) != mark_) push(keep, vertex);
+    for (const int vertex : item(triangles, triangle).corners) {
+      if (std::exchange(item(marks_, vertex), mark_) != mark_) push(keep, vertex);
     }
   }
 }

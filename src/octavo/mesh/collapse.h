@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "octavo/core/geometry.h"
+#include "octavo/mesh/cost_heap.h"
 #include "octavo/mesh/quadric.h"
 #include "octavo/mesh/triangle_crossing.h"
 
@@ -53,19 +54,12 @@ class CollapsePart {
   void run(double tolerance);
 
  private:
+  /// An edge to collapse, as its ends were when its cost was computed.
   struct Candidate {
-    float cost = 0;
     int a = 0;
     int b = 0;
     std::uint32_t a_stamp = 0;
     std::uint32_t b_stamp = 0;
-
-    /// For a heap with the lowest cost on top.
-    bool operator<(const Candidate& other) const {
-      if (cost != other.cost) return cost > other.cost;
-      if (a != other.a) return a > other.a;
-      return b > other.b;
-    }
   };
   /// The triangles around a vertex: a run of around_.
   struct Fan {
@@ -94,7 +88,8 @@ class CollapsePart {
   double squared_tolerance_ = 0;
   std::vector<Fan> fans_;
   std::vector<int> around_;
-  std::vector<Candidate> heap_;
+  std::vector<Candidate> candidates_;  // in the order in which they were found
+  CostHeap heap_;                      // of candidates_
   std::vector<int> marks_;
   int mark_ = 0;
   // Of the collapse that is tried.

@@ -5,6 +5,7 @@
 #include <tbb/parallel_sort.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <optional>
@@ -57,22 +58,24 @@ struct ReducedPart {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> attached;  // point, place in triangles
 };
 
-/// The triangles of a reduced surface, and which of them are proven.
-struct ProvenTriangles {
-  TriangleMesh mesh;
-  PointTriangles fans;
-  std::vector<std::uint8_t> is_proven;
+/// What was proven of the reduced surface of a round.
+struct ProvenRound {
+  ReducedSurface surface;
+  PointTriangles fans;                  // of it
+  std::vector<std::uint8_t> is_far;     // its triangles that are not proven
+  std::vector<std::uint8_t> is_crossing;
 
-  /// Whether a triangle of a later surface is one of these.
-  bool has(const TriangleMesh& later, const MeshTriangle& triangle) const {
+  /// The number here of a triangle of a later surface; kNone where it is another one.
+  std::uint32_t number_of(const TriangleMesh& later, const MeshTriangle& triangle) const {
     for (const std::uint32_t number : fans.of(triangle[0])) {
-      if (mesh.triangles[number] != triangle) continue;
-      return is_proven[number] != 0 &&
-             std::all_of(triangle.begin(), triangle.end(), [&](std::uint32_t point) {
-               return mesh.points[point] == later.points[point];
-             });
+      if (surface.mesh.triangles[number] != triangle) continue;
+      const bool is_same =
+          std::all_of(triangle.begin(), triangle.end(), [&](std::uint32_t point) {
+            return surface.mesh.points[point] == later.points[point];
+          });
+      return is_same ? number : kNone;
     }
-    return false;
+    return kNone;
   }
 };
 
@@ -81,13 +84,23 @@ struct PartSpace {
   CollapsePart part;
   std::vector<std::uint32_t> points;    // of the mesh, by vertex of the part
   std::vector<std::uint32_t> attached;  // points of the full surface, by point of the part
-  std::vector<std::uint32_t> corners;   // points of the mesh that the part has, ascending
-  std::vector<int> vertices;            // by place in corners; -1
+  std::vector<std::pair<std::uint32_t, int>> table;  // points and their vertices, by hash
+
+  /// Empties the space for some triangles, keeping its memory.
+  void clear(std::size_t triangle_count) {
+    part.clear();
+    points.clear();
+    attached.clear();
+    table.assign(std::bit_ceil(4 * triangle_count), {kNone, -1});
+  }
 
   /// The vertex of a point, -1 before it has one.
   int& vertex_of(std::uint32_t point) {
-    const auto at = std::lower_bound(corners.begin(), corners.end(), point);
-    return vertices[static_cast<std::size_t>(at - corners.begin())];
+    const std::size_t mask = table.size() - 1;
+    std::size_t at = (point * 0x9e3779b1u) & mask;
+    while (table[at].first != point && table[at].first != kNone) at = (at + 1) & mask;
+    table[at].first = point;
+    return table[at].second;
   }
 };
 
@@ -129,13 +142,12 @@ class Decimation {
       const ProgressScope scope(progress_, "fewer triangles, round " + std::to_string(round + 1),
                                 4, "steps");
       reduce_first();
-      const ReducedSurface reduced = reduce_second();
-      if (tighten(reduced, full_tree, round)) continue;
+      if (tighten(reduce_second(), full_tree, round)) continue;
       if (!is_proven_) {
         return {full_, round + 1, crossing_triangles(full_tree, progress_).size(),
                 {locked_.begin(), locked_.end()}};
       }
-      return compacted(reduced.mesh, round + 1);
+      return compacted(proven_->surface.mesh, round + 1);
     }
   }
 
@@ -286,27 +298,10 @@ class Decimation {
     return lists;
   }
 
-  /// The points that some triangles have, without vertices.
-  static void find_corners(const TriangleMesh& mesh, std::span<const std::uint32_t> triangles,
-                           PartSpace& space) {
-    std::vector<std::uint32_t>& corners = space.corners;
-    corners.clear();
-    for (const std::uint32_t number : triangles) {
-      const MeshTriangle& t = mesh.triangles[number];
-      corners.insert(corners.end(), t.begin(), t.end());
-    }
-    std::sort(corners.begin(), corners.end());
-    corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
-    space.vertices.assign(corners.size(), -1);
-  }
-
   void load(const ReducedSurface& surface, const PartTriangles& parts, std::size_t number,
             const AttachedPoints& attached, PartSpace& space) const {
     CollapsePart& part = space.part;
-    part.clear();
-    space.points.clear();
-    space.attached.clear();
-    find_corners(surface.mesh, parts.of(number), space);
+    space.clear(parts.of(number).size());
     for (const std::uint32_t triangle : parts.of(number)) {
       CollapseTriangle& t = part.triangles.emplace_back();
       for (std::size_t k = 0; k < 3; ++k) {
@@ -373,46 +368,87 @@ class Decimation {
     }
   }
 
-  /// Triangles that are not proven to lie near the full surface. Those proven in the round before
-  /// are not proven again.
-  std::vector<std::uint32_t> far_triangles(const ReducedSurface& reduced,
-                                           const TriangleTree& full_tree) {
+  /// What is not proven of a reduced surface.
+  struct Failures {
+    std::vector<std::uint32_t> full;      // triangles of the full surface
+    std::vector<std::uint32_t> far;       // of the reduced one
+    std::vector<std::uint32_t> crossing;
+  };
+
+  /// Proves both directions and looks for crossing triangles, as far as triangles are others than
+  /// in the round before.
+  Failures prove(ReducedSurface reduced, const TriangleTree& full_tree) {
     const TriangleMesh& mesh = reduced.mesh;
-    std::vector<std::uint8_t> is_proven(mesh.triangles.size());
-    if (proven_) {
-      tbb::parallel_for(std::size_t{0}, is_proven.size(), [&](std::size_t i) {
-        is_proven[i] = proven_->has(mesh, mesh.triangles[i]) ? 1 : 0;
-      });
-    }
-    std::vector<std::uint32_t> open;
-    for (std::size_t i = 0; i < is_proven.size(); ++i) {
-      if (is_proven[i] == 0) open.push_back(static_cast<std::uint32_t>(i));
+    const TriangleTree tree(mesh);
+    const std::vector<std::uint32_t> earlier = numbers_before(mesh);
+    Failures failures;
+
+    // What of the full surface is near
+    if (is_full_proven_.empty()) is_full_proven_.resize(full_.triangles.size());
+    else forget_moved(reduced, earlier);
+    failures.full = unproven_triangles(full_, tree, deviation_, progress_, reduced.nearest,
+                                       is_full_proven_);
+    progress_.advance(1);
+
+    // What of the reduced surface is near, and what crosses
+    std::vector<std::uint32_t> far;
+    std::vector<std::uint32_t> crossing;
+    for (std::uint32_t i = 0; i < earlier.size(); ++i) {
+      const bool is_new = earlier[i] == kNone;
+      if (is_new || proven_->is_far[earlier[i]] != 0) far.push_back(i);
+      if (is_new || proven_->is_crossing[earlier[i]] != 0) crossing.push_back(i);
     }
     PointTriangles fans(mesh);
-    std::vector<std::uint32_t> failed = unproven_triangles(
-        mesh, open, full_tree, deviation_, {attached_points(reduced), fans, fans_}, progress_);
-    is_proven.assign(is_proven.size(), 1);
-    for (const std::uint32_t triangle : failed) is_proven[triangle] = 0;
-    proven_ = ProvenTriangles{mesh, std::move(fans), std::move(is_proven)};
-    return failed;
+    failures.far = unproven_triangles(mesh, far, full_tree, deviation_,
+                                      {attached_points(reduced), fans, fans_}, progress_);
+    failures.crossing = crossing_triangles(tree, crossing, progress_);
+    progress_.advance(1);
+
+    std::vector<std::uint8_t> is_far(earlier.size());
+    std::vector<std::uint8_t> is_crossing(earlier.size());
+    for (const std::uint32_t triangle : failures.far) is_far[triangle] = 1;
+    for (const std::uint32_t triangle : failures.crossing) is_crossing[triangle] = 1;
+    proven_ = ProvenRound{std::move(reduced), std::move(fans), std::move(is_far),
+                          std::move(is_crossing)};
+    return failures;
+  }
+
+  /// Of each triangle: its number in the round before.
+  std::vector<std::uint32_t> numbers_before(const TriangleMesh& mesh) const {
+    std::vector<std::uint32_t> numbers(mesh.triangles.size(), kNone);
+    if (!proven_) return numbers;
+    tbb::parallel_for(std::size_t{0}, numbers.size(), [&](std::size_t i) {
+      numbers[i] = proven_->number_of(mesh, mesh.triangles[i]);
+    });
+    return numbers;
+  }
+
+  /// A triangle of the full surface that its hints proved stays proven while these are the same.
+  void forget_moved(const ReducedSurface& reduced, const std::vector<std::uint32_t>& earlier) {
+    std::vector<std::uint8_t> is_same(reduced.nearest.size());
+    for (std::size_t point = 0; point < is_same.size(); ++point) {
+      is_same[point] =
+          earlier[reduced.nearest[point]] == proven_->surface.nearest[point] ? 1 : 0;
+    }
+    tbb::parallel_for(std::size_t{0}, full_.triangles.size(), [&](std::size_t i) {
+      const MeshTriangle& t = full_.triangles[i];
+      if (is_same[t[0]] == 0 || is_same[t[1]] == 0 || is_same[t[2]] == 0) is_full_proven_[i] = 0;
+    });
   }
 
   /// Makes tolerances smaller where the reduced surface is not proven; false where all of it is, or
   /// where nothing is left that could be made smaller.
-  bool tighten(const ReducedSurface& reduced, const TriangleTree& full_tree, int round) {
+  bool tighten(ReducedSurface surface, const TriangleTree& full_tree, int round) {
     stop_if_cancelled();
-    const TriangleTree tree(reduced.mesh);
-    const std::vector<std::uint32_t> full_failed =
-        unproven_triangles(full_, tree, deviation_, progress_, reduced.nearest);
-    progress_.advance(1);
-    std::vector<std::uint32_t> failed = far_triangles(reduced, full_tree);
-    const std::vector<std::uint32_t> crossing = crossing_triangles(tree, progress_);
-    progress_.advance(1);
-    crossing_count_ = crossing.size();
-    failed.insert(failed.end(), crossing.begin(), crossing.end());
+    Failures failures = prove(std::move(surface), full_tree);
+    const ReducedSurface& reduced = proven_->surface;
+    const std::vector<std::uint32_t>& full_failed = failures.full;
+    crossing_count_ = failures.crossing.size();
     const std::vector<std::uint32_t> turned = turned_triangles(reduced.mesh);
+    is_proven_ = full_failed.empty() && failures.far.empty() && turned.empty();
+    std::vector<std::uint32_t> failed = std::move(failures.far);
+    failed.insert(failed.end(), failures.crossing.begin(), failures.crossing.end());
     failed.insert(failed.end(), turned.begin(), turned.end());
-    is_proven_ = full_failed.empty() && failed.size() == crossing.size();
     if (full_failed.empty() && failed.empty()) return false;
 
     // Triangles that failed with a ring around them, and those that failing ones of the full
@@ -477,7 +513,8 @@ class Decimation {
   std::vector<std::uint8_t> is_stale_;    // first parts that are to be reduced again
   std::vector<std::uint32_t> part_of_;    // of points: the first part they are attached to
   ReducedSurface first_;                  // behind the first pass
-  std::optional<ProvenTriangles> proven_;  // of the round before
+  std::optional<ProvenRound> proven_;      // the last one
+  std::vector<std::uint8_t> is_full_proven_;  // triangles of the full surface, by their hints alone
   tbb::enumerable_thread_specific<PartSpace> spaces_;
   std::vector<float> tolerances_;  // of points of the full surface, as shares
   std::vector<bool> is_frozen_;    // points that stay as they are

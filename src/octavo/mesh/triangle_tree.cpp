@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "octavo/core/error.h"
@@ -125,16 +126,27 @@ TriangleTree::Nearest TriangleTree::nearest(const Point3& place, double limit) c
 }
 
 std::vector<std::uint32_t> crossing_triangles(const TriangleTree& tree, const Progress& progress) {
+  std::vector<std::uint32_t> all(tree.mesh().triangles.size());
+  std::iota(all.begin(), all.end(), 0u);
+  return crossing_triangles(tree, all, progress);
+}
+
+std::vector<std::uint32_t> crossing_triangles(const TriangleTree& tree,
+                                              std::span<const std::uint32_t> triangles,
+                                              const Progress& progress) {
   const TriangleMesh& mesh = tree.mesh();
+  std::vector<std::uint8_t> is_asked(mesh.triangles.size());
+  for (const std::uint32_t number : triangles) is_asked[number] = 1;
   tbb::enumerable_thread_specific<std::vector<std::uint32_t>> found;
-  tbb::parallel_for(std::uint32_t{0}, static_cast<std::uint32_t>(mesh.triangles.size()),
-                    [&](std::uint32_t number) {
-    stop_now_and_then(number, progress);
+  tbb::parallel_for(std::size_t{0}, triangles.size(), [&](std::size_t i) {
+    stop_now_and_then(i, progress);
+    const std::uint32_t number = triangles[i];
     const MeshTriangle& triangle = mesh.triangles[number];
     const SpaceBox box = box_of_triangle(mesh, triangle);
     const TrianglePlaces places = places_of(mesh, triangle);
     tree.visit(box, [&](std::uint32_t other) {
-      if (other <= number) return true;
+      // A pair of two that are asked for is looked at once.
+      if (other == number || (other < number && is_asked[other] != 0)) return true;
       const MeshTriangle& second = mesh.triangles[other];
       if (!box_of_triangle(mesh, second).meets(box)) return true;
       if (do_cross(places, triangle, places_of(mesh, second), second)) {

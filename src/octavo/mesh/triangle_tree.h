@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "octavo/core/geometry.h"
@@ -102,6 +103,11 @@ class TriangleTree {
 /// progress  is asked whether to stop, and told nothing
 /// Throws  Error{cancelled}
 std::vector<std::uint32_t> crossing_triangles(const TriangleTree& tree, const Progress& progress);
+
+/// Those of the pairs that have one of some triangles.
+std::vector<std::uint32_t> crossing_triangles(const TriangleTree& tree,
+                                              std::span<const std::uint32_t> triangles,
+                                              const Progress& progress);
 
 /// Asks now and then of many triangles: throws Error{cancelled} when the user asked to stop.
 void stop_now_and_then(std::size_t number, const Progress& progress);

@@ -77,14 +77,40 @@ TEST(Certificate, AttachedPointsChangeNoAnswer) {
   }
 }
 
+TEST(Certificate, TakesWhatIsKnownToBeProven) {
+  const TriangleMesh fine = fine_square(0, false);
+  const TriangleMesh coarse = square(0.5f);
+  const TriangleTree tree(coarse);
+  const std::vector<std::uint32_t> hints(fine.points.size(), 0);
+  std::vector<std::uint8_t> is_by_hints(fine.triangles.size());
+  EXPECT_TRUE(unproven_triangles(fine, tree, 0.51, NoProgress(), hints, is_by_hints).empty());
+  // Triangle 0 of the coarse square lies below the diagonal, where y <= x.
+  for (std::size_t i = 0; i < fine.triangles.size(); ++i) {
+    const std::size_t x = i / 2 % 8;
+    const std::size_t y = i / 16;
+    const bool is_below = y < x || (y == x && i % 2 == 0);
+    if (is_below) EXPECT_EQ(is_by_hints[i], 1) << i;
+    else EXPECT_EQ(is_by_hints[i], 0) << i;
+  }
+  is_by_hints.assign(is_by_hints.size(), 1);
+  is_by_hints[7] = 0;
+  EXPECT_EQ(unproven_triangles(fine, tree, 0.49, NoProgress(), hints, is_by_hints),
+            std::vector<std::uint32_t>{7});
+}
+
 TEST(Certificate, StopsWhenAskedTo) {
   const TriangleMesh fine = fine_square(0, false);
   const TriangleTree tree(fine);
-  for (const int answered : {0, 1}) {
-    const testing::StoppingProgress stopping(answered);
+  const PointTriangles fans(fine);
+  const AttachedPoints attached =
+      attached_points(fine.triangles.size(), fine.points.size(), false);
+  const std::vector<std::uint32_t> first = {0};
+  for (const bool is_attached : {false, true}) {
+    const testing::StoppingProgress stopping(0);
     try {
-      unproven_triangles(fine, tree, 0.5, stopping);
-      FAIL() << "was not stopped at question " << answered;
+      if (is_attached) unproven_triangles(fine, first, tree, 0.5, {attached, fans, fans}, stopping);
+      else unproven_triangles(fine, tree, 0.5, stopping);
+      FAIL() << "was not stopped";
     } catch (const Error& error) {
       EXPECT_EQ(error.kind(), ErrorKind::cancelled);
     }

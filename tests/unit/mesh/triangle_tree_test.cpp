@@ -36,6 +36,22 @@ TEST(TriangleTree, FindsTheNearestTriangleAndThoseThatCross) {
   EXPECT_EQ(crossing.back(), last);
 }
 
+TEST(TriangleTree, FindsThoseThatCrossSomeTriangles) {
+  TriangleMesh mesh = fine_square(0, false);
+  const auto first = static_cast<std::uint32_t>(mesh.points.size());
+  mesh.points.insert(mesh.points.end(), {{3.5f, 4.25f, -1}, {3.75f, 4.25f, 1}, {3.5f, 4.5f, 1}});
+  mesh.triangles.push_back({first, first + 1, first + 2});
+  const TriangleTree tree(mesh);
+  const std::vector<std::uint32_t> all = crossing_triangles(tree, NoProgress());
+  const auto with = [&](const std::vector<std::uint32_t>& some) {
+    return crossing_triangles(tree, some, NoProgress());
+  };
+  EXPECT_EQ(with({static_cast<std::uint32_t>(mesh.triangles.size() - 1)}), all);
+  EXPECT_EQ(with({all.front()}), (std::vector<std::uint32_t>{all.front(), all.back()}));
+  EXPECT_TRUE(with({}).empty());
+  EXPECT_TRUE(with({0, 1}).empty());
+}
+
 TEST(TriangleTree, TheNearestIsThatOfAllTriangles) {
   std::mt19937 random(7);
   const auto number = [&](float side) {
