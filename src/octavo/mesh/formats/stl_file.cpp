@@ -1,5 +1,8 @@
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <limits>
 #include <string>
 
@@ -13,6 +16,7 @@ namespace octavo {
 namespace {
 
 constexpr std::size_t kStlHeaderBytes = 80;
+constexpr std::size_t kStlRecordBytes = 50;
 
 MeshPoint normal_of(const MeshPoint& a, const MeshPoint& b, const MeshPoint& c) {
   const Point3 normal = cross(difference(place_of_point(b), place_of_point(a)),
@@ -39,8 +43,10 @@ void write_stl(const MeshDescription& described, PendingFile& file) {
     const MeshPoint a = in_space(mesh.points[t[0]], described.space);
     const MeshPoint b = in_space(mesh.points[t[1]], described.space);
     const MeshPoint c = in_space(mesh.points[t[2]], described.space);
-    for (const MeshPoint& p : {normal_of(a, b, c), a, b, c}) out.number(p);
-    out.number(std::uint16_t{0});
+    const std::array<MeshPoint, 4> vectors = {normal_of(a, b, c), a, b, c};
+    std::array<std::uint8_t, kStlRecordBytes> record{};  // ends with two bytes of attributes
+    std::memcpy(record.data(), vectors.data(), sizeof vectors);
+    out.number(record);
   }
   out.flush();
 }
