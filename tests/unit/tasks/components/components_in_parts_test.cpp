@@ -5,6 +5,7 @@
 #include <iterator>
 #include <limits>
 #include <random>
+#include <string>
 
 #include "octavo/tasks/components/component_lines.h"
 #include "octavo/tasks/files/part_result.h"
@@ -105,7 +106,8 @@ TEST_F(ComponentsInParts, KeepWhatOneRunKeeps) {
 /// Full cubes, empty planes, more parts than layers of bricks.
 TEST_F(ComponentsInParts, AreThoseOfBoxesAndOfNothing) {
   for (int turn = 0; turn < 3; ++turn) {
-    options_.input = write("boxes.8vo", testing::random_mask({90, 70, 200}, random_));
+    options_.input = write("boxes" + std::to_string(turn) + ".8vo",
+                           testing::random_mask({90, 70, 200}, random_));
     expect_same({2, 7});
   }
   options_.input = write("empty.8vo", noise({20, 20, 130}, 0));
