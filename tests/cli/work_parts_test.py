@@ -33,7 +33,9 @@ class WorkInParts(cli_test.InFolder):
         self.expect(0, "phantom", "--size", "21", "-o", "other.8vo", "-q")
         self.expect_error(2, ["is of another file"], "verify", "other.8vo", *found)
         self.expect_error(2, ["expected I/N"], "verify", "good.8vo", "--part", "3", "-o", "x")
-        self.expect_error(2, ["numbered from 0"], "verify", "good.8vo", "--part", "2/2", "-o", "x")
+        for part, words in [("2/2", "runs from 0 to 1"), ("0/0", "1 part or more"),
+                            ("0/100000", "65536 parts at most")]:
+            self.expect_error(2, [words], "verify", "good.8vo", "--part", part, "-o", "x")
         self.expect_error(2, ["-o FILE"], "verify", "good.8vo", "--part", "0/2")
         self.expect_error(2, ["-o goes with --part"], "verify", "good.8vo", "-o", "x")
         self.expect_error(2, ["--against"], "verify", "good.8vo", "--part", "0/2", "-o", "x",

@@ -321,7 +321,7 @@ void FloatPlanes::count_and_reject(std::int64_t z) {
   });
   const std::int64_t at = bad - plane_.begin();
   const std::int64_t width = description_.size.x;
-  const std::string first = text_of(*bad) + " at x,y,z = " + std::to_string(at % width) + "," +
+  const std::string first = "at x,y,z = " + std::to_string(at % width) + "," +
                             std::to_string(at / width) + "," + std::to_string(z);
   std::int64_t nans = 0;
   std::int64_t infinities = 0;
@@ -345,7 +345,8 @@ void FloatPlanes::count_and_reject(std::int64_t z) {
                                           std::to_string(cursor_.end() - 1)
                                     : "";
   Error failure(ErrorKind::source_rejected,
-                "holds " + what + " voxels" + where + ", the first " + first);
+                "holds " + what + (nans + infinities == 1 ? " voxel" : " voxels") + where +
+                    (nans + infinities == 1 ? ", " : ", the first ") + first);
   if (nans > 0) failure = failure.with_field("repair.nan");
   if (infinities > 0) failure = failure.with_field("repair.infinity");
   throw failure;

@@ -16,10 +16,17 @@ namespace {
 
 void require_part(const WorkPart& part) {
   if (part.number >= 0 && part.number < part.count && part.count <= WorkPart::kMostParts) return;
+  const std::string what =
+      "part " + std::to_string(part.number) + " of " + std::to_string(part.count) + ": ";
+  if (part.count < 1) {
+    throw Error(ErrorKind::invalid_argument, what + "a work has 1 part or more");
+  }
+  if (part.count > WorkPart::kMostParts) {
+    throw Error(ErrorKind::invalid_argument,
+                what + "a work has " + std::to_string(WorkPart::kMostParts) + " parts at most");
+  }
   throw Error(ErrorKind::invalid_argument,
-              "part " + std::to_string(part.number) + " of " + std::to_string(part.count) +
-                  ": parts are numbered from 0, and at most " +
-                  std::to_string(WorkPart::kMostParts));
+              what + "the number of a part runs from 0 to " + std::to_string(part.count - 1));
 }
 
 std::vector<std::size_t> order_of_all_parts(std::span<const WorkPart> parts) {

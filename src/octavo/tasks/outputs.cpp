@@ -78,11 +78,14 @@ void require_room_for(const VolumeDescription& volume, const BuildOptions& optio
 
 ClippedListener clipped_listener(const std::string& path, const TaskContext& context) {
   return [path, context](const ClippedVoxels& clipped) {
-    context.warn(fmt::format("{}: {} lie beyond what coarse levels hold, the farthest at {}: there "
-                             "they count as {}; level 0 has them as they are",
-                             path, counted_text(clipped.count, "voxel"),
-                             number_text(clipped.farthest),
-                             number_text(std::copysign(clipped.limit, clipped.farthest))));
+    const bool is_one = clipped.count == 1;
+    context.warn(fmt::format("{}: {} beyond what coarse levels hold, {}at {}: there {} as {}; "
+                             "level 0 has {}",
+                             path, counted_text(clipped.count, "voxel lies", "voxels lie"),
+                             is_one ? "" : "the farthest ", number_text(clipped.farthest),
+                             is_one ? "it counts" : "they count",
+                             number_text(std::copysign(clipped.limit, clipped.farthest)),
+                             is_one ? "it as it is" : "them as they are"));
   };
 }
 

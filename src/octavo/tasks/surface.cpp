@@ -105,7 +105,7 @@ std::string inside_words(const SurfaceOptions& options, const VolumeDescription&
   return number_text(*options.isovalue) + (unit.empty() ? "" : " " + unit) + " or more";
 }
 
-/// Proves by the range of the whole volume that something lies inside, and not all.
+/// Proves by the range of the whole volume that something lies inside.
 void check_range(const FileReader& reader, const SurfaceField& field,
                  const SurfaceOptions& options) {
   const VolumeDescription& volume = reader.description();
@@ -113,17 +113,23 @@ void check_range(const FileReader& reader, const SurfaceField& field,
   const bool may_hold_others = volume.codec_type() == VoxelType::float32;
   const double lowest = volume.voxel_of(range.min);
   const double highest = volume.voxel_of(range.max);
-  const InsideShare share = inside_share(field, lowest, highest, may_hold_others);
-  if (share == InsideShare::some) return;
-  const std::string values =
-      options.is_stored ? number_text(lowest) + " to " + number_text(highest)
-                        : real_text(volume, lowest) + " to " + real_text(volume, highest);
-  const std::string text =
-      fmt::format("has no surface: {} voxel has {}; its values run from {}",
-                  share == InsideShare::none ? "no" : "every", inside_words(options, volume),
-                  values);
-  if (volume.kind == VolumeKind::labels) reject_mesh(text, options.input, "");
-  reject_mesh(text, options.input, "isovalue.range");
+  if (inside_share(field, lowest, highest, may_hold_others) != InsideShare::none) return;
+  if (volume.kind == VolumeKind::labels) {
+    reject_mesh(fmt::format("has no surface: no voxel has {}; its values run from {} to {}",
+                            inside_words(options, volume), number_text(lowest),
+                            number_text(highest)),
+                options.input, "");
+  }
+  const Rescale rescale = options.is_stored ? Rescale{} : volume.rescale;
+  const double smallest = std::min(rescale.to_real(lowest), rescale.to_real(highest));
+  const double largest = std::max(rescale.to_real(lowest), rescale.to_real(highest));
+  const auto [asked, end] = unlike_texts(*options.isovalue, largest);
+  const std::string unit_name = options.is_stored ? "" : unit_of(volume);
+  const std::string unit = unit_name.empty() ? "" : " " + unit_name;
+  reject_mesh(fmt::format("has no surface: no voxel has {}{} or more; its values run from {}{} to "
+                          "{}{}",
+                          asked, unit, number_text(smallest), unit, end, unit),
+              options.input, "isovalue.range");
 }
 
 TriangleMesh extracted(const FileReader& reader, const SurfaceField& field,

@@ -65,7 +65,7 @@ struct SurfaceResult {
 /// Writes the surface of a level: closed, also where the volume ends, triangles outward; in formats
 /// that have normals those of the grey values at the points that are written.
 /// Throws  as open_volume, require_free, labels_of, extract_surface and write_mesh;
-///         Error{invalid_argument} where no or every voxel lies inside, for a seed that no surface
+///         Error{invalid_argument} where no voxel lies inside, for a seed that no surface
 ///         passes within a voxel, when options do not go together or with the volume
 /// Memory  that of extract_surface or surface_piece, 36 bytes per triangle of the surface, and as
 ///         much again while it is checked; with a deviation that of decimate

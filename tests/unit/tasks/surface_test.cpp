@@ -146,13 +146,37 @@ TEST_F(Surface, WithADeviationHasFewerTrianglesOfTheSameShape) {
   EXPECT_THROW(surface(options_, context_), Error);
 }
 
-TEST_F(Surface, WithoutInsideOrOutsideIsRejectedWithTheRange) {
+TEST_F(Surface, OfAVolumeThatIsAllInsideIsAClosedBox) {
+  const Size3& size = kSurfaceSize;
+  const double whole = 0.25 * static_cast<double>(size.voxel_count());
+  const double middles =
+      0.25 * static_cast<double>((size.x - 1) * (size.y - 1) * (size.z - 1));
+  options_.isovalue = -1000;
+  const SurfaceResult grey = surface(options_, context_);
+  options_.input = labels_;
+  options_.isovalue.reset();
+  options_.labels = {{0, 2, 7}, {}};
+  options_.output.path = folder_.file("labels.stl");
+  const SurfaceResult labels = surface(options_, context_);
+  for (const SurfaceResult* box : {&grey, &labels}) {
+    EXPECT_TRUE(box->is_written);
+    EXPECT_TRUE(box->check.is_closed());
+    EXPECT_EQ(box->check.components, 1u);
+    EXPECT_EQ(box->check.euler_number, 2);
+    EXPECT_GE(box->measures.volume_mm3, 0.98 * middles);
+    EXPECT_LE(box->measures.volume_mm3, whole);
+  }
+}
+
+TEST_F(Surface, WithoutInsideIsRejectedWithTheRange) {
   options_.isovalue = 1001;
   EXPECT_NE(rejected("isovalue.range").find("no voxel has 1001 HU or more; its values run from "
                                             "-1000 HU to 1000 HU"),
             std::string::npos);
-  options_.isovalue = -1000;
-  EXPECT_NE(rejected("isovalue.range").find("every voxel"), std::string::npos);
+  options_.isovalue = 1000.0001;
+  EXPECT_NE(rejected("isovalue.range").find("no voxel has 1000.0001 HU or more; its values run "
+                                            "from -1000 HU to 1000 HU"),
+            std::string::npos);
   // Means of a coarse level may stay below what single voxels reach.
   options_.isovalue = 999;
   options_.level = 4;

@@ -50,9 +50,18 @@ bool holds(From value) {
   }
 }
 
+/// From here on numbers are rounded to infinity, by half a step beyond the largest float32.
+constexpr double kBeyondFloats = 0x1.ffffffp127;
+
 /// True where float32 has this number or one near it, NaN and infinities included.
 bool holds_roughly(double value) {
-  return !std::isfinite(value) || std::abs(value) <= std::numeric_limits<float>::max();
+  return !std::isfinite(value) || std::abs(value) < kBeyondFloats;
+}
+
+/// The nearest one. Requires a value that holds_roughly.
+float nearest_float(double value) {
+  constexpr double kLargest = std::numeric_limits<float>::max();
+  return static_cast<float>(std::isfinite(value) ? std::clamp(value, -kLargest, kLargest) : value);
 }
 
 /// What values seen so far fit.
@@ -124,12 +133,14 @@ void narrow_values(const Narrowing& narrowing, std::span<const std::byte> wide,
     const From value = number_at<From>(wide, i);
     bool fits = holds<To>(value);
     if constexpr (std::is_floating_point_v<To>) {
-      fits = fits || (narrowing.rounds &&
-                      std::abs(value) <= static_cast<From>(std::numeric_limits<To>::max()));
+      fits = fits || (narrowing.rounds && holds_roughly(static_cast<double>(value)));
     }
     if (!fits) reject_value(narrowing, value, i, place);
+    To nearest{};
+    if constexpr (std::is_floating_point_v<To>) nearest = nearest_float(static_cast<double>(value));
+    else nearest = static_cast<To>(value);
     // Adding 0 makes 0 of -0, which no integer behind a float voxel stands for.
-    const To voxel = static_cast<To>(static_cast<To>(value) + To{0});
+    const To voxel = static_cast<To>(nearest + To{0});
     std::memcpy(voxels.data() + i * sizeof(To), &voxel, sizeof(To));
   }
 }

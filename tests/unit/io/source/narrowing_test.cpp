@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 #include "support/image_samples.h"
@@ -111,6 +112,17 @@ TEST(Narrowing, TheFirstValueThatDoesNotFitIsNamedWithItsPlace) {
   std::vector<double> numbers = counted_numbers(24, 0.1);
   numbers[13] = -kTooLarge;
   RawNumbers<double>("float64", numbers).expect_rejected({"-1e+39 at x,y,z = 1,0,1", "float32"});
+}
+
+TEST(Narrowing, WhatRoundsToTheLargestFloatIsTaken) {
+  std::vector<double> numbers = counted_numbers(24, 0.1);
+  numbers[13] = 3.40282351e38;
+  const std::string voxels = voxels_of(*RawNumbers<double>("float64", numbers).open());
+  float voxel = 0;
+  std::memcpy(&voxel, voxels.data() + 13 * sizeof voxel, sizeof voxel);
+  EXPECT_EQ(voxel, std::numeric_limits<float>::max());
+  numbers[13] = 0x1.ffffffp127;
+  RawNumbers<double>("float64", numbers).expect_rejected({"at x,y,z = 1,0,1", "float32"});
 }
 
 /// 40 planes of 4 x 3 numbers, all of them telling.
