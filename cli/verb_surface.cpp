@@ -104,26 +104,28 @@ SurfaceOptions options_of(const SurfaceArguments& arguments, const Context& cont
   return options;
 }
 
-[[noreturn]] void reject_option(const std::string& option, const char* field) {
-  throw Error(ErrorKind::invalid_argument, option + " does not go with these").with_field(field);
+[[noreturn]] void reject_option(const std::string& option, const std::string& advice) {
+  throw Error(ErrorKind::invalid_argument, option + " does not go with these: " + advice);
 }
 
 /// Proves that none is given that the other kind of surface takes.
 void check_label_options(const SurfaceArguments& arguments) {
+  const std::string of_labels = "leave it out, or give --parts";
+  const std::string of_all = "leave it out, or --parts and --interfaces";
   const bool is_of_labels = arguments.parts || arguments.interfaces;
   if (!is_of_labels) {
-    if (arguments.smooth) reject_option("--smooth", "surface.labels");
-    if (arguments.part_format) reject_option("--part-format", "surface.labels");
+    if (arguments.smooth) reject_option("--smooth", of_labels);
+    if (arguments.part_format) reject_option("--part-format", of_labels);
     return;
   }
-  if (arguments.isovalue) reject_option("--isovalue", "surface.form");
-  if (arguments.stored) reject_option("--stored", "surface.form");
-  if (arguments.plain) reject_option("--plain", "surface.whole");
-  if (arguments.allow_open) reject_option("--allow-open", "surface.whole");
-  if (!arguments.report.empty()) reject_option("--report", "surface.whole");
-  if (!arguments.seed.empty()) reject_option("--seed", "surface.whole");
+  if (arguments.isovalue) reject_option("--isovalue", of_all);
+  if (arguments.stored) reject_option("--stored", of_all);
+  if (arguments.plain) reject_option("--plain", of_all);
+  if (arguments.allow_open) reject_option("--allow-open", of_all);
+  if (!arguments.report.empty()) reject_option("--report", of_all);
+  if (!arguments.seed.empty()) reject_option("--seed", of_all);
   if (arguments.part_format && (arguments.interfaces || mesh_format_of(arguments.output))) {
-    reject_option("--part-format", "surface.folder");
+    reject_option("--part-format", "it is of files in a folder, which -o names");
   }
 }
 

@@ -35,7 +35,8 @@ struct Patch {
   std::vector<std::uint32_t> locked;  // points of `mesh`
   TriangleMesh mesh;
   Decimated reduced;
-  int rounds = 0;  // that it was done again
+  bool is_crossing = false;  // it does so before
+  int rounds = 0;            // that it was done again
 };
 
 class InterfaceDecimation {
@@ -52,6 +53,12 @@ class InterfaceDecimation {
   DecimatedInterfaces reduced() {
     find_kept();
     make_patches();
+    // Smoothed surfaces may cross where voxels are thin; more triangles do not help there.
+    const std::vector<std::uint32_t> before =
+        crossing_triangles(TriangleTree(full_.mesh), progress_);
+    for (const std::uint32_t triangle : before) {
+      patches_[full_.pair_of[triangle]].is_crossing = true;
+    }
     {
       const ProgressScope scope(progress_, "fewer triangles",
                                 static_cast<std::int64_t>(patches_.size()), "surfaces");
@@ -138,7 +145,7 @@ class InterfaceDecimation {
     bool is_changed = false;
     for (const std::uint32_t pair : pairs) {
       Patch& patch = patches_[pair];
-      if (patch.rounds == kCloserRounds) continue;
+      if (patch.is_crossing || patch.rounds == kCloserRounds) continue;
       ++patch.rounds;
       reduce(patch);
       is_changed = true;

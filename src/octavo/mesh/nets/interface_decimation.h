@@ -4,7 +4,8 @@
 // Each surface between two labels is decimated by itself (decimation.h). Lines where it meets
 // others stay as they are, and so does what lies around places at which a label touches itself:
 // what two labels or three share stays shared, and parts fit as before. Where triangles of
-// different surfaces cross, both are done again more closely, in the end not at all.
+// different surfaces cross that did not cross before, both are done again more closely, in the end
+// not at all.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +18,8 @@ namespace octavo {
 
 struct DecimatedInterfaces {
   InterfaceMesh interfaces;
-  /// Triangles that cross others: of full surfaces without any, none.
+  /// Triangles that cross others: of full surfaces without any, none. Points that are smoothed each
+  /// by itself let surfaces cross where voxels are thin.
   std::uint64_t crossing_triangles = 0;
 };
 

@@ -330,7 +330,7 @@ class LabelSurfaceWriter {
     folder.make();
     std::vector<std::unique_ptr<PendingFile>> files;
     const ProgressScope scope(context_.watcher(), "parts",
-                              static_cast<std::int64_t>(labels.size()), "labels");
+                              static_cast<std::int64_t>(labels.size()), "surfaces");
     for (const LabelSurface& surface : result_.labels) {
       const TriangleMesh part = cut_out(surface.label, parts);
       files.push_back(written(surface.path, options_.part_format, part,
