@@ -145,7 +145,7 @@ HexMesh mesh_of(const FileReader& reader, const FileReader* grey, HexFormat form
       read_label_tree(reader, options.level,
                       labels_of(options.labels, reader.description().metadata.facts().labels,
                                 options.input),
-                      "labels", context);
+                      "label map", context);
   if (std::ranges::all_of(tree.labels(), [](std::int64_t label) { return label == 0; })) {
     reject_hexahedra(fmt::format("is empty: no voxel of level {} has a label{}", options.level,
                                  options.labels.is_empty() ? "" : " that was asked for"),
@@ -234,7 +234,7 @@ HexahedraResult hexahedra(const HexahedraOptions& options, const TaskContext& co
 
   PendingFile file(local_storage(), options.output.path);
   {
-    const ProgressScope scope(context.watcher(), "mesh", 1, "files");
+    const ProgressScope scope(context.watcher(), "mesh", 1, "mesh");
     write_hex_mesh(mesh, format, {hex_comments(options, *reader), options.poisson_ratio},
                    context.watcher(), file);
   }
