@@ -184,7 +184,8 @@ TEST(ExactBuild, FewValuesHaveMeansBetweenThem) {
       {"checkerboard within 1", checker, 1000, 1},
       {"two", [&](const Index3&) { return random() % 10 < 3 ? 1.0f : 0.0f; }, 1},
       {"five", [&](const Index3&) { return static_cast<float>(random() % 5); }, 4},
-      {"phases", [&](const Index3&) { return random() % 3 == 0 ? 0.35f : 1.25f; }, 0.9},
+      {"phases", [&](const Index3&) { return random() % 3 == 0 ? 0.35f : 1.25f; },
+       double{1.25f} - double{0.35f}},
       {"one", [](const Index3& p) { return p == Index3{31, 32, 33} ? 6.0f : 5.0f; }, 1},
   };
   for (const Case& one : cases) {

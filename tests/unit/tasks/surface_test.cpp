@@ -153,9 +153,16 @@ TEST_F(Surface, OfAVolumeThatIsAllInsideIsAClosedBox) {
       0.25 * static_cast<double>((size.x - 1) * (size.y - 1) * (size.z - 1));
   options_.isovalue = -1000;
   const SurfaceResult grey = surface(options_, context_);
-  options_.input = labels_;
+  testing::Volume full;
+  full.description.kind = VolumeKind::labels;
+  full.description.size = size;
+  full.description.type = VoxelType::uint8;
+  full.description.geometry.spacing_mm = {0.5, 0.5, 1};
+  full.description.metadata = Metadata::read(R"({"spacing_known":true})");
+  full.voxels.assign(static_cast<std::size_t>(size.voxel_count()), std::byte{3});
+  testing::build_volume(full, folder_.file("full.8vo"), 1);
+  options_.input = folder_.file("full.8vo");
   options_.isovalue.reset();
-  options_.labels = {{0, 2, 7}, {}};
   options_.output.path = folder_.file("labels.stl");
   const SurfaceResult labels = surface(options_, context_);
   for (const SurfaceResult* box : {&grey, &labels}) {
