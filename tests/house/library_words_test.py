@@ -12,9 +12,10 @@ from cpp_strings import strings
 
 ROOT = pathlib.Path(sys.argv.pop())
 
-# Fields for which no row stands: their advice is made of the name of the file, or their text says
+# Fields for which no row stands: their advice is made of the names of files, or their text says
 # all.
-WITHOUT_ROW = {"index", "input.format", "repair.source", "step.map_mm", "view.side"}
+WITHOUT_ROW = {"index", "input.format", "parts.missing", "parts.plan_path", "repair.source",
+               "step.map_mm", "view.side"}
 # Options of a transform, one rule each: the text names what is allowed.
 ALLOWED_BY_TEXT = re.compile(r"step(\.\w+)?")
 

@@ -20,6 +20,7 @@ constexpr std::size_t kNumbersOfRun = 4;
 constexpr const char* kComponentList = "components";
 constexpr const char* kFirstPlane = "first plane";
 constexpr const char* kLastPlane = "last plane";
+constexpr const char* kLabelList = "labels of part";
 
 [[noreturn]] void fail_lines(const std::string& what) {
   throw Error(ErrorKind::corrupt,
@@ -170,13 +171,13 @@ PartOfComponents components_of_lines(std::span<const JsonObject> lines, const Wo
 std::vector<JsonObject> lines_of_labels(const LabelsOfParts& labels) {
   std::vector<JsonObject> lines;
   for (const std::vector<std::uint32_t>& of_part : labels) {
-    lines.push_back(JsonObject().set("labels", std::vector<std::size_t>{of_part.size()}));
+    lines.push_back(JsonObject().set(kLabelList, std::vector<std::size_t>{of_part.size()}));
     for (std::size_t at = 0; at < of_part.size(); at += kNumbersOfLine) {
       const std::size_t end = std::min(at + kNumbersOfLine, of_part.size());
       const std::vector<std::int64_t> numbers(
           of_part.begin() + static_cast<std::ptrdiff_t>(at),
           of_part.begin() + static_cast<std::ptrdiff_t>(end));
-      append_lists("labels", numbers, lines);
+      append_lists(kLabelList, numbers, lines);
     }
   }
   return lines;
@@ -187,8 +188,8 @@ LabelsOfParts labels_of_lines(std::span<const JsonObject> lines, std::int64_t pa
   LabelsOfParts labels;
   std::vector<std::int64_t> counts;
   for (const JsonObject& line : lines) {
-    if (!line.json_of("labels").empty()) {
-      counts.push_back(integers_in(line, "labels", 1).front());
+    if (!line.json_of(kLabelList).empty()) {
+      counts.push_back(integers_in(line, kLabelList, 1).front());
       labels.emplace_back();
       continue;
     }
