@@ -13,6 +13,7 @@
 #include "octavo/tasks/parts/plan_scan.h"
 #include "planned_work.h"
 #include "text/quantities.h"
+#include "text/shell_words.h"
 #include "text/volume_json.h"
 #include "verbs.h"
 
@@ -79,29 +80,6 @@ PlanScanOptions options_of(const PlanArguments& arguments, const Context& contex
   if (!arguments.part_size.empty()) options.part_bytes = parse_bytes(arguments.part_size);
   options.source_root = arguments.source_root;
   return options;
-}
-
-/// For a shell.
-std::string shell_word(const std::string& word) {
-  constexpr const char* kPlain =
-      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./+-:@%,=";
-  if (!word.empty() && word.find_first_not_of(kPlain) == std::string::npos) return word;
-  std::string quoted = "\"";
-  for (const char c : word) {
-    if (c == '"' || c == '\\' || c == '$' || c == '`') quoted += '\\';
-    quoted += c;
-  }
-  return quoted + "\"";
-}
-
-/// Words as one word of a shell, which reads them again.
-std::string quoted_words(const std::string& words) {
-  std::string quoted = "'";
-  for (const char c : words) {
-    if (c == '\'') quoted += "'\\''";
-    else quoted += c;
-  }
-  return quoted + "'";
 }
 
 std::string groups_of_parts(const PlanResult& plan) {

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "octavo/tasks/inputs.h"
+#include "text/shell_words.h"
 
 namespace octavo::cli {
 
@@ -230,11 +231,19 @@ std::string build_advice(const Error& error) {
          ".8vo' makes one of a scan";
 }
 
+/// A word for a shell, in a message of one line.
+std::string shell_line_word(const std::string& word) {
+  const bool is_of_one_line = std::none_of(word.begin(), word.end(), [](unsigned char c) {
+    return c < 0x20 || c == 0x7f;
+  });
+  return is_of_one_line ? shell_word(word) : escaped(word);
+}
+
 /// How to make a part that is missing.
 std::string part_advice(const Error& error) {
   std::string plan = "PLAN";
   for (const OptionHint& hint : error.hints()) {
-    if (hint.field == "parts.plan_path") plan = escaped(hint.value);
+    if (hint.field == "parts.plan_path") plan = shell_line_word(hint.value);
   }
   return "octavo part " + plan + " --part " + error.hints().front().value + " makes one";
 }

@@ -189,7 +189,8 @@ class JoinedInOtherWays(InParts):
         told = json.loads(self.step(0, "--runs", "--json").stdout)
         joined = b""
         for run in told["runs"]:
-            with open(self.folder / run["path"], "rb") as file:
+            self.assertTrue(os.path.isabs(run["path"]))
+            with open(run["path"], "rb") as file:
                 file.seek(run["offset"])
                 joined += file.read(run["length"])
         self.assertEqual(len(joined), told["file_bytes"])
@@ -289,6 +290,10 @@ class Rejected(InParts):
         self.assertEqual(listed.stdout, "1\n")
         self.expect_error(5, ["1 of 3 parts is missing: 1", "octavo part scan.plan --part 1"],
                           "join", "scan.plan", "-o", "scan.8vo")
+        (self.folder / "scan.plan").rename(self.folder / "a $b.plan")
+        self.expect_error(5, ["octavo part \"a \\$b.plan\" --part 0 makes one"],
+                          "join", "a $b.plan", "-o", "scan.8vo")
+        (self.folder / "a $b.plan").rename(self.folder / "scan.plan")
         self.part(0, "--parts", "1", "-q")
         self.assertEqual(self.expect(0, "join", "scan.plan", "--missing").stdout, "")
 
@@ -360,7 +365,8 @@ class Rejected(InParts):
             (self.folder / f"scan.part-000{part}-of-0003").rename(self.folder / f"p{part}")
         self.expect_error(2, ["p0", "give each part once"],
                           "join", "scan.plan", "p0", "p1", "p2", "p0", "-o", "scan.8vo")
-        self.expect_error(5, ["is missing: 1"], "join", "scan.plan", "p0", "p2", "-o", "scan.8vo")
+        self.expect_error(5, ["octavo: scan.plan: 1 of 3 parts is missing: 1"],
+                          "join", "scan.plan", "p0", "p2", "-o", "scan.8vo")
         self.expect(0, "join", "scan.plan", "p2", "p0", "p1", "-o", "scan.8vo", "-q")
         self.assertEqual(self.bytes_of("scan.8vo"), self.built())
 

@@ -1,6 +1,7 @@
 #include "octavo/tasks/parts/join_in_steps.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <utility>
@@ -126,7 +127,11 @@ JoinRuns join_runs(const JoinOptions& options, const TaskContext& context) {
   const BuildPlan plan = read_plan(options.plan);
   require_joined_name(options.output);
   const JoinLayout layout = laid_out(plan, options, context);
-  JoinRuns result{joined_name(options.output.path), layout.file_bytes, {}};
+  // Whoever reads the list may stand in another folder.
+  const auto absolute = [](const std::string& path) {
+    return std::filesystem::absolute(path).lexically_normal().string();
+  };
+  JoinRuns result{absolute(joined_name(options.output.path)), layout.file_bytes, {}};
   const auto found = found_parts(plan, places_of(options), options.plan);
   std::map<std::uint64_t, FileRun> by_offset;
   for (const Section& own : own_bytes_of(layout)) {
@@ -139,7 +144,7 @@ JoinRuns join_runs(const JoinOptions& options, const TaskContext& context) {
                                  ? file->second
                                  : path_of_part(places_of(options).folder, options.plan, part,
                                                 plan.part_count);
-    by_offset[run.file_offset] = {path, run.part_offset, run.length};
+    by_offset[run.file_offset] = {absolute(path), run.part_offset, run.length};
   }
   for (auto& [offset, run] : by_offset) result.runs.push_back(std::move(run));
   return result;

@@ -68,7 +68,7 @@ void require_all_found(const BuildPlan& plan, const std::map<std::int64_t, std::
               std::to_string(missing.size()) + " of " +
                   counted_text(plan.part_count, "part") + (missing.size() == 1 ? " is" : " are") +
                   " missing: " + list,
-              places.name())
+              places.folder.empty() ? plan_path : places.folder)
       .with_field("parts.missing", std::to_string(missing.front()))
       .with_field("parts.plan_path", plan_path);
 }

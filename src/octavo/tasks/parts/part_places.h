@@ -15,8 +15,6 @@ namespace octavo {
 struct PartPlaces {
   std::string folder;
   std::vector<std::string> files;
-
-  const std::string& name() const { return folder.empty() ? files.front() : folder; }
 };
 
 PartPlaces places_of(const JoinOptions& options);
