@@ -293,6 +293,15 @@ class Hexahedra(cli_test.InFolder):
         self.assertEqual((self.folder / "m.inp").read_text(), "mine")
         self.expect(5, "hexahedra", "map.8vo", "-o", "/dev/full/m.inp")
 
+    def test_an_input_is_never_replaced(self):
+        (self.folder / "map.8vo").rename(self.folder / "map.inp")
+        (self.folder / "grey.8vo").rename(self.folder / "grey.inp")
+        for output in ("map.inp", "grey.inp"):
+            before = (self.folder / output).read_bytes()
+            failure = self.expect(2, "hexahedra", "map.inp", "--of", "grey.inp", "-o", output, "-f")
+            self.assertIn(f"{output}: is the input itself", failure.stderr)
+            self.assertEqual((self.folder / output).read_bytes(), before)
+
 
 if __name__ == "__main__":
     cli_test.OCTAVO = cli_test.os.path.abspath(sys.argv.pop(1))

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <memory>
 #include <utility>
 
@@ -41,6 +40,7 @@ HexFormat asked_format(const HexahedraOptions& options) {
     reject_hexahedra("Gmsh has no hanging nodes", options.output.path, "hexahedra.method");
   }
   require_free(options.output);
+  require_no_input(options.output.path, {options.input, options.grey});
   return *format;
 }
 

@@ -45,18 +45,21 @@ void require_free(const Output& output) {
   throw Error(ErrorKind::io, "exists already", path).with_field("output.overwrite");
 }
 
+void require_no_input(const std::string& path, const std::vector<std::string>& inputs) {
+  std::error_code none;
+  for (const std::string& input : inputs) {
+    if (!std::filesystem::equivalent(path, input, none)) continue;
+    throw Error(ErrorKind::invalid_argument, "is the input itself; name another output", path);
+  }
+}
+
 void require_computed(const Output& output, const std::vector<std::string>& inputs) {
   if (!is_octavo_path(output.path)) {
     throw Error(ErrorKind::invalid_argument, "the result is an .8vo file", output.path)
         .with_field("output.format");
   }
   require_free(output);
-  std::error_code none;
-  for (const std::string& input : inputs) {
-    if (!std::filesystem::equivalent(output.path, input, none)) continue;
-    throw Error(ErrorKind::invalid_argument, "is the input itself; name another output",
-                output.path);
-  }
+  require_no_input(output.path, inputs);
 }
 
 void require_room_for(const VolumeDescription& volume, const BuildOptions& options,

@@ -20,6 +20,9 @@ struct Output {
 /// overwritten.
 void require_free(const Output& output);
 
+/// Throws Error{invalid_argument} when a file to write is one of `inputs`, under any name.
+void require_no_input(const std::string& path, const std::vector<std::string>& inputs);
+
 /// require_free for an .8vo file that is computed from others. Throws Error{invalid_argument} when
 /// its name does not end in .8vo, or is one of `inputs`, even with overwrite.
 void require_computed(const Output& output, const std::vector<std::string>& inputs);

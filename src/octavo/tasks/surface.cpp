@@ -33,6 +33,13 @@ namespace {
   throw Error(ErrorKind::invalid_argument, text, path).with_field(field);
 }
 
+/// The same for all names of a file that may not be there yet.
+std::filesystem::path place_of_file(const std::string& path) {
+  std::error_code none;
+  const std::filesystem::path whole = std::filesystem::absolute(path, none);
+  return std::filesystem::weakly_canonical(whole.parent_path(), none) / whole.filename();
+}
+
 MeshFormat format_of(const SurfaceOptions& options) {
   const std::optional<MeshFormat> format = mesh_format_of(options.output.path);
   if (!format) {
@@ -49,13 +56,10 @@ MeshFormat format_of(const SurfaceOptions& options) {
   for (const std::string& path : {options.output.path, options.report_path}) {
     if (path.empty()) continue;
     require_free({path, options.output.overwrite});
-    std::error_code none;
-    if (std::filesystem::equivalent(path, options.input, none)) {
-      reject_mesh("is the input itself; name another output", path, "");
-    }
+    require_no_input(path, {options.input});
   }
-  if (std::filesystem::path(options.report_path).lexically_normal() ==
-      std::filesystem::path(options.output.path).lexically_normal()) {
+  if (!options.report_path.empty() &&
+      place_of_file(options.report_path) == place_of_file(options.output.path)) {
     reject_mesh("is the surface itself; name another report", options.report_path, "");
   }
   return *format;

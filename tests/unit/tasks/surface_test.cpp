@@ -190,6 +190,12 @@ TEST_F(Surface, WithoutInsideIsRejectedWithTheRange) {
   EXPECT_NE(rejected("").find("no voxel of level 4"), std::string::npos);
 }
 
+TEST_F(Surface, RejectsAReportThatIsTheSurfaceUnderAnotherName) {
+  options_.report_path = options_.output.path;
+  options_.output.path = std::filesystem::relative(options_.report_path).string();
+  EXPECT_NE(rejected("").find("is the surface itself"), std::string::npos);
+}
+
 TEST_F(Surface, RejectsOptionsThatDoNotGoTogether) {
   options_.isovalue.reset();
   rejected("isovalue.missing");

@@ -8,9 +8,16 @@ namespace octavo {
 
 namespace {
 
+/// A backslash at the end would join the next line to it.
+std::string obj_line(const std::string& text) {
+  std::string line = line_text(text);
+  if (line.ends_with('\\')) line += ' ';
+  return line;
+}
+
 /// A name that is one word: groups are told apart by spaces.
 std::string group_name(const MeshPart& part) {
-  std::string name = line_text(part_name(part));
+  std::string name = obj_line(part_name(part));
   for (char& letter : name) letter = letter == ' ' ? '_' : letter;
   return name;
 }
@@ -31,7 +38,7 @@ void write_obj(const MeshDescription& described, PendingFile& file) {
   const bool has_normals = !described.normals.empty();
   MeshBytes out(file);
   for (const std::string& comment : described.comments) {
-    out.text("# " + line_text(comment) + "\n");
+    out.text("# " + obj_line(comment) + "\n");
   }
   if (!described.report.empty()) out.text("# report " + line_text(described.report) + "\n");
   out.text("# " + space_words(described.space) + "\n");

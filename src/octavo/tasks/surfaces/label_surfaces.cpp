@@ -137,10 +137,7 @@ class LabelSurfaceWriter {
                     path, "");
     }
     if (format_) require_free(options_.output);
-    std::error_code none;
-    if (std::filesystem::equivalent(path, options_.input, none)) {
-      reject_labels("is the input itself; name another output", path, "");
-    }
+    require_no_input(path, {options_.input});
   }
 
   /// The surfaces between all labels, and what their voxels say.
@@ -159,6 +156,7 @@ class LabelSurfaceWriter {
     context_.on_threads([&] {
       surfaces_ = smoothed_interfaces(net, frame, options_.smoothing_steps, kMaxVolumeChange);
     });
+    require_numbered(surfaces_.interfaces.mesh.triangles.size());
     voxel_counts_ = voxel_counts(net, frame.is_mirrored());
     longest_moves_ = longest_moves_mm(net, surfaces_.offsets, geometry_);
     voxel_volume_ = frame.voxel_volume();
@@ -173,7 +171,6 @@ class LabelSurfaceWriter {
   /// Takes triangles away as far as the deviation allows.
   void reduce() {
     const TriangleMesh& mesh = surfaces_.interfaces.mesh;
-    require_numbered(mesh.triangles.size());
     constexpr std::uint64_t kBytesPerPoint = 600;
     context_.require_memory(kBytesPerPoint * mesh.points.size(), "the surface");
     DecimatedInterfaces reduced;
@@ -303,6 +300,15 @@ class LabelSurfaceWriter {
   }
 
   void write_parts_together(LabelParts& parts) {
+    constexpr std::uint64_t kMostPoints = 0xffffffff;
+    std::uint64_t point_count = 0;
+    for (const LabelSurface& surface : result_.labels) point_count += surface.point_count;
+    if (point_count > kMostPoints) {
+      throw Error(ErrorKind::limit_exceeded,
+                  fmt::format("the surfaces have {} points, more than {}", point_count,
+                              kMostPoints))
+          .with_field("level");
+    }
     TriangleMesh all;
     std::vector<MeshPart> ranges;
     for (const LabelSurface& surface : result_.labels) {

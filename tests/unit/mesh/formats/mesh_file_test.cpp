@@ -102,6 +102,15 @@ TEST(MeshFile, PlyRejectsALabelThatItCannotHold) {
   EXPECT_THROW(written(MeshFormat::ply, {.mesh = kWritten, .parts = parts}), Error);
 }
 
+TEST(MeshFile, ObjJoinsNoLinesThatEndWithABackslash) {
+  const std::vector<MeshPart> parts = {{"left\\", 7, {}, 0, 2}};
+  const std::vector<std::string> comments = {"of m\\"};
+  const std::string text =
+      written(MeshFormat::obj, {.mesh = kWritten, .parts = parts, .comments = comments});
+  EXPECT_NE(text.find("g left\\_\nf "), std::string::npos);
+  EXPECT_EQ(text.find("\\\n"), std::string::npos);
+}
+
 TEST(MeshFile, ObjHasAGroupOfOneWordForEachPartOrPair) {
   const Parts with;
   const std::string parts =
