@@ -15,6 +15,10 @@ constexpr std::size_t kHeldBackBytes = std::size_t{8} << 20;
 
 void LayerSorter::add_brick(int tier, const EncodedBrick& brick) {
   if (tier != 0) throw Error(ErrorKind::internal, "a brick above tier 0 among those of a layer");
+  if (held_.empty()) {
+    const Size3 grid = levels_.brick_grid(0);
+    held_.reserve(static_cast<std::size_t>(grid.x * grid.y));
+  }
   Held held{{brick.range, brick.parent, brick.max_error, {}, {}, brick.squared_error},
             {},
             written_ + tail_.size()};

@@ -190,7 +190,7 @@ void require_room(Storage& storage, const std::string& path,
   throw Error(ErrorKind::io,
               "no room: " + std::to_string(needed / kMebibyte + 1) + " MiB are needed, " +
                   std::to_string(here->free_bytes / kMebibyte) +
-                  " MiB are free; no part was removed",
+                  " MiB are free; no part is removed",
               path);
 }
 

@@ -1,6 +1,7 @@
 #include "octavo/tasks/components/component_numbers.h"
 
 #include <charconv>
+#include <limits>
 
 #include "octavo/core/error.h"
 #include "octavo/core/sha256.h"
@@ -68,8 +69,9 @@ ComponentNumbers read_component_numbers(const std::string& path, const FileReade
   numbers.options.min_mm3 = number_of_text(text_in(head, "min_mm3"), path);
   const auto counts = integers_in(head, "counts", 3);
   const bool is_usable = numbers.options.keep_largest >= 0 && counts[1] >= 0 &&
-                         counts[1] <= counts[0] && counts[2] >= 1 &&
-                         counts[2] <= WorkPart::kMostParts;
+                         counts[1] <= counts[0] &&
+                         counts[0] <= std::numeric_limits<std::uint32_t>::max() &&
+                         counts[2] >= 1 && counts[2] <= WorkPart::kMostParts;
   if (!is_usable) fail_numbers(path, "its counts are none");
   numbers.found = static_cast<std::size_t>(counts[0]);
   numbers.kept = static_cast<std::size_t>(counts[1]);

@@ -36,12 +36,22 @@ class CancelledWith final : public Progress {
   const Progress& other_;
 };
 
-/// What a build leaves of the memory limit, and half of it at the fewest.
-std::uint64_t left_of_limit(const VolumeDescription& description, const TaskContext& context) {
+/// What a build leaves of the memory limit for the mask of a part. Where that is less than a
+/// quarter of the limit it is up to half of it, and the build does with less, in bands; it is never
+/// 0, which would be no limit.
+/// held  by the planes besides that mask
+std::uint64_t left_of_limit(const VolumeDescription& description, std::uint64_t held,
+                            const TaskContext& context) {
+  constexpr std::uint64_t kBandBytes = std::uint64_t{16} << 20;
   const std::uint64_t limit = context.max_memory_bytes;
   if (limit == 0) return 0;
-  const std::uint64_t build = build_memory_bytes(description, context.thread_count());
-  return std::max(limit / 2, limit - std::min(limit, build));
+  const auto left = [&](std::uint64_t build) { return limit - std::min(limit, build + held); };
+  const int threads = context.thread_count();
+  const std::uint64_t beside_whole = left(build_memory_bytes(description, threads));
+  if (beside_whole >= limit / 4) return beside_whole;
+  const std::uint64_t beside_bands =
+      std::min(limit / 2, left(band_memory_bytes(description, threads, kBandBytes)));
+  return std::max({beside_bands, beside_whole, std::uint64_t{1}});
 }
 
 template <class T>
@@ -82,14 +92,20 @@ ComponentPlanes::ComponentPlanes(std::shared_ptr<const FileReader> reader,
       numbers_(std::move(numbers)),
       path_(std::move(path)),
       context_(context),
-      max_bytes_(left_of_limit(description_, context)),
+      max_bytes_(left_of_limit(description_, held_bytes(), context)),
       files_(files_of_volume({reader_->source().name(), path_})),
       cursor_(description_.size.z) {}
 
-std::uint64_t ComponentPlanes::resident_bytes() const {
-  std::uint64_t bytes = slab_.capacity() + (open_ ? open_->memory_bytes() : 0);
+std::uint64_t ComponentPlanes::held_bytes() const {
+  const Size3& size = description_.size;
+  auto bytes = static_cast<std::uint64_t>(size.x * size.y * kSlabPlanes *
+                                          bytes_per_voxel(description_.type));
   for (const auto& labels : numbers_.labels) bytes += labels.capacity() * sizeof(std::uint32_t);
   return bytes;
+}
+
+std::uint64_t ComponentPlanes::resident_bytes() const {
+  return held_bytes() + std::max(max_bytes_, open_ ? open_->memory_bytes() : 0);
 }
 
 void ComponentPlanes::read_plane(std::span<std::byte> plane) {

@@ -41,7 +41,8 @@ class ComponentPlanes final : public PlaneSource {
   const VolumeDescription& description() const override { return description_; }
   const std::vector<Warning>& warnings() const override { return warnings_; }
   const ComponentNumbers& numbers() const { return numbers_; }
-  /// What is held now, the mask of the part that was read last included.
+  /// With a memory limit what the mask of a part may take is in it before any part is read; without
+  /// one what that takes which was read last.
   std::uint64_t resident_bytes() const override;
   const PlaneFiles& files() const override { return files_; }
   /// Throws  as MaskOfPart; Error{corrupt} where the part has other components than are numbered
@@ -49,6 +50,7 @@ class ComponentPlanes final : public PlaneSource {
   void seek(std::int64_t first, std::int64_t end) override { cursor_.seek(first, end); }
 
  private:
+  std::uint64_t held_bytes() const;
   void open_part_of(std::int64_t z);
   void fill_slab_of(std::int64_t z);
   void fill_rows(const Box& rows, const std::vector<std::uint32_t>& labels);

@@ -7,6 +7,7 @@
 #include <random>
 #include <string>
 
+#include "octavo/builder/build_memory.h"
 #include "octavo/tasks/components/component_lines.h"
 #include "octavo/tasks/files/part_result.h"
 #include "support/task_files.h"
@@ -180,6 +181,44 @@ TEST_F(ComponentsInParts, StayWithinTheMemoryLimit) {
               components_of_part({options_.input, {}, {0, 1}, {folder_.file("x")}}, context_);
             }).kind,
             ErrorKind::limit_exceeded);
+}
+
+/// A build reckons with what the planes say before their first one is read.
+TEST_F(ComponentsInParts, TheirPlanesTakeNoMoreMemoryThanTheySay) {
+  options_.input = write("noise.8vo", noise({600, 60, 130}, 1));
+  joined(2);
+  LabelComponentsOptions options = {options_.input, folder_.file("numbers"), {}};
+  const VolumeDescription volume = labeled_planes(options, context_).planes->description();
+  const int threads = context_.thread_count();
+  const std::uint64_t build = build_memory_bytes(volume, threads);
+  const std::uint64_t bands = band_memory_bytes(volume, threads, std::uint64_t{16} << 20);
+  for (const std::uint64_t limit : {build + build / 4, 2 * build, 5 * build}) {
+    context_.max_memory_bytes = limit;
+    const ComputedVolume labeled = labeled_planes(options, context_);
+    PlaneSource& planes = *labeled.planes;
+    const std::uint64_t said = planes.resident_bytes();
+    EXPECT_LE(std::min(build, bands) + said, limit);
+    std::vector<std::byte> plane(plane_bytes(volume));
+    for (std::int64_t z = 0; z < volume.size.z; ++z) planes.read_plane(plane);
+    EXPECT_EQ(planes.resident_bytes(), said);
+  }
+  context_.max_memory_bytes = 2 * build;
+  options.output = {folder_.file("labels.8vo")};
+  EXPECT_GT(label_components(options, context_).kept, 255u);
+}
+
+TEST_F(ComponentsInParts, NumbersOfMoreComponentsThanLabelsAreRejected) {
+  options_.input = write("noise.8vo", noise({20, 20, 130}, 20));
+  joined(1);
+  FoundPart file = read_part_result(folder_.file("numbers"), "numbers of components", context_);
+  const std::int64_t many = std::int64_t{1} << 32;
+  file.lines.front().set("counts", std::vector<std::int64_t>{many, many, 1});
+  write_part_result({folder_.file("numbers"), true}, "numbers of components", {}, file.lines);
+  const Failure failure = failure_of([&] {
+    label_components({options_.input, folder_.file("numbers"), {folder_.file("l.8vo")}}, context_);
+  });
+  EXPECT_EQ(failure.kind, ErrorKind::corrupt);
+  EXPECT_NE(failure.detail.find("counts"), std::string::npos) << failure.detail;
 }
 
 TEST_F(ComponentsInParts, AJoinWritesNumbersAndNoVolume) {
