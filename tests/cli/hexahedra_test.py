@@ -286,6 +286,20 @@ class Hexahedra(cli_test.InFolder):
                 self.assertEqual(len(failure.stderr.strip().splitlines()), 1)
                 self.assertEqual(sorted(path.name for path in self.folder.iterdir()), before)
 
+    def test_memory_for_nodes_is_asked_before_they_are_made(self):
+        mask = bytearray(256 * 256 * 64)
+        for z in range(8, 64, 16):
+            for y in range(8, 256, 16):
+                for x in range(8, 256, 16):
+                    mask[(z * 256 + y) * 256 + x] = 1
+        (self.folder / "lone.raw").write_bytes(mask)
+        self.expect(0, "build", "lone.raw", "--raw", "256,256,64,uint8", "--spacing", "1,1,1",
+                    "--labels", "-o", "lone.8vo", "-q")
+        # 1024 blocks of nodes of 1650 bytes, twice while they are numbered.
+        failure = self.expect(6, "hexahedra", "lone.8vo", "-o", "m.inp", "--max-memory", "2M")
+        self.assertIn("the hexahedra would take about 3", failure.stderr)
+        self.expect(0, "hexahedra", "lone.8vo", "-o", "m.inp", "--max-memory", "4M")
+
     def test_a_file_that_is_there_stays(self):
         (self.folder / "m.inp").write_text("mine")
         failure = self.expect(5, "hexahedra", "map.8vo", "-o", "m.inp")

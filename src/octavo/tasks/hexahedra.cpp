@@ -132,10 +132,19 @@ CellValues cell_values_of(const FileReader& grey, const std::vector<HexCell>& ce
   return values;
 }
 
-/// Bytes that sorting cells into groups and numbering their corners takes at most.
+/// Bytes that sorting cells into groups takes, or behind that numbering their corners where each
+/// block of these has cells of its own. Requires cells in o-code order.
 std::uint64_t bytes_of_mesh(const std::vector<HexCell>& cells) {
   constexpr std::uint64_t kSorted = 2 * sizeof(HexCell) + 6 * sizeof(float) + sizeof(std::uint32_t);
-  return cells.size() * kSorted;
+  std::uint64_t blocks = 0;
+  GridPoint last{};
+  for (const HexCell& cell : cells) {
+    const GridPoint block = {cell.corner[0] >> 4, cell.corner[1] >> 4, cell.corner[2] >> 4};
+    if (blocks == 0 || block != last) ++blocks;
+    last = block;
+  }
+  return std::max(cells.size() * kSorted,
+                  cells.size() * sizeof(HexCell) + 2 * blocks * HexNodes::kBlockBytes);
 }
 
 HexMesh mesh_of(const FileReader& reader, const FileReader* grey, HexFormat format,

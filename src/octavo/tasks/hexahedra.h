@@ -54,7 +54,8 @@ struct HexahedraResult {
 ///         Error{invalid_argument} where no voxel has a label, when options do not go together, for
 ///         hanging nodes in .msh, and where materials are asked for but a cell has no grey value
 /// Memory  that of the label tree; 20 bytes per cell, 1.7 KB per cube of 16^3 voxels that the
-///         object meets, with grey values 12 per cell more; 64 bytes per cell while they are sorted
+///         object meets, twice that while nodes are numbered, with grey values 12 per cell more; 68
+///         bytes per cell while they are sorted
 HexahedraResult hexahedra(const HexahedraOptions& options, const TaskContext& context);
 
 }  // namespace octavo
