@@ -489,7 +489,7 @@ class Elsewhere(InParts):
     def check_moved(self, name):
         (self.folder / name).mkdir()
         (self.folder / "scan.raw").rename(self.folder / name / "scan.raw")
-        self.part(5)
+        self.part(7)
         self.part(0, "--source-root", name, "-q")
         self.assertIn("scan.part-0000-of-0001", self.files())
 

@@ -134,11 +134,13 @@ void build_part(const BuildPlan& plan, PlaneSource& source, std::int64_t first_g
                     " asked for");
   }
   require_codec(plan);
-  require_planned(plan, source.description());
+  if (source.description().size != plan.source.size) require_planned(plan, source.description());
   const std::int64_t first_plane = first_plane_of(plan, first_group);
   const std::int64_t end_plane = first_plane_of(plan, end_group);
   const std::vector<SourceStamp> files = files_of(plan, source, first_plane, end_plane);
+  // Which file was changed says more than what is other than planned
   require_unchanged(files);
+  require_planned(plan, source.description());
   const int threads = build_threads(work.threads);
   BuildOptions limited = plan.options;
   limited.max_memory_bytes = work.max_memory_bytes;
