@@ -10,7 +10,7 @@ namespace octavo {
 namespace {
 
 /// A build never replaces what it reads.
-void require_no_input(const std::string& output, const std::vector<std::string>& inputs) {
+void require_no_source(const std::string& output, const std::vector<std::string>& inputs) {
   std::error_code none;
   for (const std::string& input : inputs) {
     if (!std::filesystem::equivalent(output, input, none)) continue;
@@ -34,7 +34,7 @@ void require_scan_output(const BuildScanOptions& options) {
         .with_field("output.format");
   }
   require_free(options.output);
-  require_no_input(options.output.path, options.inputs);
+  require_no_source(options.output.path, options.inputs);
 }
 
 BuiltVolume build_scan(const BuildScanOptions& options, const TaskContext& context) {
