@@ -22,6 +22,8 @@ import cli_test
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 VERB_ROW = re.compile(r"^\| `([a-z-]+)` \|.*\| `octavo (.*)` \|$", re.MULTILINE)
 COMMAND = re.compile(r"^    octavo (.*?)(?: +#.*)?$", re.MULTILINE)
+# A picture that a script draws of what commands made.
+DRAWN = re.compile(r"`tools/\w+\.py \S+ (\S+\.png)`")
 DAMAGE = re.compile(r"^    (python3 -c .*)$", re.MULTILINE)
 WRITTEN = re.compile(r' -o (?:"\$out/)?([\w.-]+)')
 SIZE_ROW = re.compile(r"^\| ([\w -]+)(?:, \d+ bit)? \|.*\| \*\*([\d.]+)\*\* \|$", re.MULTILINE)
@@ -89,6 +91,7 @@ class Documents(cli_test.InFolder):
         page = (ROOT / "docs/gallery.md").read_text()
         shown = re.findall(r"\(gallery/([a-z0-9-]+\.png)\)", page)
         made = [shlex.split(line)[-1] for line in COMMAND.findall(page)]
+        made += DRAWN.findall(page)
         pictures = [path.name for path in (ROOT / "docs/gallery").iterdir()]
         self.assertEqual(sorted(shown), sorted(pictures))
         self.assertEqual(sorted(name for name in made if name.endswith(".png")), sorted(shown))
