@@ -259,6 +259,16 @@ class Computed(InParts):
             self.expect(0, *options, "plan", "-f", "-o", "work.plan", "--", "threshold",
                         "grey.8vo", "--range", "300:")
 
+    def test_a_plan_never_replaces_a_file_of_its_source(self):
+        (self.folder / "scan.nhdr").write_text(
+            "NRRD0004\ntype: uint16\ndimension: 3\nsizes: 512 512 140\nendian: little\n"
+            "spacings: 1 1 1\nencoding: raw\ndata file: scan.raw\n")
+        before = {name: self.bytes_of(name) for name in self.files()}
+        for output in ("scan.nhdr", "scan.raw"):
+            said = self.expect(2, "plan", "-f", "-o", output, "scan.nhdr").stderr
+            self.assertIn(f"{output}: is the input itself", said)
+        self.assertEqual({name: self.bytes_of(name) for name in self.files()}, before)
+
     def test_what_cannot_be_planned_is_said(self):
         for words, arguments in [
             (["copied as they are"], ["--", "transform", "grey.8vo", "--translate", "1,0,0"]),

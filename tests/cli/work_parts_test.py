@@ -44,6 +44,20 @@ class WorkInParts(cli_test.InFolder):
         self.expect_error(4, ["no result of a part"], "verify", "good.8vo", "--join", "good.8vo")
         self.assertNotIn("x", self.files())
 
+    def test_what_a_part_found_never_replaces_a_file_that_it_is_of(self):
+        self.expect(0, "threshold", "good.8vo", "--range", "1:", "-o", "mask.8vo", "-q")
+        part = ["--part", "0/2", "-f", "-o"]
+        for output, words in [("good.8vo", ["verify", "good.8vo", *part]),
+                              ("mask.8vo", ["components", "mask.8vo", *part]),
+                              ("mask.8vo", ["measure", "mask.8vo", *part]),
+                              ("good.8vo", ["measure", "mask.8vo", "--of", "good.8vo", *part])]:
+            before = (self.folder / output).read_bytes()
+            self.expect_error(2, [f"{output}: is the input itself"], *words, output)
+            self.assertEqual((self.folder / output).read_bytes(), before)
+        names = self.find_parts(2)
+        self.expect_error(2, ["found-0: is the input itself"], "components", "mask.8vo", "--join",
+                          *names, "-f", "-o", "found-0")
+
     def test_a_part_of_a_measurement_prints_no_table(self):
         self.expect_error(2, ["--csv", "--join"], "measure", "good.8vo", "--part", "0/2", "-o",
                           "x", "--csv")

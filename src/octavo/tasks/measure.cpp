@@ -192,6 +192,7 @@ MeasureResult measure(const MeasureOptions& options, const TaskContext& context)
 
 std::size_t measure_volume_part(const MeasurePartOptions& options, const TaskContext& context) {
   require_free(options.output);
+  require_no_input(options.output.path, {options.measure.labels, options.measure.grey});
   const Measurement work = opened_to_measure(options.measure, context);
   require_memory_to_measure(context);
   PartOfRegions regions;

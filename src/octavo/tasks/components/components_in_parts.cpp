@@ -66,6 +66,7 @@ LabelsOfParts kept_labels(LabelsOfParts labels, std::size_t kept) {
 std::size_t components_of_part(const ComponentsPartOptions& options, const TaskContext& context) {
   require_part(options.part);
   require_free(options.output);
+  require_no_input(options.output.path, {options.input});
   const auto mask = open_labels(options.input, context, kAsMask);
   const MaskOfPart part(*mask, options.part, options.connectivity, context.max_memory_bytes,
                         context);
@@ -79,7 +80,11 @@ std::size_t components_of_part(const ComponentsPartOptions& options, const TaskC
 ComponentsResult join_components(const JoinComponentsOptions& options,
                                  const TaskContext& context) {
   const ComponentsOptions& asked = options.components;
-  if (asked.output) require_name_of_numbers(*asked.output);
+  if (asked.output) {
+    require_name_of_numbers(*asked.output);
+    require_no_input(asked.output->path, {asked.input});
+    require_no_input(asked.output->path, options.parts);
+  }
   const auto mask = open_labels(asked.input, context, kAsMask);
   require_usable(asked, mask->description());
   const std::string question = question_of(*mask, asked.connectivity).text();

@@ -156,6 +156,7 @@ VerifiedFile verified_file_of(const ByteSource& source, const OpenFile& file) {
 
 VerifiedPart verify_volume_part(const VerifyPartOptions& options, const TaskContext& context) {
   require_free(options.output);
+  require_no_input(options.output.path, {options.input});
   const std::int64_t written = written_ns(options.input);
   VerifiedPart found = with_verify_options(
       options.input, context,

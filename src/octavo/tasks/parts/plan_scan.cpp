@@ -128,6 +128,9 @@ PlanResult plan_scan(const PlanScanOptions& options, const TaskContext& context)
   require_plan_name(output);
   PlanResult result;
   BuildPlan plan = plan_in_memory(options, context, result);
+  std::vector<std::string> files;
+  for (const SourceStamp& file : plan.files) files.push_back(file.path);
+  require_no_input(output.path, files);
   write_plan(std::move(plan), output.path, options.source_root, output.overwrite);
   return result;
 }
