@@ -70,6 +70,35 @@ TEST(PartFaults, WhateverCallFailsAPartIsWholeOrNotThere) {
   }
 }
 
+/// Of changed voxels, whose bricks wait in a scratch file: several rows of several bricks.
+TEST(PartFaults, WhateverCallFailsAPartInBandsIsThatOfWholeGroupsOrNotThere) {
+  const SmallGroups groups(kPartGroupBytes);
+  for (const VoxelType type : {VoxelType::int16, VoxelType::float32}) {
+    SmallVolume volume = small_volume("bands", type, {100, 70, 130});
+    volume.options.max_error = is_integer(type) ? 2 : 0.2;
+    const BuildPlan plan = planned(volume);
+    const GroupRun run = {1, 3};
+    MemoryStorage storage;
+    make_part(volume, plan, run, storage);
+    EXPECT_EQ(std::ranges::count(storage.calls, "create_scratch"), 0);
+    const std::vector<std::uint8_t> part = *storage.files.at(part_name(run));
+    storage.files.clear();
+    const auto make = [&] { make_part(volume, plan, run, storage, "", 2, 1); };
+    const std::size_t calls = calls_of(storage, make);
+    ASSERT_TRUE(*storage.files.at(part_name(run)) == part);
+    EXPECT_GT(std::ranges::count(storage.calls, "create_scratch"), 0);
+    for (std::size_t call = 1; call <= calls; call += 1 + calls / 5) {
+      storage.files.clear();
+      fail_call(storage, call, false, make, [&] {
+        const auto found = storage.files.find(part_name(run));
+        if (found == storage.files.end()) return;
+        ASSERT_TRUE(*found->second == part) << call;
+      });
+      ASSERT_LE(storage.files.size(), 1U) << call;
+    }
+  }
+}
+
 TEST(PartFaults, WhateverCallFailsAJoinedFileIsWholeOrNotThere) {
   const SmallGroups groups(kPartGroupBytes);
   SmallVolume volume = small_volume("faults", VoxelType::int16, {33, 20, 300});
