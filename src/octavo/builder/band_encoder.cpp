@@ -55,9 +55,9 @@ BandEncoder::BandEncoder(const BuildOutline& outline, Workers& workers, BrickSin
                          Storage& storage, const std::string& folder, Progress& progress)
     : outline_(outline),
       workers_(workers),
-      sorter_(is_changed(outline) ? std::make_optional<LayerSorter>(outline.levels, sink, storage,
-                                                                    folder)
-                                  : std::nullopt),
+      sorter_(is_changed(outline)
+                  ? std::make_optional<LayerSorter>(outline.levels, sink, storage, folder, progress)
+                  : std::nullopt),
       encoder_(outline.levels, 0, outline.description.codec_type(), workers,
                sorter_ ? static_cast<BrickSink&>(*sorter_) : sink, progress, outline.bound) {}
 

@@ -45,6 +45,9 @@ void LayerSorter::end_layer(std::span<const Sha256Digest> digests) {
   write_held_back();
   std::size_t left = held_.size();
   for (const Index3& at : layer_order(grid)) {
+    if (progress_.is_cancelled()) {
+      throw Error(ErrorKind::cancelled, "stopped while sorting bricks");
+    }
     Held& held = held_[static_cast<std::size_t>(at.y * grid.x + at.x)];
     std::uint64_t offset = held.offset;
     for (const std::size_t length : held.lengths) {

@@ -9,9 +9,11 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "octavo/core/levels.h"
+#include "octavo/core/progress.h"
 #include "octavo/file/storage/storage.h"
 #include "octavo/file/write/brick_sink.h"
 
@@ -21,8 +23,13 @@ namespace octavo {
 class LayerSorter final : public BrickSink {
  public:
   /// All must outlive it. The scratch file stands in `folder`.
-  LayerSorter(const Levels& levels, BrickSink& sink, Storage& storage, std::string folder)
-      : levels_(levels), sink_(sink), storage_(storage), folder_(std::move(folder)) {}
+  LayerSorter(const Levels& levels, BrickSink& sink, Storage& storage, std::string folder,
+              const Progress& progress)
+      : levels_(levels),
+        sink_(sink),
+        storage_(storage),
+        folder_(std::move(folder)),
+        progress_(progress) {}
 
   void add_model(const Bytes& model) override { sink_.add_model(model); }
 
@@ -36,7 +43,8 @@ class LayerSorter final : public BrickSink {
   void end_group(std::uint32_t voxels_crc) override { group_crc_ = voxels_crc; }
 
   /// Passes on the bricks of a layer, once all have come, and the end of its group where that came.
-  /// digests  of the planes of the layer. Throws what the sink throws; Error{io}
+  /// digests  of the planes of the layer. Throws what the sink throws; Error{io},
+  ///          Error{cancelled}
   void end_layer(std::span<const Sha256Digest> digests);
 
  private:
@@ -52,6 +60,7 @@ class LayerSorter final : public BrickSink {
   BrickSink& sink_;
   Storage& storage_;
   std::string folder_;
+  const Progress& progress_;
   std::unique_ptr<StorageFile> scratch_;
   std::uint64_t written_ = 0;  // in the scratch file
   Bytes tail_;                 // behind that
