@@ -1,6 +1,8 @@
 // octavo surface: a surface as triangles, for printers, solvers and viewers.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -32,8 +34,10 @@ constexpr VerbText kSurfaceText = {
     "objects lose most, a single voxel five sixths of its volume. Grey values end at the middles\n"
     "of the outer voxels. Volumes come from octavo measure. But for STL and 3MF, files have\n"
     "normals: of grey values from their gradient. GLB has axes of its own, y up, and meters; with\n"
-    "--max-deviation its points have 16 bits where that has room for their steps. --max-deviation\n"
-    "takes time: seconds for the bones of a CT head.\n\n"
+    "--max-deviation its points have 16 bits where that has room for their steps. 3MF moves all\n"
+    "objects together until their lower corner is at 0,0,0, where printers have their plate;\n"
+    "other formats keep the place of the scan. --max-deviation takes time: seconds for the bones\n"
+    "of a CT head.\n\n"
     "--seed follows the piece of the surface there from brick to brick: those that it does not\n"
     "pass are not decoded, and how many were is said.\n\n"
     "--max-deviation takes triangles away as far as every point of the surface stays within that\n"
@@ -162,10 +166,28 @@ std::string fault_words(const SurfaceResult& result) {
       result.crossing_triangles.value_or(0));
 }
 
+/// What helps against points at one place, where nothing else is at fault: rounding made them.
+std::string advice_words(const SurfaceResult& result) {
+  const MeshCheck& check = result.check;
+  const bool has_others = check.open_sides > 0 || check.repeated_sides > 0 ||
+                          check.pinched_points > 0 || result.crossing_triangles.value_or(0) > 0;
+  if (has_others || check.coincident_points == 0) return "";
+  double farthest = 0;
+  for (const MeshPoint& corner : result.bounds_mm) {
+    for (const float place : corner) farthest = std::max(farthest, std::abs(double{place}));
+  }
+  const double step = farthest - std::nextafter(static_cast<float>(farthest), 0.0f);
+  return fmt::format(
+      "coordinates are float32, whose steps are {:.2g} mm at {:.6g} mm from 0: so far away they\n"
+      "cannot be told apart; a volume whose origin is nearer to 0 helps\n",
+      step, farthest);
+}
+
 std::string report_text(const SurfaceArguments& arguments, const SurfaceResult& result) {
   if (!result.is_written) {
     return fmt::format("{}: not written, the surface has {}; --allow-open writes it\n",
-                       arguments.output, fault_words(result));
+                       arguments.output, fault_words(result)) +
+           advice_words(result);
   }
   std::string text = fmt::format("{}: {} triangles, {} {}\n", arguments.output,
                                  result.triangle_count, result.check.components,

@@ -157,6 +157,12 @@ class LabelSurfaces(cli_test.InFolder):
             report = self.json("surface", "l.8vo", "--parts", "-o", name)
             self.assertEqual(report["file_bytes"], (self.folder / name).stat().st_size)
         self.assertEqual(len(report["labels"]), 5)
+        report = self.json("surface", "l.8vo", "--parts", "-o", "a.obj")
+        _, groups = read_obj(self.folder / "a.obj")
+        self.assertEqual({name: len(faces) for name, faces in groups.items()},
+                         {name: row["triangles"] for name, row in
+                          zip(("Liver_1", "left/kidney", "left_kidney", "Liver_4", "label_9"),
+                              report["labels"])})
 
     def test_what_is_there_is_replaced_only_when_forced(self):
         self.expect(0, "surface", "l.8vo", "--parts", "-o", "organs", "-q")
@@ -187,7 +193,8 @@ class LabelSurfaces(cli_test.InFolder):
                 (2, ["l.8vo", "--parts", "--isovalue", "1", "-o", "organs"], "--isovalue"),
                 (2, ["l.8vo", "--parts", "--level", "30", "-o", "organs"], "level 30"),
                 (5, ["l.8vo", "--parts", "-o", "names.txt"], "not a folder"),
-                (5, ["l.8vo", "--parts", "-o", "missing/organs"], "missing/organs")]:
+                (5, ["l.8vo", "--parts", "-o", "missing/deep/organs"],
+                 "its folder does not exist; make it first")]:
             with self.subTest(words=words):
                 failure = self.expect(code, "surface", *words)
                 self.assertIn(expected, failure.stderr)

@@ -220,6 +220,7 @@ class Surfaces(cli_test.InFolder):
             output = self.expect(1, "surface", "v.8vo", "-o", f"m.{ending}", "--report",
                                  "m.json").stdout
             self.assertRegex(output, "not written, the surface has .* [1-9][0-9]* points at one")
+            self.assertIn("a volume whose origin is nearer to 0 helps\n", output)
             self.assertEqual(sorted(path.name for path in self.folder.iterdir()), before)
             self.expect(0, "surface", "v.8vo", "-o", f"n.{ending}", "--allow-open", "-q")
             (self.folder / f"n.{ending}").unlink()

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <utility>
 
 #include "octavo/core/error.h"
@@ -41,9 +42,20 @@ std::string line_text(std::string_view text) {
   return line;
 }
 
-std::string shortest_digits(float value) {
-  char digits[32];
-  return {digits, std::to_chars(digits, digits + sizeof digits, value).ptr};
+std::string coordinate_text(float value) {
+  // Below, the shortest digits lie within half a step of floats, 2^-21 at most.
+  constexpr float kFirstFixed = 16;
+  constexpr int kDecimals = 6;
+  char digits[64];
+  char* const end = digits + sizeof digits;
+  if (!(std::abs(value) >= kFirstFixed) || std::isinf(value)) {
+    return {digits, std::to_chars(digits, end, value).ptr};
+  }
+  std::string_view text(digits,
+                        std::to_chars(digits, end, value, std::chars_format::fixed, kDecimals).ptr);
+  text = text.substr(0, text.find_last_not_of('0') + 1);
+  if (text.ends_with('.')) text.remove_suffix(1);
+  return std::string(text);
 }
 
 std::vector<MeshPart> objects_of(const MeshDescription& mesh) {

@@ -60,8 +60,8 @@ std::string space_words(MeshSpace space);
 /// Text for one line: spaces in place of control characters.
 std::string line_text(std::string_view text);
 
-/// The shortest digits that read back as the same number.
-std::string shortest_digits(float value);
+/// Digits that read back as the same float, and as a double within 1e-6 of it.
+std::string coordinate_text(float value);
 
 /// Where no color is given.
 constexpr LabelColor kPlainColor = {230, 225, 210};

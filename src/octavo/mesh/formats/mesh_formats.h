@@ -16,7 +16,8 @@ void write_stl(const MeshDescription& mesh, PendingFile& file);
 /// labels.
 void write_ply(const MeshDescription& mesh, PendingFile& file);
 
-/// Text: points with their normals, a group of triangles for each part or pair of labels.
+/// Text: points with their normals, an object of triangles for each part, with a name that no other
+/// one has, or a group for each pair of labels.
 void write_obj(const MeshDescription& mesh, PendingFile& file);
 
 /// XML of VTK with raw arrays behind it: points with their normals, triangles with the label of

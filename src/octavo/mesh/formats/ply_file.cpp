@@ -12,11 +12,11 @@ namespace {
 
 /// Labels of PLY have 32 bits.
 std::int32_t ply_label(std::int64_t label, const PendingFile& file) {
-  constexpr std::int64_t kMost = std::numeric_limits<std::int32_t>::max();
-  if (label >= -kMost && label <= kMost) return static_cast<std::int32_t>(label);
+  using Limits = std::numeric_limits<std::int32_t>;
+  if (label >= Limits::min() && label <= Limits::max()) return static_cast<std::int32_t>(label);
   throw Error(ErrorKind::limit_exceeded,
-              "label " + std::to_string(label) + "; the format has labels up to " +
-                  std::to_string(kMost),
+              "label " + std::to_string(label) + "; the format has labels from " +
+                  std::to_string(Limits::min()) + " to " + std::to_string(Limits::max()),
               file.path());
 }
 

@@ -122,13 +122,16 @@ class ModelWriter {
   void write_three(std::string_view first, std::string_view second, std::string_view third,
                    const std::array<Number, 3>& numbers) {
     out_.text(first);
-    out_.digits(numbers[0]);
+    write_number(numbers[0]);
     out_.text(second);
-    out_.digits(numbers[1]);
+    write_number(numbers[1]);
     out_.text(third);
-    out_.digits(numbers[2]);
+    write_number(numbers[2]);
     out_.text("\"/>\n");
   }
+
+  void write_number(float value) { out_.text(coordinate_text(value)); }
+  void write_number(std::uint32_t value) { out_.digits(value); }
 
   /// Moves all objects together to where printers have their plate: no coordinate is negative.
   std::string placed_text() const {
@@ -142,7 +145,7 @@ class ModelWriter {
       is_first = false;
     }
     std::string text = "1 0 0 0 1 0 0 0 1";
-    for (const float value : lowest) text += " " + shortest_digits(0 - value);
+    for (const float value : lowest) text += " " + coordinate_text(0 - value);
     return text;
   }
 

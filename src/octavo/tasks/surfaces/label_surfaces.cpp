@@ -58,6 +58,9 @@ class PartFolder {
   void make() {
     std::error_code problem;
     std::filesystem::create_directory(path_, problem);
+    if (problem == std::errc::no_such_file_or_directory) {
+      throw Error(ErrorKind::io, "cannot create: its folder does not exist; make it first", path_);
+    }
     if (problem) throw Error(ErrorKind::io, "cannot make the folder: " + problem.message(), path_);
   }
   void keep() { is_kept_ = true; }

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
+#include <limits>
+#include <sstream>
 
 #include "octavo/core/error.h"
 #include "unit/mesh/formats/written_mesh.h"
@@ -97,9 +99,15 @@ TEST(MeshFile, PlyHoldsPairsOfLabelsInPlaceOfParts) {
   EXPECT_EQ(pair, (std::array<std::int32_t, 2>{300, 0}));
 }
 
-TEST(MeshFile, PlyRejectsALabelThatItCannotHold) {
-  std::vector<MeshPart> parts = {{"", std::int64_t{1} << 40, {}, 0, 2}};
-  EXPECT_THROW(written(MeshFormat::ply, {.mesh = kWritten, .parts = parts}), Error);
+TEST(MeshFile, PlyHoldsLabelsOf32BitsAndRejectsOthers) {
+  constexpr std::int64_t kFirst = std::numeric_limits<std::int32_t>::min();
+  std::vector<MeshPart> parts = {{"", kFirst, {}, 0, 2}};
+  const std::string bytes = written(MeshFormat::ply, {.mesh = kWritten, .parts = parts});
+  EXPECT_EQ(testing::number_in<std::int32_t>(bytes, bytes.size() - 4), kFirst);
+  for (const std::int64_t label : {kFirst - 1, -kFirst, std::int64_t{1} << 40}) {
+    parts[0].label = label;
+    EXPECT_THROW(written(MeshFormat::ply, {.mesh = kWritten, .parts = parts}), Error) << label;
+  }
 }
 
 TEST(MeshFile, ObjJoinsNoLinesThatEndWithABackslash) {
@@ -107,16 +115,50 @@ TEST(MeshFile, ObjJoinsNoLinesThatEndWithABackslash) {
   const std::vector<std::string> comments = {"of m\\"};
   const std::string text =
       written(MeshFormat::obj, {.mesh = kWritten, .parts = parts, .comments = comments});
-  EXPECT_NE(text.find("g left\\_\nf "), std::string::npos);
-  EXPECT_EQ(text.find("\\\n"), std::string::npos);
+  EXPECT_NE(text.find("o left_\ng left_\nf "), std::string::npos);
+  EXPECT_NE(text.find("# of m_\n"), std::string::npos);
+  EXPECT_EQ(text.find('\\'), std::string::npos);
 }
 
-TEST(MeshFile, ObjHasAGroupOfOneWordForEachPartOrPair) {
+TEST(MeshFile, ObjNamesThatAreAlikeGetTheNumbersOfTheirLabels) {
+  const TriangleMesh mesh = {kWritten.points, std::vector<MeshTriangle>(6, MeshTriangle{0, 2, 1})};
+  const std::vector<MeshPart> parts = {{"Liver", 1, {}, 0, 1}, {"a#b", 2, {}, 1, 2},
+                                       {"a b", 3, {}, 2, 3},   {"Liver", 4, {}, 3, 4},
+                                       {"a_b_2", 5, {}, 4, 5}, {"Liver", 1, {}, 5, 6}};
+  const std::string text = written(MeshFormat::obj, {.mesh = mesh, .parts = parts});
+  for (const std::string name :
+       {"Liver_1_1", "a_b_2_2", "a_b_3", "Liver_4", "a_b_2_5", "Liver_1_6"}) {
+    EXPECT_NE(text.find("o " + name + "\ng " + name + "\nf 1 3 2\n"), std::string::npos) << name;
+  }
+}
+
+TEST(MeshFile, CoordinatesAreWithinAMillionthOfTheirFloatsForReadersInDouble) {
+  const TriangleMesh mesh = {
+      {{1000001.375f, -100.1f, 16}, {15.9f, 1e-7f, 123456.789f}, {3e38f, 1e20f, -16.000002f}}, {}};
+  std::istringstream lines(written(MeshFormat::obj, {.mesh = mesh}));
+  std::string line;
+  std::getline(lines, line);
+  for (const MeshPoint& point : mesh.points) {
+    std::getline(lines, line);
+    std::istringstream words(line.substr(2));
+    for (const float value : point) {
+      std::string word;
+      words >> word;
+      EXPECT_NEAR(std::stod(word), value, 1e-6) << word;
+      EXPECT_EQ(std::stof(word), value) << word;
+    }
+  }
+  EXPECT_NE(written(MeshFormat::obj, {.mesh = mesh}).find("v 1000001.375 -100.099998 16\n"),
+            std::string::npos);
+}
+
+TEST(MeshFile, ObjHasAnObjectOfOneWordForEachPartAndAGroupForEachPair) {
   const Parts with;
   const std::string parts =
       written(MeshFormat::obj, {.mesh = kWritten, .normals = with.normals, .parts = with.parts});
-  EXPECT_NE(parts.find("vn 0 -1 0\ng left_lung_\"<&\xc3\xa4>\"\nf 1//1 3//3 2//2\n"
-                       "g label_300\nf 1//1 2//2 4//4\n"),
+  EXPECT_NE(parts.find("vn 0 -1 0\no left_lung_\"<&\xc3\xa4>\"\ng left_lung_\"<&\xc3\xa4>\"\n"
+                       "f 1//1 3//3 2//2\n"
+                       "o label_300\ng label_300\nf 1//1 2//2 4//4\n"),
             std::string::npos);
   const std::string pairs = written(MeshFormat::obj, {.mesh = kWritten, .pairs = with.pairs});
   EXPECT_NE(pairs.find("g label_7_to_300\nf 1 3 2\ng label_300_to_0\nf 1 2 4\n"),

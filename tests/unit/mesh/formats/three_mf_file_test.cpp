@@ -71,6 +71,13 @@ TEST(ThreeMfFile, HoldsPointsAndTrianglesInMillimeters) {
             std::string::npos);
 }
 
+TEST(ThreeMfFile, KeepsWhatFloatsFarFrom0Are) {
+  const TriangleMesh mesh = {{{1000001.375f, 0, 0}, {1000002, 1, 0}, {1000003, 0, 1}}, {{0, 1, 2}}};
+  const std::string model = model_of({.mesh = mesh});
+  EXPECT_NE(model.find("<vertex x=\"1000001.375\" y=\"0\" z=\"0\"/>"), std::string::npos);
+  EXPECT_NE(model.find("transform=\"1 0 0 0 1 0 0 0 1 -1000001.375 0 0\""), std::string::npos);
+}
+
 TEST(ThreeMfFile, HasAnObjectWithNameAndColorForEachPart) {
   const Parts with;
   const std::string model = model_of({.mesh = kWritten, .parts = with.parts});
