@@ -161,7 +161,7 @@ class LabelSurfaces(cli_test.InFolder):
         _, groups = read_obj(self.folder / "a.obj")
         self.assertEqual({name: len(faces) for name, faces in groups.items()},
                          {name: row["triangles"] for name, row in
-                          zip(("Liver_1", "left/kidney", "left_kidney", "Liver_4", "label_9"),
+                          zip(("Liver_1", "left/kidney", "left_kidney", "Liver_4", "9"),
                               report["labels"])})
 
     def test_what_is_there_is_replaced_only_when_forced(self):
