@@ -111,7 +111,7 @@ void reject(const std::string& path, const std::string& why) {
 
 std::vector<std::byte> file_head(const std::string& path, std::size_t count) {
   const SourceFile file(path);
-  std::vector<std::byte> head(count);
+  std::vector<std::byte> head(std::min<std::uint64_t>(count, file.size()));
   head.resize(file.read_some(0, head));
   return head;
 }
