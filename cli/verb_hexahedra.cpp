@@ -23,17 +23,22 @@ constexpr VerbText kHexahedraText = {
     "its octree, so elements are large inside. Leaves that touch differ by one level at most,\n"
     "also at edges and corners. With --octree nodes hang in the middle of edges and faces of\n"
     "larger elements, and the file says what they are the mean of: *EQUATION in .inp,\n"
-    "vertex_parents in .mesh, the array masters in .vtu. With --conforming no node hangs: leaves\n"
-    "beside smaller ones fall into pyramids and tetrahedra around their center, which may be more\n"
-    "elements than there are voxels. The volume is that of the voxels.\n\n"
+    "vertex_parents in .mesh, the array masters in .vtu. A .mesh with --octree has more elements\n"
+    "than the others: leaves are halved where a single smaller one lies on a face, which MFEM\n"
+    "cannot express. With --conforming no node hangs: leaves beside smaller ones fall into\n"
+    "pyramids and tetrahedra around their center, which may be more elements than there are\n"
+    "voxels. The volume is that of the voxels.\n\n"
     "Coordinates are mm in LPS. Each label is a set of elements; the six sides of the box around\n"
     "the mesh, along the axes of the grid, are the sets X_MIN to Z_MAX of nodes that do not hang\n"
     "(.inp) and the boundary attributes 1 to 6 (.mesh). Pyramids in .inp are C3D8 with four nodes\n"
-    "in one.\n\n"
+    "in one. The attribute of an element in .mesh is its label; with materials, or where a label\n"
+    "is below 1 or above 2147483647, attributes are counted from 1. Comments at the beginning say\n"
+    "the label of each.\n\n"
     "--of gives each element the mean of the grey values in it; --density turns that into a\n"
     "density in g/cm3, SLOPE * value + INTERCEPT, as your calibration says; --modulus turns that\n"
-    "into a modulus in MPa, A * density^B. Materials are bins of the modulus, equally wide.\n"
-    "Without it an .inp has no material.\n\n"
+    "into a modulus in MPa, A * density^B, where densities below 0 are taken as 0 and a warning\n"
+    "counts them; the densities in .vtu stay as they are. Materials are bins of the modulus,\n"
+    "equally wide. Without it an .inp has no material; only .vtu takes --density alone.\n\n"
     "Examples:\n"
     "  octavo hexahedra skull.8vo -o skull.vtu\n"
     "  octavo hexahedra skull.8vo --octree --keep-largest -o skull.inp\n"
@@ -170,7 +175,8 @@ void add_materials(Verb verb, HexahedraArguments& arguments) {
   verb.add_option("--of", arguments.grey, "The grey volume that the elements take values from")
       ->type_name("GREY");
   verb.add_option("--density", arguments.density,
-                  "g/cm3 of a grey value: SLOPE * value + INTERCEPT; needs --of")
+                  "g/cm3 of a grey value: SLOPE * value + INTERCEPT; needs --of, and --modulus "
+                  "but for .vtu")
       ->type_name("SLOPE,INTERCEPT");
   verb.add_option("--modulus", arguments.modulus,
                   "MPa of a density: A * density^B; needs --density")

@@ -237,6 +237,45 @@ class Hexahedra(cli_test.InFolder):
         lowest, highest = report["modulus_range_mpa"]
         self.assertTrue(all(lowest <= modulus <= highest for modulus in moduli))
 
+    def test_densities_below_0_are_counted_and_have_the_modulus_of_density_0(self):
+        told = []
+        for name in ("m.vtu", "m.inp"):
+            report = self.json("map.8vo", "--of", "grey.8vo", "--density", "0.01,-1", "--modulus",
+                               "6850,1.49", "--min-modulus", "2", "-o", name)
+            told.append(" ".join(map(str, report["warnings"])))
+        _, _, arrays = read_vtu(self.folder / "m.vtu")
+        below = [i for i, mean in enumerate(arrays["mean"]) if 0.01 * mean - 1 < -1e-9]
+        self.assertGreater(len(below), 0)
+        for i in below:
+            self.assertAlmostEqual(arrays["density_g_cm3"][i], 0.01 * arrays["mean"][i] - 1, 5)
+            self.assertEqual(arrays["modulus_mpa"][i], 2)
+        for text in told:
+            self.assertIn(f"grey.8vo: {len(below)} of {self.voxels} cells have a density below 0 "
+                          "and get the modulus of density 0", text)
+            self.assertIn("check --density", text)
+        lines = (self.folder / "m.inp").read_text().split("*DENSITY\n")[1:]
+        self.assertTrue(lines and all(float(text.split()[0]) > 0 for text in lines))
+
+    def test_comments_say_the_label_of_each_attribute_of_mfem(self):
+        data = struct.pack("<%dh" % len(places()), *(-300 * label_at(*place) for place in places()))
+        self.build("below.8vo", data, "int16", "--labels")
+        self.json("below.8vo", "-o", "m.mesh")
+        head, behind = (self.folder / "m.mesh").read_text().split("\ndimension\n")
+        comments = [line for line in head.splitlines() if line.startswith("# attribute")]
+        self.assertEqual(comments, ["# attribute 1 = label -900", "# attribute 2 = label -300"])
+        lines = behind.split("elements\n")[1].splitlines()[1:self.voxels + 1]
+        counts = [sum(line.split()[0] == attribute for line in lines) for attribute in "12"]
+        self.assertEqual(counts, [sum(label_at(*place) == label for place in places())
+                                  for label in (3, 1)])
+        report = self.json("map.8vo", "--of", "grey.8vo", "--density", "0.01,1", "--modulus",
+                           "6850,1.49", "-o", "m.mesh", "-f")
+        head = (self.folder / "m.mesh").read_text().split("\ndimension\n")[0]
+        moduli = [float(modulus)
+                  for modulus in re.findall(r"# attribute \d+ = label [13], (.+) MPa", head)]
+        self.assertEqual(len(moduli), report["materials"])
+        lowest, highest = report["modulus_range_mpa"]
+        self.assertTrue(all(lowest <= modulus <= highest for modulus in moduli))
+
     def test_only_the_largest_part_is_kept(self):
         blocks = [((2, 2, 2), 6), ((8, 8, 8), 4)]  # touch in a corner
         mask = bytes(any(all(c <= p < c + s for p, c in zip(place, corner)) for corner, s in blocks)
@@ -275,6 +314,16 @@ class Hexahedra(cli_test.InFolder):
                 (2, [*of, "--density", "1"], "--density"),
                 (2, [*of, "--density", "1,0", "--modulus", "-1,2"], "above 0"),
                 (2, [*of, "--density", "1,0", "--modulus", "1,2", "--poisson", "0.5"], "Poisson"),
+                (2, [*of, "--density", "1,0"], "give --modulus"),
+                (2, ["map.8vo", "-o", "m.mesh", "--of", "grey.8vo", "--density", "1,0"], ".vtu"),
+                (2, [*inp, "--poisson", "0.5"], "Poisson"),
+                (2, [*of, "--density", "1e300,0", "--modulus", "1,2"], "check --density"),
+                (2, ["map.8vo", "-o", "m.vtu", "--of", "grey.8vo", "--density", "0,1e300"],
+                 "check --density"),
+                (2, [*of, "--density", "1,2", "--modulus", "1e300,50"],
+                 "check --density and --modulus"),
+                (2, [*of, "--density", "1,0", "--modulus", "1,2", "--min-modulus", "1e300"],
+                 "minimum modulus"),
                 (2, [*inp, "--of", "map.8vo"], "not grey values"),
                 (6, [*inp, "--max-memory", "1K"], "the limit is 1024 bytes"),
                 (5, ["map.8vo", "-o", "missing/m.inp"], "missing"),

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <utility>
 
@@ -48,7 +49,15 @@ void require_number(bool is_right, const char* text) {
   if (!is_right) throw Error(ErrorKind::invalid_argument, text);
 }
 
-void check_materials(const HexahedraOptions& options) {
+/// Above 0 and finite as a float, in which moduli are kept.
+bool is_modulus(double mpa) {
+  return mpa >= static_cast<double>(std::numeric_limits<float>::min()) &&
+         mpa <= static_cast<double>(std::numeric_limits<float>::max());
+}
+
+void check_materials(const HexahedraOptions& options, HexFormat format) {
+  require_number(options.poisson_ratio > -1 && options.poisson_ratio < 0.5,
+                 "Poisson's ratio must lie between -1 and 0.5");
   if (options.density && options.grey.empty()) {
     reject_hexahedra("a density needs grey values", options.input, "hexahedra.grey");
   }
@@ -59,16 +68,18 @@ void check_materials(const HexahedraOptions& options) {
     require_number(std::isfinite(options.density->slope) &&
                        std::isfinite(options.density->intercept),
                    "the line of the density must have numbers");
+    if (!options.modulus && format != HexFormat::vtu) {
+      reject_hexahedra("only .vtu holds densities without a modulus", options.output.path,
+                       "hexahedra.modulus");
+    }
   }
   if (!options.modulus) return;
   const ModulusPower& power = *options.modulus;
   require_number(power.factor > 0 && std::isfinite(power.factor) && power.exponent >= 0 &&
                      std::isfinite(power.exponent),
                  "the modulus must have a factor above 0 and an exponent of 0 or more");
-  require_number(power.minimum_mpa > 0 && std::isfinite(power.minimum_mpa),
-                 "the minimum modulus must be above 0");
-  require_number(options.poisson_ratio > -1 && options.poisson_ratio < 0.5,
-                 "Poisson's ratio must lie between -1 and 0.5");
+  require_number(is_modulus(power.minimum_mpa),
+                 "the minimum modulus must lie between 1.2e-38 and 3.4e38 MPa");
   require_number(options.bin_count >= 1 && options.bin_count <= 100000,
                  "the number of bins must be 1 to 100000");
 }
@@ -108,6 +119,36 @@ std::optional<MaskTree> kept_part(const LabelTree& tree, const HexahedraOptions&
   return kept;
 }
 
+/// Rejects densities that are no finite number although the mean is one, and tells of those
+/// below 0.
+void check_densities(const CellValues& values, const HexahedraOptions& options,
+                     const TaskContext& context) {
+  std::uint64_t beyond = 0;
+  std::uint64_t below = 0;
+  for (std::size_t i = 0; i < values.mean.size(); ++i) {
+    const float density = values.density_g_cm3[i];
+    if (density < 0) ++below;
+    if (std::isfinite(values.mean[i]) && !std::isfinite(density)) ++beyond;
+  }
+  if (beyond != 0) {
+    reject_hexahedra(fmt::format("the density of {} cells is not a finite number", beyond),
+                     options.grey, "hexahedra.density_range");
+  }
+  if (below == 0) return;
+  context.warn({fmt::format("{}: {} of {} cells have a density below 0{}", options.grey, below,
+                            values.mean.size(),
+                            options.modulus ? " and get the modulus of density 0" : ""),
+                "hexahedra.density_range"});
+}
+
+void check_moduli(const CellValues& values, const HexahedraOptions& options) {
+  const auto beyond = std::ranges::count_if(
+      values.modulus_mpa, [](float modulus) { return !std::isfinite(modulus); });
+  if (beyond == 0) return;
+  reject_hexahedra(fmt::format("the modulus of {} cells is not a finite number", beyond),
+                   options.grey, "hexahedra.modulus_range");
+}
+
 CellValues cell_values_of(const FileReader& grey, const std::vector<HexCell>& cells,
                      const HexahedraOptions& options, const TaskContext& context) {
   constexpr std::uint64_t kMiB = std::uint64_t{1} << 20;
@@ -118,7 +159,10 @@ CellValues cell_values_of(const FileReader& grey, const std::vector<HexCell>& ce
   context.on_threads([&] {
     values.mean = cell_means(grey, options.level, cells, context.watcher());
   });
-  if (options.density) values.density_g_cm3 = densities_of(values.mean, *options.density);
+  if (options.density) {
+    values.density_g_cm3 = densities_of(values.mean, *options.density);
+    check_densities(values, options, context);
+  }
   if (!options.modulus) return values;
   const auto unknown = std::count_if(values.mean.begin(), values.mean.end(),
                                      [](float mean) { return !std::isfinite(mean); });
@@ -129,6 +173,7 @@ CellValues cell_values_of(const FileReader& grey, const std::vector<HexCell>& ce
                      options.grey, "");
   }
   values.modulus_mpa = moduli_of(values.density_g_cm3, *options.modulus);
+  check_moduli(values, options);
   return values;
 }
 
@@ -226,7 +271,7 @@ std::vector<std::string> hex_comments(const HexahedraOptions& options, const Fil
 
 HexahedraResult hexahedra(const HexahedraOptions& options, const TaskContext& context) {
   const HexFormat format = asked_format(options);
-  check_materials(options);
+  check_materials(options, format);
   const std::shared_ptr<const FileReader> reader = open_labels(options.input, context, kAsMask);
   require_level(reader->levels(), options.level);
   const std::shared_ptr<const FileReader> grey =

@@ -23,7 +23,7 @@ struct HexahedraOptions {
   int level = 0;
   bool keep_largest = false;   ///< only the largest part that is connected over faces
   std::string grey;            ///< measured under the cells, on the same grid; or nothing
-  std::optional<DensityLine> density;    ///< needs `grey`
+  std::optional<DensityLine> density;    ///< needs `grey`, and but for .vtu `modulus`
   std::optional<ModulusPower> modulus;   ///< needs `density`
   double poisson_ratio = 0.3;            ///< of the materials
   int bin_count = 32;                    ///< materials between the softest and the stiffest
@@ -48,11 +48,12 @@ struct HexahedraResult {
   std::uint64_t file_bytes = 0;
 };
 
-/// Writes a mesh of the voxels of a level. Warns where the spacing is not known, and of parts that
-/// are not connected over faces, which solvers leave afloat.
+/// Writes a mesh of the voxels of a level. Warns where the spacing is not known, of densities below
+/// 0, and of parts that are not connected over faces, which solvers leave afloat.
 /// Throws  as open_labels, require_free, labels_of, hex_cells, cell_means and write_hex_mesh;
 ///         Error{invalid_argument} where no voxel has a label, when options do not go together, for
-///         hanging nodes in .msh, and where materials are asked for but a cell has no grey value
+///         hanging nodes in .msh, where materials are asked for but a cell has no grey value, and
+///         where a density or modulus is not finite
 /// Memory  that of the label tree; 20 bytes per cell, 1.7 KB per cube of 16^3 voxels that the
 ///         object meets, twice that while nodes are numbered, with grey values 12 per cell more; 68
 ///         bytes per cell while they are sorted

@@ -175,7 +175,7 @@ std::vector<float> densities_of(std::span<const float> means, const DensityLine&
   densities.reserve(means.size());
   for (const float mean : means) {
     const double density = line.slope * static_cast<double>(mean) + line.intercept;
-    densities.push_back(static_cast<float>(std::max(density, 0.0)));
+    densities.push_back(static_cast<float>(density));
   }
   return densities;
 }
@@ -184,7 +184,8 @@ std::vector<float> moduli_of(std::span<const float> densities, const ModulusPowe
   std::vector<float> moduli;
   moduli.reserve(densities.size());
   for (const float density : densities) {
-    const double modulus = power.factor * std::pow(static_cast<double>(density), power.exponent);
+    const double modulus =
+        power.factor * std::pow(std::max(static_cast<double>(density), 0.0), power.exponent);
     moduli.push_back(static_cast<float>(std::max(modulus, power.minimum_mpa)));
   }
   return moduli;
@@ -215,7 +216,7 @@ std::vector<HexGroup> group_by_modulus(std::vector<HexCell>& cells, CellValues& 
     for (std::uint64_t i = group.first_cell; i < group.end_cell; ++i) {
       const auto voxels = static_cast<double>(cube_volume(cells[i].level));
       sum.modulus_mpa += voxels * static_cast<double>(values.modulus_mpa[i]);
-      sum.density_g_cm3 += voxels * static_cast<double>(values.density_g_cm3[i]);
+      sum.density_g_cm3 += voxels * std::max(static_cast<double>(values.density_g_cm3[i]), 0.0);
       volume += voxels;
     }
     group.material = HexMaterial{sum.modulus_mpa / volume, sum.density_g_cm3 / volume};

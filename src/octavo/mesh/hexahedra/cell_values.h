@@ -15,13 +15,14 @@
 
 namespace octavo {
 
-/// Density in g/cm3 = slope * value + intercept; where that is below 0, it is 0.
+/// Density in g/cm3 = slope * value + intercept.
 struct DensityLine {
   double slope = 0;
   double intercept = 0;
 };
 
-/// E in MPa = factor * density^exponent, at the lowest `minimum_mpa`.
+/// E in MPa = factor * density^exponent, at the lowest `minimum_mpa`; densities below 0 are taken
+/// as 0.
 struct ModulusPower {
   double factor = 0;
   double exponent = 0;
@@ -37,6 +38,7 @@ struct ModulusPower {
 std::vector<float> cell_means(const FileReader& grey, int level, std::span<const HexCell> cells,
                               Progress& progress);
 
+/// Infinite where a density or modulus is beyond the numbers of float; of a NaN NaN.
 std::vector<float> densities_of(std::span<const float> means, const DensityLine& line);
 std::vector<float> moduli_of(std::span<const float> densities, const ModulusPower& power);
 
@@ -44,7 +46,8 @@ std::vector<float> moduli_of(std::span<const float> densities, const ModulusPowe
 std::vector<HexGroup> group_by_label(std::vector<HexCell>& cells, CellValues& values);
 
 /// The same by label and by modulus, whose range over all cells is divided into `bin_count` bins of
-/// equal width. The material of a group has the mean modulus and density of its volume.
+/// equal width. The material of a group has the mean modulus and density of its volume, densities
+/// below 0 as 0.
 std::vector<HexGroup> group_by_modulus(std::vector<HexCell>& cells, CellValues& values,
                                        int bin_count);
 

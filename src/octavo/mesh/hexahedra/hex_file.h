@@ -5,7 +5,7 @@
 // | .vtu | VTK cells, appended binary | the array `masters`: nodes they are the mean of | arrays |
 // | .inp | C3D8, C3D4; a pyramid is a C3D8 with four nodes in one | *EQUATION | ELSET, *MATERIAL |
 // | .msh | Gmsh 4.1, text | not written | physical volumes |
-// | .mesh | MFEM 1.0 | MFEM 1.1, vertex_parents | attributes |
+// | .mesh | MFEM 1.0 | MFEM 1.1, vertex_parents | attributes, comments say of which label |
 //
 // The six sides of the box around the mesh are NSETs in .inp, of nodes that do not hang, and
 // boundary attributes 1 to 6 in .mesh: x_min, x_max, y_min, y_max, z_min, z_max along the axes of
@@ -54,7 +54,7 @@ void write_hex_mfem(const HexMesh& mesh, const HexFileText& text, const Progress
                     PendingFile& file);
 
 /// The number of a group in formats that have one number per element: that of its material, or its
-/// label where there are none and all labels are above 0 and fit.
+/// label where there are none and all labels are above 0 and fit in 31 bits.
 std::int64_t group_attribute(const HexMesh& mesh, std::size_t group);
 
 /// "LABEL_3", or "LABEL_3_MATERIAL_7" with materials.

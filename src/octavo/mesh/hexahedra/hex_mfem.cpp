@@ -20,6 +20,7 @@ class MfemWriter {
     const bool has_hanging = mesh_.hanging_count() != 0;
     out_.text(has_hanging ? "MFEM mesh v1.1\n\n" : "MFEM mesh v1.0\n\n");
     for (const std::string& comment : text.comments) out_.text("# ").text(comment).text("\n");
+    attributes();
     out_.text("\ndimension\n3\n");
     elements();
     boundary();
@@ -36,6 +37,17 @@ class MfemWriter {
     out_.digits(attribute).text(" ").digits(type);
     for (const std::uint32_t node : nodes) out_.text(" ").digits(node);
     out_.text("\n");
+  }
+
+  /// Comments, since attributes have no names in these versions of the format.
+  void attributes() {
+    for (std::size_t i = 0; i < mesh_.groups().size(); ++i) {
+      const HexGroup& group = mesh_.groups()[i];
+      out_.text("# attribute ").digits(group_attribute(mesh_, i));
+      out_.text(" = label ").digits(mesh_.labels()[group.label]);
+      if (group.material) out_.text(", ").digits(group.material->modulus_mpa).text(" MPa");
+      out_.text("\n");
+    }
   }
 
   void elements() {
