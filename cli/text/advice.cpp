@@ -282,7 +282,9 @@ std::string advice_for(const Error& error) {
 }
 
 std::string with_advice(const Warning& warning) {
-  return warning.field == "spacing_mm" ? warning.text + "; give --spacing x,y,z" : warning.text;
+  if (warning.field == "spacing_mm") return warning.text + "; give --spacing x,y,z";
+  if (warning.field != "hexahedra.density_range") return warning.text;
+  return warning.text + "; " + advice_for_note(warning.field);
 }
 
 }  // namespace octavo::cli
