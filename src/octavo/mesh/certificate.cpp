@@ -150,6 +150,24 @@ class TreeFinder {
   double distance_;
 };
 
+/// The nearest of the triangles of corners at less than `limit`, which is the distance where there
+/// is none.
+NearCorner nearest_of_corners(const TriangleMesh& mesh, const Point3& place,
+                              const NearCorners& corners, double limit) {
+  NearCorner found{place, {}};
+  double best = limit * limit;
+  for (const NearCorner& corner : corners) {
+    const std::uint32_t number = corner.nearest.triangle;
+    if (number == found.nearest.triangle) continue;
+    const double own = squared_distance(place, places_of(mesh, mesh.triangles[number]));
+    if (own >= best) continue;
+    best = own;
+    found.nearest.triangle = number;
+  }
+  found.nearest.distance = std::sqrt(best);
+  return found;
+}
+
 /// Knows nothing but the triangles of the corners.
 class CornerFinder {
  public:
@@ -159,17 +177,7 @@ class CornerFinder {
 
   bool find(const Point3& place, const NearCorners& corners, int /*depth*/,
             NearCorner& found) const {
-    found = {place, {}};
-    double best = distance_ * distance_;
-    for (const NearCorner& corner : corners) {
-      const std::uint32_t number = corner.nearest.triangle;
-      if (number == found.nearest.triangle) continue;
-      const double own = squared_distance(place, places_of(other_, other_.triangles[number]));
-      if (own >= best) continue;
-      best = own;
-      found.nearest.triangle = number;
-    }
-    found.nearest.distance = std::sqrt(best);
+    found = nearest_of_corners(other_, place, corners, distance_);
     return is_found(found);
   }
 
@@ -204,18 +212,8 @@ class PointFinder {
 
   bool find(const Point3& place, const NearCorners& corners, int /*depth*/,
             NearCorner& found) const {
-    found = {place, {}};
-    double best = kNearEnough * kNearEnough * distance_ * distance_;
-    for (const NearCorner& corner : corners) {
-      const std::uint32_t number = corner.nearest.triangle;
-      if (number == found.nearest.triangle) continue;
-      const double own = squared_distance(place, places_of(other_, other_.triangles[number]));
-      if (own >= best) continue;
-      best = own;
-      found.nearest.triangle = number;
-    }
-    if (is_found(found)) found.nearest.distance = std::sqrt(best);
-    else found.nearest = nearest(place);
+    found = nearest_of_corners(other_, place, corners, kNearEnough * distance_);
+    if (!is_found(found)) found.nearest = nearest(place);
     return is_found(found);
   }
 

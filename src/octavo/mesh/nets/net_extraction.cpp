@@ -1,8 +1,6 @@
 #include "octavo/mesh/nets/net_extraction.h"
 
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <limits>
@@ -14,6 +12,7 @@
 #include <vector>
 
 #include "octavo/core/error.h"
+#include "octavo/mesh/block_layers.h"
 #include "octavo/mesh/nets/net_block.h"
 
 namespace octavo {
@@ -124,89 +123,54 @@ class LabelFiller {
   Size3 brick_side_;
 };
 
+/// What BlockLayers does with blocks; those of one label are null.
 template <class T>
 class NetExtraction {
  public:
-  NetExtraction(const FileReader& reader, int level, NetSink& sink, Progress& progress)
+  using Layer = BlockLayers<NetBlock>::Layer;
+
+  NetExtraction(const FileReader& reader, int level, NetSink& sink)
       : filler_(reader, level),
         size_(reader.levels().size(level)),
         is_mirrored_(SurfaceFrame(reader.levels().geometry(reader.description().geometry, level),
                                   size_)
                          .is_mirrored()),
-        sink_(sink),
-        progress_(progress) {
-    // One block more than the voxels fill: the last corners lie behind them.
-    grid_ = {size_.x / kSurfaceSide + 1, size_.y / kSurfaceSide + 1, size_.z / kSurfaceSide + 1};
+        sink_(sink) {}
+
+  void extract(Progress& progress) {
+    BlockLayers<NetBlock> layers(size_, progress);
+    quads_.resize(layers.layer_blocks());
+    layers.visit(*this);
   }
 
-  void extract() {
-    NetLayer before(layer_blocks());
-    for (std::int64_t z = 0; z < grid_.z; ++z) {
-      NetLayer layer = make_layer(z);
-      number(layer);
-      join(before, layer);
-      sink_.finish_layer();
-      before = std::move(layer);
-      const std::int64_t planes = size_.z - z * kSurfaceSide;
-      progress_.advance(std::clamp<std::int64_t>(planes, 0, kSurfaceSide));
+  void fetch(const Index3& place) { filler_.fetch(place, spaces_.local()); }
+
+  std::unique_ptr<NetBlock> make(const Index3& place) {
+    NetSpace<T>& space = spaces_.local();
+    if (!filler_.fill(place, space)) return nullptr;
+    return space.maker.make(LabelFiller<T>::corner_of(place));
+  }
+
+  void number(NetBlock& block) {
+    sink_.add_points(block.points);
+    std::vector<NetPoint>().swap(block.points);
+    number_pairs(block);
+  }
+
+  void join(std::size_t i, NetBlock& block, const NetBlocksBefore& blocks) {
+    quads_[i] = joined_quads(blocks, is_mirrored_);
+    std::vector<NetFace>().swap(block.faces);
+  }
+
+  void finish(const Layer& /*layer*/) {
+    for (auto& some : quads_) {
+      if (!some.empty()) sink_.add_quads(some);
+      std::vector<NetQuad>().swap(some);
     }
+    sink_.finish_layer();
   }
 
  private:
-  /// The blocks of one layer, [y][x]; those of one label are null.
-  using NetLayer = std::vector<std::unique_ptr<NetBlock>>;
-
-  static constexpr std::size_t kFetchedBlocks = 128;
-
-  std::size_t layer_blocks() const { return static_cast<std::size_t>(grid_.x * grid_.y); }
-
-  template <class Work>
-  void for_each_block(std::size_t first, std::size_t end, Work work) {
-    tbb::parallel_for(first, end, [&](std::size_t i) {
-      if (progress_.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
-      const auto at = static_cast<std::int64_t>(i);
-      work(i, at % grid_.x, at / grid_.x);
-    });
-  }
-
-  /// Blocks overlap in the bricks that they read. So that no two threads decode the same one, those
-  /// of some blocks are all fetched before these are made.
-  NetLayer make_layer(std::int64_t z) {
-    NetLayer layer(layer_blocks());
-    for (std::size_t first = 0; first < layer.size(); first += kFetchedBlocks) {
-      const std::size_t end = std::min(first + kFetchedBlocks, layer.size());
-      if (tbb::this_task_arena::max_concurrency() > 1) {
-        for_each_block(first, end, [&](std::size_t, std::int64_t x, std::int64_t y) {
-          filler_.fetch({x, y, z}, spaces_.local());
-        });
-      }
-      for_each_block(first, end, [&](std::size_t i, std::int64_t x, std::int64_t y) {
-        NetSpace<T>& space = spaces_.local();
-        if (!filler_.fill({x, y, z}, space)) return;
-        layer[i] = space.maker.make(LabelFiller<T>::corner_of({x, y, z}));
-      });
-    }
-    return layer;
-  }
-
-  /// Gives the points of a layer their numbers, and hands them out.
-  void number(const NetLayer& layer) {
-    for (const auto& block : layer) {
-      if (!block) continue;
-      constexpr std::uint64_t kMost = std::numeric_limits<std::uint32_t>::max();
-      if (point_count_ + block->points.size() > kMost) {
-        throw Error(ErrorKind::limit_exceeded,
-                    "the surface has more than " + std::to_string(kMost) + " points")
-            .with_field("level");
-      }
-      block->first_point = static_cast<std::uint32_t>(point_count_);
-      point_count_ += block->points.size();
-      sink_.add_points(block->points);
-      std::vector<NetPoint>().swap(block->points);
-      number_pairs(*block);
-    }
-  }
-
   /// Gives the pairs of a block their numbers, and hands out those that are new.
   void number_pairs(NetBlock& block) {
     std::vector<LabelPair> added;
@@ -219,35 +183,11 @@ class NetExtraction {
     if (!added.empty()) sink_.add_pairs(added);
   }
 
-  void join(const NetLayer& before, const NetLayer& layer) {
-    std::vector<std::vector<NetQuad>> quads(layer.size());
-    for_each_block(0, layer.size(), [&](std::size_t i, std::int64_t x, std::int64_t y) {
-      if (!layer[i]) return;
-      NetBlocksBefore blocks{};
-      for (std::size_t dz = 0; dz < 2; ++dz) {
-        for (std::size_t dy = 0; dy < 2; ++dy) {
-          for (std::size_t dx = 0; dx < 2; ++dx) {
-            if ((dx == 1 && x == 0) || (dy == 1 && y == 0)) continue;
-            const std::size_t at = i - dx - dy * static_cast<std::size_t>(grid_.x);
-            blocks[dz][dy][dx] = (dz == 0 ? layer : before)[at].get();
-          }
-        }
-      }
-      quads[i] = joined_quads(blocks, is_mirrored_);
-      std::vector<NetFace>().swap(layer[i]->faces);
-    });
-    for (const auto& some : quads) {
-      if (!some.empty()) sink_.add_quads(some);
-    }
-  }
-
   LabelFiller<T> filler_;
   Size3 size_;
   bool is_mirrored_;
   NetSink& sink_;
-  Progress& progress_;
-  Size3 grid_;  // of blocks
-  std::uint64_t point_count_ = 0;
+  std::vector<std::vector<NetQuad>> quads_;  // of the blocks of a layer
   std::map<LabelPair, std::uint32_t> pair_numbers_;
   tbb::enumerable_thread_specific<NetSpace<T>> spaces_;
 };
@@ -276,7 +216,7 @@ void extract_net(const FileReader& reader, int level, NetSink& sink, Progress& p
   with_voxel_type(reader.description().type, [&](auto tag) {
     using T = typename decltype(tag)::type;
     if constexpr (std::is_integral_v<T>) {
-      NetExtraction<T>(reader, level, sink, progress).extract();
+      NetExtraction<T>(reader, level, sink).extract(progress);
     }
   });
 }
