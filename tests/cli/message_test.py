@@ -412,6 +412,17 @@ class Messages(cli_test.InFolder):
         self.expect_error(5, ["its folder does not exist"], "condense", "v.8vo", "--flat", "3",
                           "-o", "nowhere/x.8vo")
 
+    def test_a_volume_is_never_replaced_by_a_picture_or_an_export_of_it(self):
+        self.expect(0, "phantom", "--size", "40", "-o", "p.8vo", "-q")
+        for name, words in [("t.png", ["slice"]), ("t.png", ["render", "--range", "1:"]),
+                            ("t.nrrd", ["export"]), ("t.mha", ["export"]), ("t.nii", ["export"])]:
+            with self.subTest(name, words=words):
+                before = (self.folder / "p.8vo").read_bytes()
+                (self.folder / name).write_bytes(before)
+                self.expect_error(2, [f"{name}: is the input itself"], *words, name, "-o", name,
+                                  "-f")
+                self.assertEqual((self.folder / name).read_bytes(), before)
+
     def test_one_of_a_kind_is_one(self):
         voxels = [0] * (SIZE[0] * SIZE[1] * SIZE[2])
         voxels[0] = 1

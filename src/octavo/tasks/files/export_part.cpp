@@ -94,6 +94,7 @@ std::vector<Warning> limit_warnings(const ExportPartOptions& options, const File
 ExportPartResult export_part(const ExportPartOptions& options, const TaskContext& context) {
   const std::string& output = options.output.path;
   const ExportFormat format = export_format_of(output);
+  require_no_input(output, {options.input});
   const auto reader = salvaging(open_volume(options.input, context), options.salvage, context);
   const ExportOptions how = export_options(options, *reader, context);
   const ExportLimits limits = export_limits(*reader, format, how);

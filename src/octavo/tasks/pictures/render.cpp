@@ -205,7 +205,10 @@ RenderResult render(const RenderOptions& options, const TaskContext& context) {
             viewpoint_of(options.view, volume.geometry), frame_of(options));
   check_tissues(options.tissues, reader->description(), options.input, context);
   if (options.mode != RenderMode::transparency) require_cube_scene(*reader, options);
-  for (const std::string& path : paths) require_free({path, options.output.overwrite});
+  for (const std::string& path : paths) {
+    require_free({path, options.output.overwrite});
+    require_no_input(path, {options.input});
+  }
 
   const auto scene = make_scene(reader, options, context);
   if (!is_place_known(volume) && (!options.view.steps || options.turntable > 0)) {

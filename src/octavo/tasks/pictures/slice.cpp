@@ -245,6 +245,7 @@ std::vector<Drawing> planned(const SliceOptions& options, const FileReader& read
       drawing.path.insert(drawing.path.size() - 4, fmt::format("-{}", "xyz"[axis]));
     }
     require_free({drawing.path, options.output.overwrite});
+    require_no_input(drawing.path, {options.input});
     drawing.options = look;
     choose_sections(drawing.options, options, reader, axis);
     const auto pixels = static_cast<std::uint64_t>(slice_pixels(reader, drawing.options));
