@@ -22,9 +22,13 @@ class DyingStorage final : public Storage {
 
   /// Of a file system without locks.
   void lose_locks() { has_locks_ = false; }
+  /// Of one that cannot let two names change places.
+  void lose_exchange() { has_exchange_ = false; }
+  /// Calls behind the one that fails work again: it is a failure and no death.
+  void fail_once() { fails_once_ = true; }
 
   std::size_t calls() const { return calls_; }
-  bool is_dead() const { return fail_at_ > 0 && calls_ >= fail_at_; }
+  bool is_dead() const { return fail_at_ > 0 && calls_ >= fail_at_ && !fails_once_; }
 
   std::unique_ptr<StorageFile> open_read(const std::string& path) override {
     return file(storage_.open_read(counted(path)));
@@ -57,7 +61,17 @@ class DyingStorage final : public Storage {
   void rename_new(const std::string& from, const std::string& to) override {
     storage_.rename_new(counted(from), to);
   }
+  bool exchange(const std::string& a, const std::string& b) override {
+    return has_exchange_ && storage_.exchange(counted(a), b);
+  }
   void remove(const std::string& path) override { storage_.remove(counted(path)); }
+  std::unique_ptr<StorageFile> create_folder(const std::string& path,
+                                             const std::string& target) override {
+    return file(storage_.create_folder(counted(path), target));
+  }
+  std::unique_ptr<StorageFile> lock_left(const std::string& path) override {
+    return has_locks_ ? file(storage_.lock_left(path)) : nullptr;
+  }
   std::vector<std::string> list(const std::string& prefix) override {
     return storage_.list(prefix);
   }
@@ -65,6 +79,8 @@ class DyingStorage final : public Storage {
 
  private:
   bool has_locks_ = true;
+  bool has_exchange_ = true;
+  bool fails_once_ = false;
 
   class File final : public StorageFile {
    public:
@@ -103,7 +119,7 @@ class DyingStorage final : public Storage {
 
   const std::string& counted(const std::string& path) {
     const std::size_t call = ++calls_;
-    if (fail_at_ == 0 || call < fail_at_) return path;
+    if (fail_at_ == 0 || call < fail_at_ || (fails_once_ && call > fail_at_)) return path;
     throw Error(ErrorKind::io, "the storage is gone", path);
   }
 

@@ -29,13 +29,22 @@ std::uint64_t machine_memory_bytes() {
 
 }  // namespace
 
+void require_folder_around(const std::string& path) {
+  switch (local_storage().path_type(folder_of(path))) {
+    case PathType::folder: return;
+    case PathType::missing:
+      throw Error(ErrorKind::io, "cannot create: its folder does not exist; make it first", path);
+    default: throw Error(ErrorKind::io, "cannot create: Not a directory", path);
+  }
+}
+
 void require_free(const Output& output) {
   const std::string& path = output.path;
   if (base_name_of(path).size() > kMaxNameBytes) {
     throw Error(ErrorKind::io, "its name is longer than 255 bytes", path);
   }
   switch (local_storage().path_type(path)) {
-    case PathType::missing: return;
+    case PathType::missing: return require_folder_around(path);
     case PathType::folder: throw Error(ErrorKind::io, "is a folder; name the file to write", path);
     case PathType::other:
       throw Error(ErrorKind::io, "exists and is not a regular file; choose another name", path);

@@ -16,7 +16,10 @@ struct Output {
   bool has_thumbnail = false;  ///< an .8vo file gets one
 };
 
-/// Throws Error{io} when the name cannot be used: too long, a folder, taken and not to be
+/// Throws Error{io} where the folder that a path lies in is missing, or is none.
+void require_folder_around(const std::string& path);
+
+/// Throws Error{io} when the name cannot be used: too long, a folder, in none, taken and not to be
 /// overwritten.
 void require_free(const Output& output);
 

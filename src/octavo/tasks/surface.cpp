@@ -265,6 +265,11 @@ SurfaceResult surface(const SurfaceOptions& options, const TaskContext& context)
   require_level(reader->levels(), options.level);
   deviation_mm(options.max_deviation, volume.geometry);
   check_kind(options, volume);
+  if (!options.labels.is_empty()) {
+    const LabelNames& names = volume.metadata.facts().labels;
+    const std::vector<std::int64_t> labels = labels_of(options.labels, names, options.input);
+    if (labels.size() == 1) require_label(format, labels.front(), options.output.path);
+  }
   const SurfaceField field = field_of(options, volume);
   check_range(*reader, field, options);
   if (!is_spacing_known(volume)) {

@@ -7,9 +7,12 @@
 namespace octavo {
 
 PendingFile::PendingFile(Storage& storage, std::string path)
+    : PendingFile(storage, path, path) {}
+
+PendingFile::PendingFile(Storage& storage, std::string path, const std::string& target)
     : storage_(storage), path_(std::move(path)) {
   try {
-    TemporaryFile temporary = create_temporary(storage_, path_);
+    TemporaryFile temporary = create_temporary(storage_, path_, target);
     temporary_path_ = std::move(temporary.path);
     file_ = std::move(temporary.file);
   } catch (const Error& failure) {

@@ -16,6 +16,8 @@ namespace octavo {
 class PendingFile {
  public:
   PendingFile(Storage& storage, std::string path);
+  /// Open to nobody to whom what stands at `target` is not, whose place it takes later on.
+  PendingFile(Storage& storage, std::string path, const std::string& target);
   ~PendingFile();
   PendingFile(const PendingFile&) = delete;
   PendingFile& operator=(const PendingFile&) = delete;

@@ -79,12 +79,13 @@ namespace {
 using Make = std::unique_ptr<StorageFile> (Storage::*)(const std::string& path,
                                                        const std::string& target);
 
-TemporaryFile create(Storage& storage, const std::string& path, Make make) {
+TemporaryFile create(Storage& storage, const std::string& path, const std::string& target,
+                     Make make) {
   storage.remove_stale(temporary_prefix(path));
   for (int attempt = 1;; ++attempt) {
     std::string name = free_temporary_name(storage, path);
     try {
-      auto file = (storage.*make)(name, path);
+      auto file = (storage.*make)(name, target);
       return {std::move(name), std::move(file)};
     } catch (const Error&) {
       // In another container a program of the same number may have been faster.
@@ -109,12 +110,17 @@ std::string free_temporary_name(Storage& storage, const std::string& path) {
               path);
 }
 
+TemporaryFile create_temporary(Storage& storage, const std::string& path,
+                               const std::string& target) {
+  return create(storage, path, target, &Storage::create_replacement);
+}
+
 TemporaryFile create_temporary(Storage& storage, const std::string& path) {
-  return create(storage, path, &Storage::create_replacement);
+  return create_temporary(storage, path, path);
 }
 
 TemporaryFile create_temporary_folder(Storage& storage, const std::string& path) {
-  return create(storage, path, &Storage::create_folder);
+  return create(storage, path, path, &Storage::create_folder);
 }
 
 Error retold(const Error& error, ErrorKind kind, const std::string& detail,

@@ -49,9 +49,12 @@ struct TemporaryFile {
   std::unique_ptr<StorageFile> file;
 };
 
-/// A new file for what will be `path`, open to nobody to whom a file that stands there is not. What
-/// was left behind for the same name is removed first.
+/// A new file for what will be `path`, open to nobody to whom a file that stands at `target` is
+/// not. What was left behind for the same name is removed first.
 /// Throws Error{io}
+TemporaryFile create_temporary(Storage& storage, const std::string& path,
+                               const std::string& target);
+/// The same where the file at `path` is replaced.
 TemporaryFile create_temporary(Storage& storage, const std::string& path);
 
 /// The same with a new folder.

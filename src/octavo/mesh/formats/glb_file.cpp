@@ -91,8 +91,11 @@ JsonObject range_of(const std::vector<std::array<Number, kSize>>& places) {
 
 class GlbWriter {
  public:
-  explicit GlbWriter(const MeshDescription& described)
-      : described_(described), buffers_(described.is_plain), used_(described.mesh) {}
+  GlbWriter(const MeshDescription& described, const Progress& watcher)
+      : described_(described),
+        watcher_(watcher),
+        buffers_(described.is_plain),
+        used_(described.mesh) {}
 
   void write(PendingFile& file) {
     for (const MeshPart& part : objects_of(described_)) add_part(part);
@@ -105,7 +108,7 @@ class GlbWriter {
     if (!bytes.empty()) size += kChunkHeadBytes + bytes.size();
     require_countable(size, std::numeric_limits<std::uint32_t>::max(), "bytes", file);
 
-    MeshBytes out(file);
+    MeshBytes out(file, watcher_);
     out.text("glTF");
     out.number(std::uint32_t{2});
     out.number(static_cast<std::uint32_t>(size));
@@ -122,11 +125,14 @@ class GlbWriter {
 
  private:
   void add_part(const MeshPart& part) {
+    stop_if_cancelled(watcher_);
     const OrderedPart ordered(part, used_, described_.is_plain);
+    stop_if_cancelled(watcher_);
     JsonObject node;
     node.set("name", part_name(part)).set("mesh", meshes_.size());
     JsonObject attributes;
     attributes.set("POSITION", add_positions(ordered.points(), node));
+    stop_if_cancelled(watcher_);
     if (!described_.normals.empty()) {
       attributes.set("NORMAL", add_normals(ordered.points()));
     }
@@ -231,6 +237,7 @@ class GlbWriter {
   }
 
   const MeshDescription& described_;
+  const Progress& watcher_;
   GlbBuffers buffers_;
   UsedPoints used_;
   bool has_small_numbers_ = false;  // of 8 or 16 bits
@@ -241,8 +248,8 @@ class GlbWriter {
 
 }  // namespace
 
-void write_glb(const MeshDescription& described, PendingFile& file) {
-  GlbWriter(described).write(file);
+void write_glb(const MeshDescription& described, const Progress& watcher, PendingFile& file) {
+  GlbWriter(described, watcher).write(file);
 }
 
 }  // namespace octavo

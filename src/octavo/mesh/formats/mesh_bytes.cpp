@@ -11,14 +11,20 @@ namespace octavo {
 
 static_assert(std::endian::native == std::endian::little, "numbers are written as they are");
 
-MeshBytes::MeshBytes(PendingFile& file)
-    : MeshBytes([&file](ByteSpan bytes) { file.append(bytes); }) {}
+void stop_if_cancelled(const Progress& watcher) {
+  if (watcher.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
+}
 
-MeshBytes::MeshBytes(std::function<void(ByteSpan)> take) : take_(std::move(take)) {
+MeshBytes::MeshBytes(PendingFile& file, const Progress& watcher)
+    : MeshBytes([&file](ByteSpan bytes) { file.append(bytes); }, watcher) {}
+
+MeshBytes::MeshBytes(std::function<void(ByteSpan)> take, const Progress& watcher)
+    : take_(std::move(take)), watcher_(watcher) {
   buffer_.reserve(kBytes);
 }
 
 void MeshBytes::flush() {
+  stop_if_cancelled(watcher_);
   if (!buffer_.empty()) take_(buffer_);
   buffer_.clear();
 }

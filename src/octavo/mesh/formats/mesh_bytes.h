@@ -10,18 +10,20 @@
 #include <vector>
 
 #include "octavo/core/bytes.h"
+#include "octavo/core/progress.h"
 #include "octavo/file/storage/pending_file.h"
 #include "octavo/mesh/formats/mesh_description.h"
 
 namespace octavo {
 
-/// Appends small pieces to a file, a megabyte at a time.
-/// Throws  as PendingFile, or as what takes the bytes
+/// Appends small pieces to a file, a megabyte at a time; the watcher can end it with each. Both
+/// outlive this.
+/// Throws  Error{cancelled}; as PendingFile, or as what takes the bytes
 class MeshBytes {
  public:
-  explicit MeshBytes(PendingFile& file);
+  MeshBytes(PendingFile& file, const Progress& watcher);
   /// The bytes go to `take` instead.
-  explicit MeshBytes(std::function<void(ByteSpan)> take);
+  MeshBytes(std::function<void(ByteSpan)> take, const Progress& watcher);
 
   /// As it is in memory, which is little-endian.
   template <class T>
@@ -44,6 +46,7 @@ class MeshBytes {
   void raw(const void* data, std::size_t size);
 
   std::function<void(ByteSpan)> take_;
+  const Progress& watcher_;
   Bytes buffer_;
 };
 
@@ -74,6 +77,9 @@ std::string part_name(const MeshPart& part);
 
 /// Whether every triangle lies in a part that has a label.
 bool has_part_labels(const MeshDescription& mesh);
+
+/// Throws  Error{cancelled} once the one who watches asked to stop
+void stop_if_cancelled(const Progress& watcher);
 
 /// Throws  Error{limit_exceeded} that names the file where `count` is above `most`
 void require_countable(std::uint64_t count, std::uint64_t most, const char* what,

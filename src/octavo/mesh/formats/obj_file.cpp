@@ -59,10 +59,10 @@ void write_floats(MeshBytes& out, const char* keyword, const MeshPoint& values) 
 
 }  // namespace
 
-void write_obj(const MeshDescription& described, PendingFile& file) {
+void write_obj(const MeshDescription& described, const Progress& watcher, PendingFile& file) {
   const TriangleMesh& mesh = described.mesh;
   const bool has_normals = !described.normals.empty();
-  MeshBytes out(file);
+  MeshBytes out(file, watcher);
   for (const std::string& comment : described.comments) {
     out.text("# " + obj_line(comment) + "\n");
   }

@@ -2,22 +2,17 @@
 #include <limits>
 #include <string>
 
-#include "octavo/core/error.h"
 #include "octavo/mesh/formats/mesh_bytes.h"
+#include "octavo/mesh/formats/mesh_file.h"
 #include "octavo/mesh/formats/mesh_formats.h"
 
 namespace octavo {
 
 namespace {
 
-/// Labels of PLY have 32 bits.
 std::int32_t ply_label(std::int64_t label, const PendingFile& file) {
-  using Limits = std::numeric_limits<std::int32_t>;
-  if (label >= Limits::min() && label <= Limits::max()) return static_cast<std::int32_t>(label);
-  throw Error(ErrorKind::limit_exceeded,
-              "label " + std::to_string(label) + "; the format has labels from " +
-                  std::to_string(Limits::min()) + " to " + std::to_string(Limits::max()),
-              file.path());
+  require_label(MeshFormat::ply, label, file.path());
+  return static_cast<std::int32_t>(label);
 }
 
 std::string ply_header(const MeshDescription& described, bool has_labels) {
@@ -49,11 +44,11 @@ std::string ply_header(const MeshDescription& described, bool has_labels) {
 
 }  // namespace
 
-void write_ply(const MeshDescription& described, PendingFile& file) {
+void write_ply(const MeshDescription& described, const Progress& watcher, PendingFile& file) {
   const TriangleMesh& mesh = described.mesh;
   require_countable(mesh.points.size(), std::numeric_limits<std::int32_t>::max(), "points", file);
   const bool has_labels = has_part_labels(described);
-  MeshBytes out(file);
+  MeshBytes out(file, watcher);
   out.text(ply_header(described, has_labels));
   for (std::size_t i = 0; i < mesh.points.size(); ++i) {
     out.number(in_space(mesh.points[i], described.space));

@@ -29,11 +29,11 @@ MeshPoint normal_of(const MeshPoint& a, const MeshPoint& b, const MeshPoint& c) 
 
 }  // namespace
 
-void write_stl(const MeshDescription& described, PendingFile& file) {
+void write_stl(const MeshDescription& described, const Progress& watcher, PendingFile& file) {
   const TriangleMesh& mesh = described.mesh;
   require_countable(mesh.triangles.size(), std::numeric_limits<std::uint32_t>::max(), "triangles",
                     file);
-  MeshBytes out(file);
+  MeshBytes out(file, watcher);
   // A header that begins with "solid" would be taken for text.
   std::string header = "octavo binary STL " + space_words(described.space);
   header.resize(kStlHeaderBytes, ' ');

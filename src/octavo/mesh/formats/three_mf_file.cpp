@@ -46,10 +46,10 @@ std::string color_text(const LabelColor& color) {
 
 class ModelWriter {
  public:
-  ModelWriter(const MeshDescription& described, ZipArchive& archive)
+  ModelWriter(const MeshDescription& described, const Progress& watcher, ZipArchive& archive)
       : described_(described),
         parts_(objects_of(described)),
-        out_([&archive](ByteSpan bytes) { archive.append(bytes); }) {}
+        out_([&archive](ByteSpan bytes) { archive.append(bytes); }, watcher) {}
 
   void write() {
     out_.text(
@@ -157,7 +157,7 @@ class ModelWriter {
 
 }  // namespace
 
-void write_three_mf(const MeshDescription& described, PendingFile& file) {
+void write_three_mf(const MeshDescription& described, const Progress& watcher, PendingFile& file) {
   constexpr std::uint64_t kPointXmlBytes = 80;
   constexpr std::uint64_t kTriangleXmlBytes = 70;
   constexpr std::uint64_t kLarge = std::uint64_t{1} << 32;
@@ -176,7 +176,7 @@ void write_three_mf(const MeshDescription& described, PendingFile& file) {
   archive.begin("_rels/.rels");
   append_text(kRelations);
   archive.begin("3D/3dmodel.model", xml_bytes >= kLarge);
-  ModelWriter(described, archive).write();
+  ModelWriter(described, watcher, archive).write();
   archive.finish();
 }
 

@@ -63,12 +63,12 @@ class VtpArrays {
 
 class VtpWriter {
  public:
-  VtpWriter(const MeshDescription& described, PendingFile& file)
+  VtpWriter(const MeshDescription& described, const Progress& watcher, PendingFile& file)
       : described_(described),
         point_count_(described.mesh.points.size()),
         triangle_count_(described.mesh.triangles.size()),
         has_labels_(has_part_labels(described)),
-        out_(file) {
+        out_(file, watcher) {
     constexpr std::uint64_t kMost = std::numeric_limits<std::int32_t>::max();
     is_wide_ = point_count_ > kMost || 3 * triangle_count_ > kMost;
   }
@@ -158,8 +158,8 @@ class VtpWriter {
 
 }  // namespace
 
-void write_vtp(const MeshDescription& described, PendingFile& file) {
-  VtpWriter(described, file).write();
+void write_vtp(const MeshDescription& described, const Progress& watcher, PendingFile& file) {
+  VtpWriter(described, watcher, file).write();
 }
 
 }  // namespace octavo

@@ -3,7 +3,6 @@
 
 #include <string_view>
 
-#include "octavo/core/error.h"
 #include "octavo/core/progress.h"
 #include "octavo/mesh/formats/mesh_bytes.h"
 
@@ -13,11 +12,7 @@ namespace octavo {
 /// Error{cancelled} where the one who watches asked to stop.
 class FileText {
  public:
-  FileText(PendingFile& file, const Progress& watcher)
-      : bytes_([&file, &watcher](ByteSpan bytes) {
-          if (watcher.is_cancelled()) throw Error(ErrorKind::cancelled, "cancelled");
-          file.append(bytes);
-        }) {}
+  FileText(PendingFile& file, const Progress& watcher) : bytes_(file, watcher) {}
 
   FileText& text(std::string_view text) {
     bytes_.text(text);

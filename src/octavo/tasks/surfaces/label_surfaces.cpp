@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
-#include <system_error>
+#include <numeric>
 #include <utility>
 
 #include "octavo/core/error.h"
@@ -22,6 +22,7 @@
 #include "octavo/mesh/nets/smoothed_interfaces.h"
 #include "octavo/mesh/nets/touching_points.h"
 #include "octavo/tasks/inputs.h"
+#include "octavo/tasks/surfaces/part_folder.h"
 #include "octavo/tasks/surfaces/part_names.h"
 #include "octavo/tasks/volume_facts.h"
 #include "octavo/tasks/volume_parts.h"
@@ -36,40 +37,6 @@ constexpr double kMaxVolumeChange = 0.01;
                                 const char* field) {
   throw Error(ErrorKind::invalid_argument, text, path).with_field(field);
 }
-
-/// A folder that is made when the first file goes into it, and gone again unless kept.
-class PartFolder {
- public:
-  explicit PartFolder(std::string path) : path_(std::move(path)) {
-    while (path_.size() > 1 && path_.ends_with('/')) path_.pop_back();
-    const PathType type = local_storage().path_type(path_);
-    is_new_ = type == PathType::missing;
-    if (is_new_ || type == PathType::folder) return;
-    throw Error(ErrorKind::io, "exists and is not a folder", path_);
-  }
-  ~PartFolder() {
-    std::error_code ignored;
-    if (is_new_ && !is_kept_) std::filesystem::remove(path_, ignored);
-  }
-  PartFolder(const PartFolder&) = delete;
-  PartFolder& operator=(const PartFolder&) = delete;
-
-  std::string file(const std::string& name) const { return path_ + "/" + name; }
-  void make() {
-    std::error_code problem;
-    std::filesystem::create_directory(path_, problem);
-    if (problem == std::errc::no_such_file_or_directory) {
-      throw Error(ErrorKind::io, "cannot create: its folder does not exist; make it first", path_);
-    }
-    if (problem) throw Error(ErrorKind::io, "cannot make the folder: " + problem.message(), path_);
-  }
-  void keep() { is_kept_ = true; }
-
- private:
-  std::string path_;
-  bool is_new_ = false;
-  bool is_kept_ = false;
-};
 
 /// The ending of files of a format, with its dot.
 std::string ending_of(MeshFormat format) {
@@ -94,6 +61,8 @@ class LabelSurfaceWriter {
     require_level(reader_->levels(), options.level);
     names_ = &reader_->description().metadata.facts().labels;
     asked_ = labels_of(options.labels, *names_, options.input);
+    check_names();
+    check_labels_to_write();
     geometry_ = reader_->levels().geometry(reader_->description().geometry, options.level);
     result_.max_deviation_mm = deviation_mm(options.max_deviation, geometry_);
   }
@@ -104,7 +73,6 @@ class LabelSurfaceWriter {
                     ": its spacing is not known; the surface is written as if voxels were 1 mm");
     }
     make();
-    check_asked();
     LabelParts parts(surfaces_.interfaces);
     for (const std::int64_t label : parts.labels()) {
       if (is_asked(label)) result_.labels.push_back(measured(label, parts));
@@ -121,7 +89,7 @@ class LabelSurfaceWriter {
   }
 
  private:
-  void check_output() const {
+  void check_output() {
     if (options_.smoothing_steps < 0) {
       throw Error(ErrorKind::invalid_argument, "the steps of smoothing must be 0 or more");
     }
@@ -139,8 +107,36 @@ class LabelSurfaceWriter {
                     ".3mf file",
                     path, "");
     }
-    if (format_) require_free(options_.output);
     require_no_input(path, {options_.input});
+    if (format_) require_free(options_.output);
+    else folder_.emplace(local_storage(), path, options_.output.overwrite);
+  }
+
+  /// Where only some labels are asked for, the names of their files are known from the beginning.
+  void check_names() const {
+    if (!folder_) return;
+    for (const std::string& name : file_names(asked_)) folder_->require_free(name);
+  }
+
+  /// Of which labels the files will be is known from the beginning where they are asked for, and
+  /// for all of a scan by its range.
+  void check_labels_to_write() const {
+    for (const std::int64_t label : asked_) require_writable(label);
+    if (!asked_.empty() || options_.level != 0) return;
+    const ValueRange range = reader_->range();
+    for (const auto value : {range.min, range.max}) {
+      require_writable(static_cast<std::int64_t>(reader_->description().voxel_of(value)));
+    }
+  }
+
+  void require_writable(std::int64_t label) const {
+    require_label(format_.value_or(options_.part_format), label, options_.output.path);
+  }
+
+  std::vector<std::string> file_names(const std::vector<std::int64_t>& labels) const {
+    std::vector<std::string> names = part_names(labels, *names_);
+    for (std::string& name : names) name += ending_of(options_.part_format);
+    return names;
   }
 
   /// The surfaces between all labels, and what their voxels say.
@@ -154,13 +150,14 @@ class LabelSurfaceWriter {
           [&] { extract_net(*reader_, options_.level, collector, context_.watcher()); });
     }
     const SurfaceNet net = collector.take();
+    voxel_counts_ = voxel_counts(net, frame.is_mirrored());
+    check_asked();
     constexpr std::uint64_t kBytesPerQuad = 150;
     context_.require_memory(kBytesPerQuad * net.quads.size(), "the surface");
     context_.on_threads([&] {
       surfaces_ = smoothed_interfaces(net, frame, options_.smoothing_steps, kMaxVolumeChange);
     });
     require_numbered(surfaces_.interfaces.mesh.triangles.size());
-    voxel_counts_ = voxel_counts(net, frame.is_mirrored());
     longest_moves_ = longest_moves_mm(net, surfaces_.offsets, geometry_);
     voxel_volume_ = frame.voxel_volume();
     result_.volume = reader_->description();
@@ -189,6 +186,9 @@ class LabelSurfaceWriter {
     if (voxel_counts_.empty()) {
       reject_labels(fmt::format("has no surface: no voxel of level {} has a label", options_.level),
                     options_.input, "");
+    }
+    for (const auto& [label, count] : voxel_counts_) {
+      if (options_.form == LabelSurfaceForm::interfaces || is_asked(label)) require_writable(label);
     }
     for (const std::int64_t label : asked_) {
       if (voxel_counts_.contains(label)) continue;
@@ -251,28 +251,32 @@ class LabelSurfaceWriter {
             .end = end};
   }
 
-  /// One file with what `mesh` describes, sealed.
-  std::unique_ptr<PendingFile> written(const std::string& path, MeshFormat format,
-                                       const TriangleMesh& mesh,
-                                       const std::vector<MeshPart>& parts,
-                                       const std::vector<LabelPair>& pairs) {
+  /// Appends what `mesh` describes.
+  void append(PendingFile& file, MeshFormat format, const TriangleMesh& mesh,
+              const std::vector<MeshPart>& parts, const std::vector<LabelPair>& pairs) {
     const std::vector<std::string> lines = comments();
     std::vector<MeshPoint> normals;
     if (has_normals(format) && pairs.empty()) normals = area_normals(mesh);
-    auto file = std::make_unique<PendingFile>(local_storage(), path);
     write_mesh({.mesh = mesh,
                 .normals = normals,
                 .pairs = pairs,
                 .parts = parts,
                 .comments = lines,
                 .space = options_.space},
-               format, *file);
+               format, context_.watcher(), file);
     context_.stop_if_cancelled();
-    file->seal();
     result_.point_count += mesh.points.size();
     result_.triangle_count += mesh.triangles.size();
-    result_.file_bytes += file->size();
-    return file;
+  }
+
+  /// The one file that was asked for.
+  void write_one(const TriangleMesh& mesh, const std::vector<MeshPart>& parts,
+                 const std::vector<LabelPair>& pairs) {
+    PendingFile file(local_storage(), options_.output.path);
+    append(file, *format_, mesh, parts, pairs);
+    file.seal();
+    file.publish(options_.output.overwrite);
+    result_.file_bytes = file.size();
   }
 
   /// Those of the labels that are asked for, each once.
@@ -299,7 +303,7 @@ class LabelSurfaceWriter {
         point = number;
       }
     }
-    written(options_.output.path, *format_, mesh, {}, pairs)->publish(options_.output.overwrite);
+    write_one(mesh, {}, pairs);
   }
 
   void write_parts_together(LabelParts& parts) {
@@ -312,7 +316,19 @@ class LabelSurfaceWriter {
                               kMostPoints))
           .with_field("level");
     }
+    const std::uint64_t triangle_count = std::transform_reduce(
+        result_.labels.begin(), result_.labels.end(), std::uint64_t{0}, std::plus<>(),
+        [](const LabelSurface& surface) { return surface.triangle_count; });
+    // Places, normals and their sums, what formats remember of points; the same again within GLB.
+    constexpr std::uint64_t kBytesPerPoint = 60;
+    const std::uint64_t times = *format_ == MeshFormat::glb ? 2 : 1;
+    context_.require_memory(surfaces_.interfaces.memory_bytes() +
+                                times * (kBytesPerPoint * point_count +
+                                         sizeof(MeshTriangle) * triangle_count),
+                            "the surfaces in one file");
     TriangleMesh all;
+    all.points.reserve(point_count);
+    all.triangles.reserve(triangle_count);
     std::vector<MeshPart> ranges;
     for (const LabelSurface& surface : result_.labels) {
       const TriangleMesh part = cut_out(surface.label, parts);
@@ -324,35 +340,32 @@ class LabelSurfaceWriter {
       }
       ranges.push_back(part_of(surface.label, begin, all.triangles.size()));
     }
-    written(options_.output.path, *format_, all, ranges, {})->publish(options_.output.overwrite);
+    write_one(all, ranges, {});
   }
 
   void write_parts_apart(LabelParts& parts) {
-    PartFolder folder(options_.output.path);
     std::vector<std::int64_t> labels;
     for (const LabelSurface& surface : result_.labels) labels.push_back(surface.label);
-    const std::vector<std::string> names = part_names(labels, *names_);
-    for (std::size_t i = 0; i < labels.size(); ++i) {
-      result_.labels[i].path = folder.file(names[i] + ending_of(options_.part_format));
-      require_free({result_.labels[i].path, options_.output.overwrite});
-    }
-    folder.make();
-    std::vector<std::unique_ptr<PendingFile>> files;
+    const std::vector<std::string> names = file_names(labels);
+    for (const std::string& name : names) folder_->require_free(name);
     const ProgressScope scope(context_.watcher(), "parts",
                               static_cast<std::int64_t>(labels.size()), "surfaces");
-    for (const LabelSurface& surface : result_.labels) {
-      const TriangleMesh part = cut_out(surface.label, parts);
-      files.push_back(written(surface.path, options_.part_format, part,
-                              {part_of(surface.label, 0, part.triangles.size())}, {}));
+    for (std::size_t i = 0; i < labels.size(); ++i) {
+      const TriangleMesh part = cut_out(labels[i], parts);
+      result_.labels[i].path = folder_->file(names[i]);
+      result_.file_bytes += folder_->add(names[i], [&](PendingFile& file) {
+        append(file, options_.part_format, part, {part_of(labels[i], 0, part.triangles.size())},
+               {});
+      });
       context_.watcher().advance(1);
     }
-    for (const auto& file : files) file->publish(options_.output.overwrite);
-    folder.keep();
+    folder_->publish();
   }
 
   const LabelSurfacesOptions& options_;
   const TaskContext& context_;
   std::optional<MeshFormat> format_;  // none of a folder
+  std::optional<PartFolder> folder_;
   std::shared_ptr<const FileReader> reader_;
   const LabelNames* names_ = nullptr;
   std::vector<std::int64_t> asked_;

@@ -10,7 +10,7 @@ std::uint64_t write_surface(const MeshDescription& mesh, MeshFormat format, cons
   Storage& storage = local_storage();
   if (!report_path.empty()) settle_pair(storage, report_path, output.path);
   PendingFile file(storage, output.path);
-  write_mesh(mesh, format, file);
+  write_mesh(mesh, format, context.watcher(), file);
   context.stop_if_cancelled();
   file.seal();
   if (report_path.empty()) {

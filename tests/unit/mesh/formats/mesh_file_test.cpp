@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "octavo/core/error.h"
+#include "support/stopping_progress.h"
 #include "unit/mesh/formats/written_mesh.h"
 
 namespace octavo {
@@ -200,7 +201,7 @@ TEST(MeshFile, AFailureLeavesNothing) {
         MeshFormat::three_mf}) {
     const auto write = [format](testing::MemoryStorage& storage) {
       PendingFile file(storage, "mesh");
-      write_mesh({.mesh = kWritten}, format, file);
+      write_mesh({.mesh = kWritten}, format, NoProgress(), file);
       file.seal();
       file.publish(false);
     };
@@ -215,6 +216,22 @@ TEST(MeshFile, AFailureLeavesNothing) {
         EXPECT_TRUE(storage.files.empty()) << "call " << call;
       }
     }
+  }
+}
+
+TEST(MeshFile, WritingEndsWhenAskedTo) {
+  for (const MeshFormat format :
+       {MeshFormat::stl, MeshFormat::ply, MeshFormat::obj, MeshFormat::glb, MeshFormat::vtp,
+        MeshFormat::three_mf}) {
+    testing::MemoryStorage storage;
+    try {
+      PendingFile file(storage, "mesh");
+      write_mesh({.mesh = kWritten}, format, testing::StoppingProgress(), file);
+      ADD_FAILURE() << "written";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::cancelled);
+    }
+    EXPECT_TRUE(storage.files.empty());
   }
 }
 

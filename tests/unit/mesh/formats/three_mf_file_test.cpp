@@ -109,7 +109,7 @@ TEST(ThreeMfFile, ReportsWhatTheDiskSays) {
   PendingFile file(storage, "mesh");
   storage.fail_at = storage.calls.size() + 1;
   try {
-    write_mesh({.mesh = kWritten}, MeshFormat::three_mf, file);
+    write_mesh({.mesh = kWritten}, MeshFormat::three_mf, NoProgress(), file);
     ADD_FAILURE() << "written";
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::io);

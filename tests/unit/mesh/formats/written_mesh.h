@@ -25,7 +25,7 @@ struct Parts {
 inline std::string written(MeshFormat format, const MeshDescription& described) {
   MemoryStorage storage;
   PendingFile file(storage, "mesh");
-  write_mesh(described, format, file);
+  write_mesh(described, format, NoProgress(), file);
   file.seal();
   file.publish(false);
   const auto& bytes = *storage.files.at("mesh");

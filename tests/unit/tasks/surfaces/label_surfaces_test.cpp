@@ -64,5 +64,62 @@ TEST_F(LabelFile, KeepsWithinTheMemoryLimit) {
   EXPECT_TRUE(folder_.is_empty());
 }
 
+TEST_F(LabelFile, OneFileOfAllPartsTakesMoreMemoryThanOneByOne) {
+  const auto fits = [&](const std::string& output, std::uint64_t bytes) {
+    context_.max_memory_bytes = bytes;
+    options_.output = {folder_.file(output), true};
+    try {
+      return label_surfaces(options_, context_).is_written;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::limit_exceeded);
+      return false;
+    }
+  };
+  std::uint64_t bytes = 100'000;
+  while (!fits("parts", bytes)) bytes += bytes / 8;
+  EXPECT_FALSE(fits("parts.glb", bytes));
+  EXPECT_TRUE(fits("parts.glb", 8 * bytes));
+}
+
+/// Proves that what is asked for fails before any progress is reported.
+void expect_early(const LabelSurfacesOptions& options, TaskContext context, ErrorKind kind) {
+  testing::StoppingProgress progress(1 << 30);
+  context.progress = &progress;
+  try {
+    label_surfaces(options, context);
+    ADD_FAILURE() << options.output.path;
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), kind) << error.what();
+  }
+  EXPECT_EQ(progress.total_, 0) << options.output.path;
+}
+
+TEST_F(LabelFile, SaysBeforeTheWorkWhatCannotBeWritten) {
+  for (const char* const output : {"missing/parts", "missing/parts.ply"}) {
+    options_.output.path = folder_.file(output);
+    expect_early(options_, context_, ErrorKind::io);
+  }
+  options_.output.path = labels_.path() + "/parts";
+  expect_early(options_, context_, ErrorKind::io);
+
+  std::filesystem::create_directories(folder_.file("parts"));
+  options_.output.path = folder_.file("parts");
+  options_.labels.numbers = {3};
+  EXPECT_TRUE(label_surfaces(options_, context_).is_written);
+  expect_early(options_, context_, ErrorKind::io);
+}
+
+TEST_F(LabelFile, SaysBeforeTheWorkThatPlyHasNoSuchLabel) {
+  const testing::BuiltLabels large({4, 4, 4}, std::vector<std::uint32_t>(64, 4'000'000'000u));
+  options_.input = large.path();
+  options_.output.path = folder_.file("large.ply");
+  expect_early(options_, context_, ErrorKind::limit_exceeded);
+  options_.output.path = folder_.file("large");
+  EXPECT_TRUE(label_surfaces(options_, context_).is_written);
+  options_.output.path = folder_.file("plain");
+  options_.part_format = MeshFormat::ply;
+  expect_early(options_, context_, ErrorKind::limit_exceeded);
+}
+
 }  // namespace
 }  // namespace octavo
