@@ -17,6 +17,7 @@
 #include "octavo/core/error.h"
 #include "octavo/core/memory_limit.h"
 #include "octavo/mesh/block_maker.h"
+#include "octavo/mesh/piece_sets.h"
 #include "octavo/mesh/point_distance.h"
 
 namespace octavo {
@@ -31,31 +32,6 @@ struct BlockOrder {
 };
 using BlockPlaces = std::set<Index3, BlockOrder>;
 
-/// Points that are known to belong together.
-class GrowingSets {
- public:
-  void grow_to(std::size_t count) {
-    for (std::size_t i = parents_.size(); i < count; ++i) {
-      parents_.push_back(static_cast<std::uint32_t>(i));
-    }
-  }
-  std::uint32_t first_of(std::uint32_t member) {
-    while (parents_[member] != member) {
-      parents_[member] = parents_[parents_[member]];
-      member = parents_[member];
-    }
-    return member;
-  }
-  void join(std::uint32_t a, std::uint32_t b) {
-    a = first_of(a);
-    b = first_of(b);
-    parents_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<std::uint32_t> parents_;
-};
-
 bool is_made(std::uint32_t point) { return point < kUnmadePoint; }
 
 template <class T>
@@ -69,6 +45,8 @@ class PieceTracker {
   }
 
   std::optional<SurfacePiece> run(const Point3& seed, const Geometry& geometry) {
+    const std::int64_t block_count = grid_.voxel_count();
+    const ProgressScope scope(progress_, "surface", block_count, "blocks");
     const double reach_mm = std::sqrt(dot(geometry.spacing_mm, geometry.spacing_mm));
     BlockPlaces wave = blocks_around(seed, geometry, reach_mm);
     make(wave);
@@ -79,6 +57,8 @@ class PieceTracker {
       make(wave);
       join(with_those_after(wave));
     }
+    // The rest is not passed.
+    progress_.advance(block_count - static_cast<std::int64_t>(blocks_.size()));
     return SurfacePiece{piece_of(*start), maker_.decoded_bricks()};
   }
 
@@ -121,6 +101,7 @@ class PieceTracker {
       for_each([&](std::size_t i) { maker_.fetch(places[i], spaces_.local()); });
     }
     for_each([&](std::size_t i) { made[i] = maker_.make(places[i], spaces_.local()); });
+    progress_.advance(static_cast<std::int64_t>(places.size()));
     for (std::size_t i = 0; i < places.size(); ++i) {
       if (made[i]) number(*made[i]);
       blocks_[places[i]] = std::move(made[i]);
@@ -211,8 +192,10 @@ class PieceTracker {
       if (place[axis] < 0 || place[axis] >= grid_[axis]) return;
     }
     if (blocks_.contains(place)) return;
-    std::vector<std::uint32_t>& points = waiting_[place];
-    if (points.empty() || points.back() != point) points.push_back(point);
+    const auto next = static_cast<std::uint32_t>(waiting_.size());
+    const auto [number, is_new] = waiting_numbers_.try_emplace(place, next);
+    if (is_new) waiting_.push_back(place);
+    sets_.note(point, number->second);
   }
 
   /// Edges that end at the last voxels of a block belong to cubes of the blocks behind it as well.
@@ -270,15 +253,10 @@ class PieceTracker {
 
   /// The blocks that wait for the piece of a point.
   BlockPlaces next_wave(std::uint32_t start) {
-    const std::uint32_t piece = sets_.first_of(start);
     BlockPlaces wave;
-    for (auto& [place, points] : waiting_) {
-      for (std::uint32_t& point : points) point = sets_.first_of(point);
-      std::sort(points.begin(), points.end());
-      points.erase(std::unique(points.begin(), points.end()), points.end());
-      if (std::binary_search(points.begin(), points.end(), piece)) wave.insert(place);
+    for (const std::uint32_t number : sets_.take(start)) {
+      if (!blocks_.contains(waiting_[number])) wave.insert(waiting_[number]);
     }
-    for (const Index3& place : wave) waiting_.erase(place);
     return wave;
   }
 
@@ -313,10 +291,11 @@ class PieceTracker {
   Progress& progress_;
   Size3 grid_;  // of blocks
   std::map<Index3, std::unique_ptr<SurfaceBlock>, BlockOrder> blocks_;
-  /// Blocks that are not made, with points of the pieces that pass them.
-  std::map<Index3, std::vector<std::uint32_t>, BlockOrder> waiting_;
+  /// Blocks that were not made when a piece was found to pass them, and their numbers.
+  std::vector<Index3> waiting_;
+  std::map<Index3, std::uint32_t, BlockOrder> waiting_numbers_;
   std::vector<MeshPoint> points_;  // in the order in which they were found
-  GrowingSets sets_;
+  PieceSets sets_;
   tbb::enumerable_thread_specific<BlockSpace<T>> spaces_;
   tbb::enumerable_thread_specific<MeshRoom<MeshTriangle>> rooms_;
 };

@@ -99,24 +99,21 @@ class AbaqusWriter {
 
   /// All groups, and with materials those of each label.
   void label_sets() {
-    set_of_groups("ALL_ELEMENTS", [](const HexGroup&) { return true; });
+    const std::vector<HexGroup>& groups = mesh_.groups();
+    set_of_groups("ALL_ELEMENTS", 0, groups.size());
     if (!mesh_.has_materials()) return;
-    for (std::size_t i = 0; i < mesh_.groups().size(); ++i) {
-      const std::uint32_t label = mesh_.groups()[i].label;
-      if (i != 0 && mesh_.groups()[i - 1].label == label) continue;
-      const std::string name = group_name(mesh_, i);
-      set_of_groups(name.substr(0, name.find("_MATERIAL")),
-                    [&](const HexGroup& group) { return group.label == label; });
+    for (std::size_t begin = 0, end = 0; begin < groups.size(); begin = end) {
+      while (end < groups.size() && groups[end].label == groups[begin].label) ++end;
+      const std::string name = group_name(mesh_, begin);
+      set_of_groups(name.substr(0, name.find("_MATERIAL")), begin, end);
     }
   }
 
-  template <class Has>
-  void set_of_groups(const std::string& name, Has&& has) {
+  /// Of the groups [begin, end).
+  void set_of_groups(const std::string& name, std::size_t begin, std::size_t end) {
     out_.text("*ELSET, ELSET=").text(name).text("\n");
     AbaqusLine line(out_, 8);
-    for (std::size_t i = 0; i < mesh_.groups().size(); ++i) {
-      if (has(mesh_.groups()[i])) line.add(std::string_view(group_name(mesh_, i)));
-    }
+    for (std::size_t i = begin; i < end; ++i) line.add(std::string_view(group_name(mesh_, i)));
     line.finish();
   }
 

@@ -4,6 +4,7 @@
 #include <cctype>
 #include <filesystem>
 #include <limits>
+#include <numeric>
 
 namespace octavo {
 
@@ -31,16 +32,16 @@ void write_hex_mesh(const HexMesh& mesh, HexFormat format, const HexFileText& te
   }
 }
 
-std::int64_t group_attribute(const HexMesh& mesh, std::size_t group) {
+std::vector<std::int64_t> group_attributes(const HexMesh& mesh) {
   const auto fits = [](std::int64_t label) {
     return label > 0 && label <= std::numeric_limits<std::int32_t>::max();
   };
-  const bool has_labels =
-      !mesh.has_materials() &&
-      std::all_of(mesh.groups().begin(), mesh.groups().end(),
-                  [&](const HexGroup& one) { return fits(mesh.labels()[one.label]); });
-  if (has_labels) return mesh.labels()[mesh.groups()[group].label];
-  return static_cast<std::int64_t>(group) + 1;
+  std::vector<std::int64_t> attributes;
+  for (const HexGroup& group : mesh.groups()) attributes.push_back(mesh.labels()[group.label]);
+  if (mesh.has_materials() || !std::all_of(attributes.begin(), attributes.end(), fits)) {
+    std::iota(attributes.begin(), attributes.end(), std::int64_t{1});
+  }
+  return attributes;
 }
 
 std::string group_name(const HexMesh& mesh, std::size_t group) {

@@ -53,9 +53,9 @@ void write_hex_gmsh(const HexMesh& mesh, const HexFileText& text, const Progress
 void write_hex_mfem(const HexMesh& mesh, const HexFileText& text, const Progress& watcher,
                     PendingFile& file);
 
-/// The number of a group in formats that have one number per element: that of its material, or its
-/// label where there are none and all labels are above 0 and fit in 31 bits.
-std::int64_t group_attribute(const HexMesh& mesh, std::size_t group);
+/// The numbers of groups in formats that have one number per element: those of their materials, or
+/// their labels where there are none and all labels are above 0 and fit in 31 bits.
+std::vector<std::int64_t> group_attributes(const HexMesh& mesh);
 
 /// "LABEL_3", or "LABEL_3_MATERIAL_7" with materials.
 std::string group_name(const HexMesh& mesh, std::size_t group);

@@ -15,7 +15,7 @@ constexpr int gmsh_type(HexShape shape) {
 class GmshWriter {
  public:
   GmshWriter(const HexMesh& mesh, const Progress& watcher, PendingFile& file)
-      : mesh_(mesh), out_(file, watcher) {}
+      : mesh_(mesh), attributes_(group_attributes(mesh)), out_(file, watcher) {}
 
   void write(const HexFileText& text) {
     out_.text("$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Comments\n");
@@ -33,7 +33,7 @@ class GmshWriter {
     const std::size_t count = mesh_.groups().size();
     out_.text("$PhysicalNames\n").digits(count).text("\n");
     for (std::size_t i = 0; i < count; ++i) {
-      out_.text("3 ").digits(group_attribute(mesh_, i)).text(" \"");
+      out_.text("3 ").digits(attributes_[i]).text(" \"");
       out_.text(group_name(mesh_, i)).text("\"\n");
     }
     out_.text("$EndPhysicalNames\n$Entities\n0 0 0 ").digits(count).text("\n");
@@ -43,7 +43,7 @@ class GmshWriter {
       for (const Point3& corner : box) {
         for (const double value : corner) out_.text(" ").digits(value);
       }
-      out_.text(" 1 ").digits(group_attribute(mesh_, i)).text(" 0\n");
+      out_.text(" 1 ").digits(attributes_[i]).text(" 0\n");
     }
     out_.text("$EndEntities\n");
   }
@@ -105,6 +105,7 @@ class GmshWriter {
   }
 
   const HexMesh& mesh_;
+  std::vector<std::int64_t> attributes_;  // of groups
   FileText out_;
 };
 

@@ -14,7 +14,7 @@ constexpr int mfem_type(HexShape shape) {
 class MfemWriter {
  public:
   MfemWriter(const HexMesh& mesh, const Progress& watcher, PendingFile& file)
-      : mesh_(mesh), out_(file, watcher) {}
+      : mesh_(mesh), attributes_(group_attributes(mesh)), out_(file, watcher) {}
 
   void write(const HexFileText& text) {
     const bool has_hanging = mesh_.hanging_count() != 0;
@@ -43,7 +43,7 @@ class MfemWriter {
   void attributes() {
     for (std::size_t i = 0; i < mesh_.groups().size(); ++i) {
       const HexGroup& group = mesh_.groups()[i];
-      out_.text("# attribute ").digits(group_attribute(mesh_, i));
+      out_.text("# attribute ").digits(attributes_[i]);
       out_.text(" = label ").digits(mesh_.labels()[group.label]);
       if (group.material) out_.text(", ").digits(group.material->modulus_mpa).text(" MPa");
       out_.text("\n");
@@ -53,7 +53,7 @@ class MfemWriter {
   void elements() {
     out_.text("\nelements\n").digits(mesh_.element_count()).text("\n");
     for (std::size_t i = 0; i < mesh_.groups().size(); ++i) {
-      const std::int64_t attribute = group_attribute(mesh_, i);
+      const std::int64_t attribute = attributes_[i];
       for (const HexShape shape :
            {HexShape::hexahedron, HexShape::pyramid, HexShape::tetrahedron}) {
         mesh_.visit_elements(mesh_.groups()[i], shape,
@@ -101,6 +101,7 @@ class MfemWriter {
   }
 
   const HexMesh& mesh_;
+  std::vector<std::int64_t> attributes_;  // of groups
   FileText out_;
 };
 

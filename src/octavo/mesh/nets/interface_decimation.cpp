@@ -1,7 +1,11 @@
 #include "octavo/mesh/nets/interface_decimation.h"
 
+#include <tbb/parallel_for_each.h>
+#include <tbb/task_arena.h>
+
 #include <algorithm>
 #include <cstddef>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -62,10 +66,9 @@ class InterfaceDecimation {
     {
       const ProgressScope scope(progress_, "fewer triangles",
                                 static_cast<std::int64_t>(patches_.size()), "surfaces");
-      for (Patch& patch : patches_) {
-        reduce(patch);
-        progress_.advance(1);
-      }
+      std::vector<std::uint32_t> all(patches_.size());
+      std::iota(all.begin(), all.end(), std::uint32_t{0});
+      reduce(all);
     }
     while (true) {
       DecimatedInterfaces result{joined(), 0};
@@ -129,6 +132,21 @@ class InterfaceDecimation {
     }
   }
 
+  /// Surfaces side by side, the largest first.
+  void reduce(std::vector<std::uint32_t>& pairs) {
+    const auto size_of = [this](std::uint32_t pair) {
+      return patches_[pair].mesh.triangles.size();
+    };
+    std::stable_sort(pairs.begin(), pairs.end(), [&](std::uint32_t a, std::uint32_t b) {
+      return size_of(a) > size_of(b);
+    });
+    tbb::parallel_for_each(pairs.begin(), pairs.end(), [this](std::uint32_t pair) {
+      // Whoever waits within a surface takes up no other one.
+      tbb::this_task_arena::isolate([&] { reduce(patches_[pair]); });
+      progress_.advance(1);
+    });
+  }
+
   void reduce(Patch& patch) {
     double deviation = patch.rounds < kCloserRounds ? max_deviation_mm_ : 0;
     for (int round = 0; round < patch.rounds; ++round) deviation *= kCloser;
@@ -142,15 +160,15 @@ class InterfaceDecimation {
     for (const std::uint32_t triangle : crossing) pairs.push_back(mesh.pair_of[triangle]);
     std::sort(pairs.begin(), pairs.end());
     pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
-    bool is_changed = false;
-    for (const std::uint32_t pair : pairs) {
-      Patch& patch = patches_[pair];
-      if (patch.is_crossing || patch.rounds == kCloserRounds) continue;
-      ++patch.rounds;
-      reduce(patch);
-      is_changed = true;
-    }
-    return is_changed;
+    std::erase_if(pairs, [this](std::uint32_t pair) {
+      return patches_[pair].is_crossing || patches_[pair].rounds == kCloserRounds;
+    });
+    if (pairs.empty()) return false;
+    const ProgressScope scope(progress_, "fewer triangles", static_cast<std::int64_t>(pairs.size()),
+                              "surfaces");
+    for (const std::uint32_t pair : pairs) ++patches_[pair].rounds;
+    reduce(pairs);
+    return true;
   }
 
   /// All surfaces as one mesh.

@@ -26,7 +26,8 @@ struct DecimatedInterfaces {
 /// geometry  of the grid that the net was taken from
 /// Requires a deviation above 0. Uses the threads of the calling task arena.
 /// Throws  as decimate
-/// Memory  60 bytes per triangle, and that of decimate for the largest surface between two labels
+/// Memory  60 bytes per triangle, and that of decimate for as many surfaces between two labels as
+///         there are threads
 DecimatedInterfaces decimate_interfaces(const InterfaceMesh& full, double max_deviation_mm,
                                         const Geometry& geometry, Progress& progress);
 
