@@ -56,13 +56,15 @@ class DyingStorage final : public Storage {
   bool exists(const std::string& path) override { return storage_.exists(path); }
   PathType path_type(const std::string& path) override { return storage_.path_type(path); }
   void rename(const std::string& from, const std::string& to) override {
-    storage_.rename(counted(from), to);
+    counted(to);
+    storage_.rename(from, to);
   }
   void rename_new(const std::string& from, const std::string& to) override {
-    storage_.rename_new(counted(from), to);
+    counted(to);
+    storage_.rename_new(from, to);
   }
   bool exchange(const std::string& a, const std::string& b) override {
-    return has_exchange_ && storage_.exchange(counted(a), b);
+    return has_exchange_ && storage_.exchange(a, counted(b));
   }
   void remove(const std::string& path) override { storage_.remove(counted(path)); }
   std::unique_ptr<StorageFile> create_folder(const std::string& path,

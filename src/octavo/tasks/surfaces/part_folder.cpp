@@ -59,7 +59,8 @@ auto PartFolder::named(F f) const {
     return f();
   } catch (const Error& error) {
     const std::string& path = error.path();
-    if (hidden_.empty() || !path.starts_with(hidden_)) throw with_final_name(error, path_);
+    if (hidden_.empty()) throw retold(error, error.kind(), error.detail(), path_);
+    if (!path.starts_with(hidden_)) throw;
     throw retold(error, error.kind(), error.detail(), path_ + path.substr(hidden_.size()));
   }
 }
