@@ -53,14 +53,30 @@ class FullDisk final : public Storage {
   std::uint64_t free_;
 };
 
+/// What every test begins with. Requires the groups of JoinSteps.
+struct Made {
+  Made() {
+    volume.options.has_thumbnail = true;
+    plan = planned(volume);
+    whole = built(volume);
+    for (const GroupRun& run : runs) make_part(volume, plan, run, storage);
+  }
+
+  SmallVolume volume = small_volume("steps", VoxelType::int16, {70, 66, 330});
+  std::vector<GroupRun> runs = {{4, 6}, {0, 1}, {1, 4}};
+  BuildPlan plan;
+  std::vector<std::uint8_t> whole;
+  MemoryStorage storage;  ///< of the parts
+};
+
+const Made& made_once() {
+  static const Made made;
+  return made;
+}
+
 class JoinSteps : public ::testing::Test {
  protected:
-  JoinSteps() {
-    volume_.options.has_thumbnail = true;
-    plan_ = planned(volume_);
-    whole_ = built(volume_);
-    for (const GroupRun& run : runs_) make_part(volume_, plan_, run, storage_);
-  }
+  JoinSteps() { storage_.files = copied(made_.storage.files); }
 
   JoinLayout lay_out(const std::vector<GroupRun>& runs) {
     return lay_out_join(plan_, open_parts(storage_, runs), storage_, "a.8vo", false,
@@ -82,12 +98,13 @@ class JoinSteps : public ::testing::Test {
   }
 
   SmallGroups groups_{std::uint64_t{1} << 18};
-  SmallVolume volume_ = small_volume("steps", VoxelType::int16, {70, 66, 330});
-  std::vector<GroupRun> runs_ = {{4, 6}, {0, 1}, {1, 4}};
+  const Made& made_ = made_once();
+  const SmallVolume& volume_ = made_.volume;
+  const std::vector<GroupRun>& runs_ = made_.runs;
+  const BuildPlan& plan_ = made_.plan;
+  const std::vector<std::uint8_t>& whole_ = made_.whole;
   MemoryStorage storage_;
   NoProgress progress_;
-  BuildPlan plan_;
-  std::vector<std::uint8_t> whole_;
 };
 
 TEST_F(JoinSteps, InAnyOrderAndTwiceTheyMakeTheFile) {
@@ -168,7 +185,7 @@ TEST_F(JoinSteps, WhatAnotherPlanHasBegunIsNotTakenAway) {
   lay_out(runs_);
   copy({0, 1});
   SmallVolume other = volume_;
-  other.options.max_error = 2;
+  other.options.access = Access::boxes;
   const BuildPlan plan = planned(other);
   MemoryStorage parts;
   make_part(other, plan, {0, 6}, parts);
@@ -191,7 +208,7 @@ TEST_F(JoinSteps, SealingAgainKeepsWhatAnotherPlanHasBegun) {
   for (const GroupRun& run : runs_) copy(run);
   seal_join(plan_, storage_, "a.8vo", false);
   SmallVolume other = volume_;
-  other.options.max_error = 2;
+  other.options.access = Access::boxes;
   const BuildPlan plan = planned(other);
   MemoryStorage parts;
   make_part(other, plan, {0, 6}, parts);
