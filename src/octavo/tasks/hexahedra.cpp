@@ -177,8 +177,8 @@ CellValues cell_values_of(const FileReader& grey, const std::vector<HexCell>& ce
   return values;
 }
 
-/// Bytes that sorting cells into groups takes, or behind that numbering their corners where each
-/// block of these has cells of its own. Requires cells in o-code order.
+/// Bytes that sorting cells into groups takes, or behind that numbering their corners, which lie in
+/// blocks of cells and in as many behind them. Requires cells in o-code order.
 std::uint64_t bytes_of_mesh(const std::vector<HexCell>& cells) {
   constexpr std::uint64_t kSorted = 2 * sizeof(HexCell) + 6 * sizeof(float) + sizeof(std::uint32_t);
   std::uint64_t blocks = 0;
@@ -216,7 +216,8 @@ HexMesh mesh_of(const FileReader& reader, const FileReader* grey, HexFormat form
   context.on_threads([&] {
     cells = hex_cells(tree,
                       {options.method, within ? &*within : nullptr,
-                       format == HexFormat::mfem && options.method == HexMethod::octree},
+                       format == HexFormat::mfem && options.method == HexMethod::octree,
+                       &context.watcher()},
                       require);
   });
   CellValues values;
@@ -225,11 +226,15 @@ HexMesh mesh_of(const FileReader& reader, const FileReader* grey, HexFormat form
   std::vector<HexGroup> groups = options.modulus
                                      ? group_by_modulus(cells, values, options.bin_count)
                                      : group_by_label(cells, values);
-  HexMesh mesh(reader.levels().geometry(reader.description().geometry, options.level),
-               options.method, {tree.labels().begin(), tree.labels().end()}, std::move(cells),
-               std::move(groups), std::move(values));
-  require(mesh.memory_bytes());
-  return mesh;
+  std::optional<HexMesh> mesh;
+  context.on_threads([&] {
+    mesh.emplace(reader.levels().geometry(reader.description().geometry, options.level),
+                 options.method,
+                 std::vector<std::int64_t>(tree.labels().begin(), tree.labels().end()),
+                 std::move(cells), std::move(groups), std::move(values), context.watcher());
+  });
+  require(mesh->memory_bytes());
+  return *std::move(mesh);
 }
 
 void count_elements(const HexMesh& mesh, HexahedraResult& result) {

@@ -55,8 +55,8 @@ struct HexahedraResult {
 ///         hanging nodes in .msh, where materials are asked for but a cell has no grey value, and
 ///         where a density or modulus is not finite
 /// Memory  that of the label tree; 20 bytes per cell, 1.7 KB per cube of 16^3 voxels that the
-///         object meets, twice that while nodes are numbered, with grey values 12 per cell more; 68
-///         bytes per cell while they are sorted
+///         object meets or touches, with grey values 12 per cell more; 68 bytes per cell while they
+///         are sorted
 HexahedraResult hexahedra(const HexahedraOptions& options, const TaskContext& context);
 
 }  // namespace octavo

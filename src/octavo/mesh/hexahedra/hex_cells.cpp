@@ -50,10 +50,11 @@ std::vector<HexCell> cells_of_leaves(const std::vector<OCode>& leaves) {
 }
 
 /// Balanced leaves, those with a lone quarter halved and balanced again until there are none.
-std::vector<OCode> without_lone_quarters(std::vector<OCode> leaves, const RequireBytes& require) {
+std::vector<OCode> without_lone_quarters(std::vector<OCode> leaves, const RequireBytes& require,
+                                         const Progress& watcher) {
   for (;;) {
     const std::vector<HexCell> cells = cells_of_leaves(leaves);
-    const HexNodes nodes(cells);
+    const HexNodes nodes(cells, watcher);
     require(nodes.memory_bytes() + cells.size() * (sizeof(HexCell) + sizeof(OCode)));
     HexNodes::Near near;
     LeafBalance balance;
@@ -68,7 +69,7 @@ std::vector<OCode> without_lone_quarters(std::vector<OCode> leaves, const Requir
     }
     if (!has_lone) return leaves;
     require(balance.memory_bytes());
-    leaves = balance.finish();
+    leaves = balance.finish(watcher);
   }
 }
 
@@ -85,8 +86,12 @@ std::vector<HexCell> hex_cells(const LabelTree& tree, const HexCellOptions& opti
     if (++count % kLeavesBetween == 0) require(balance.memory_bytes());
   });
   require(balance.memory_bytes() + 2 * count * (sizeof(OCode) + sizeof(HexCell)));
-  std::vector<OCode> leaves = balance.finish();
-  if (options.halves_lone_quarters) leaves = without_lone_quarters(std::move(leaves), require);
+  const NoProgress nobody;
+  const Progress& watcher = options.watcher != nullptr ? *options.watcher : nobody;
+  std::vector<OCode> leaves = balance.finish(watcher);
+  if (options.halves_lone_quarters) {
+    leaves = without_lone_quarters(std::move(leaves), require, watcher);
+  }
   std::vector<HexCell> cells = cells_of_leaves(leaves);
 
   // A leaf that fell into smaller ones has left its label to them.

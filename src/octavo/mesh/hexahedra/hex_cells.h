@@ -21,12 +21,13 @@ struct HexCellOptions {
   const MaskTree* within = nullptr;
   /// Leaves are halved until no single smaller one lies on a face, as MFEM needs it.
   bool halves_lone_quarters = false;
+  const Progress* watcher = nullptr;  ///< null: nobody watches
 };
 
 /// The leaves of all labels but 0: as voxels for a uniform mesh, balanced for others; in o-code
 /// order, with labels as places in tree.labels(). Uses the threads of the calling task arena; the
 /// result does not depend on their number.
-/// Throws  as require; Error{limit_exceeded} for cells beyond kMostHexNodes
+/// Throws  as require; Error{cancelled}; Error{limit_exceeded} for cells beyond kMostHexNodes
 /// Memory  20 bytes per cell, and while they are balanced that of LeafBalance
 std::vector<HexCell> hex_cells(const LabelTree& tree, const HexCellOptions& options,
                                const RequireBytes& require);

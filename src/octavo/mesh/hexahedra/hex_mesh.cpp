@@ -7,6 +7,7 @@
 
 #include "octavo/core/error.h"
 #include "octavo/core/vectors.h"
+#include "octavo/mesh/formats/mesh_bytes.h"
 
 namespace octavo {
 
@@ -73,14 +74,15 @@ double HexQuality::percentile(double percent) const {
 }
 
 HexMesh::HexMesh(const Geometry& geometry, HexMethod method, std::vector<std::int64_t> labels,
-                 std::vector<HexCell> cells, std::vector<HexGroup> groups, CellValues values)
+                 std::vector<HexCell> cells, std::vector<HexGroup> groups, CellValues values,
+                 const Progress& watcher)
     : geometry_(geometry),
       method_(method),
       labels_(std::move(labels)),
       cells_(std::move(cells)),
       groups_(std::move(groups)),
       values_(std::move(values)),
-      nodes_(cells_) {
+      nodes_(cells_, watcher) {
   const auto& d = geometry.direction;
   is_mirrored_ = determinant({d[0], d[3], d[6]}, {d[1], d[4], d[7]}, {d[2], d[5], d[8]}) < 0;
   bounds_[0].fill(HexNodes::kNone);
@@ -90,7 +92,7 @@ HexMesh::HexMesh(const Geometry& geometry, HexMethod method, std::vector<std::in
       bounds_[1][axis] = std::max(bounds_[1][axis], cell.corner[axis] + cell.side());
     }
   }
-  find_fans();
+  find_fans(watcher);
   if (node_count() <= kMostHexNodes && element_count_ <= kMostHexNodes) return;
   throw Error(ErrorKind::limit_exceeded,
               "the mesh has " + std::to_string(node_count()) + " nodes and " +
@@ -98,12 +100,14 @@ HexMesh::HexMesh(const Geometry& geometry, HexMethod method, std::vector<std::in
       .with_field("level");
 }
 
-void HexMesh::find_fans() {
+void HexMesh::find_fans(const Progress& watcher) {
   HexNodes::Near near;
   for (HexGroup& group : groups_) {
     group.first_fan = fans_.size();
     group.element_counts = {};
     for (std::uint64_t i = group.first_cell; i < group.end_cell; ++i) {
+      constexpr std::uint64_t kCellsBetween = 1 << 16;
+      if (i % kCellsBetween == 0) stop_if_cancelled(watcher);
       HexCell& cell = cells_[i];
       cell.is_fan = false;
       if (method_ == HexMethod::conforming && cell.level > 0) {

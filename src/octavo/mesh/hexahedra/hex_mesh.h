@@ -68,8 +68,10 @@ class HexMesh {
  public:
   /// cells   group by group
   /// groups  with label, cells and material; the rest is found out
+  /// Uses the threads of the calling task arena. Throws  as HexNodes
   HexMesh(const Geometry& geometry, HexMethod method, std::vector<std::int64_t> labels,
-          std::vector<HexCell> cells, std::vector<HexGroup> groups, CellValues values);
+          std::vector<HexCell> cells, std::vector<HexGroup> groups, CellValues values,
+          const Progress& watcher = NoProgress());
 
   const Geometry& geometry() const { return geometry_; }
   HexMethod method() const { return method_; }
@@ -118,7 +120,7 @@ class HexMesh {
   std::uint64_t memory_bytes() const noexcept;
 
  private:
-  void find_fans();
+  void find_fans(const Progress& watcher);
   const std::vector<FanElement>& fan(std::uint64_t number) const {
     return shapes_.at(fans_[number]);
   }

@@ -1,11 +1,15 @@
 #include "octavo/mesh/hexahedra/hex_nodes.h"
 
+#include <tbb/blocked_range.h>
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
-#include <numeric>
+#include <atomic>
 #include <string>
-#include <utility>
 
 #include "octavo/core/error.h"
+#include "octavo/mesh/formats/mesh_bytes.h"
 
 namespace octavo {
 
@@ -61,20 +65,86 @@ std::uint64_t code_of_block(const GridPoint& block) {
   return interleave({block[0], block[1], block[2]});
 }
 
+/// Sets a bit that several threads may set at once; most have been set by a cell before.
+void set_shared(std::uint64_t& word, std::uint64_t bit) {
+  const std::atomic_ref<std::uint64_t> shared(word);
+  if ((shared.load(std::memory_order_relaxed) & bit) != 0) return;
+  shared.fetch_or(bit, std::memory_order_relaxed);
+}
+
+/// Calls work(part) for pieces of the cells, on all threads.
+template <class Work>
+void for_each_part(std::span<const HexCell> cells, const Progress& watcher, Work&& work) {
+  constexpr std::size_t kCellsOfPart = 4096;
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, cells.size(), kCellsOfPart),
+                    [&](const tbb::blocked_range<std::size_t>& range) {
+                      stop_if_cancelled(watcher);
+                      work(cells.subspan(range.begin(), range.size()));
+                    });
+}
+
+/// The blocks that hold corners of cells, each once in the end.
+class BlockCodes {
+ public:
+  void add(const HexCell& cell) {
+    const std::uint32_t side = cell.side();
+    const GridPoint low = node_block(cell.corner);
+    const GridPoint high = node_block(stepped(cell.corner, side, side, side));
+    if (low == low_ && high == high_) return;
+    low_ = low;
+    high_ = high;
+    for (std::size_t i = 0; i < 8; ++i) {
+      codes_.push_back(code_of_block({(i & 1) != 0 ? high[0] : low[0],
+                                      (i & 2) != 0 ? high[1] : low[1],
+                                      (i & 4) != 0 ? high[2] : low[2]}));
+    }
+    if (codes_.size() > longest_) sorted();
+  }
+
+  const std::vector<std::uint64_t>& sorted() {
+    std::sort(codes_.begin(), codes_.end());
+    codes_.erase(std::unique(codes_.begin(), codes_.end()), codes_.end());
+    longest_ = std::max(kShort, 2 * codes_.size());
+    return codes_;
+  }
+
+ private:
+  static constexpr std::size_t kShort = 4096;
+
+  GridPoint low_ = {HexNodes::kNone, HexNodes::kNone, HexNodes::kNone};
+  GridPoint high_ = {};
+  std::vector<std::uint64_t> codes_;
+  std::size_t longest_ = kShort;
+};
+
 }  // namespace
 
-HexNodes::HexNodes(std::span<const HexCell> cells) {
-  set_corners(cells);
-  find_hanging(cells);
+HexNodes::HexNodes(std::span<const HexCell> cells, const Progress& watcher) {
+  make_blocks(cells, watcher);
+  set_corners(cells, watcher);
+  find_hanging(cells, watcher);
   number_nodes();
 }
 
-std::uint32_t HexNodes::made(const GridPoint& block) {
-  const std::uint64_t code = code_of_block(block);
-  const auto [place, is_new] =
-      places_.try_emplace(code, static_cast<std::uint32_t>(blocks_.size()));
-  if (is_new) blocks_.emplace_back().code = code;
-  return place->second;
+void HexNodes::make_blocks(std::span<const HexCell> cells, const Progress& watcher) {
+  tbb::enumerable_thread_specific<BlockCodes> spaces;
+  for_each_part(cells, watcher, [&](std::span<const HexCell> part) {
+    BlockCodes& codes = spaces.local();
+    for (const HexCell& cell : part) codes.add(cell);
+  });
+  std::vector<std::uint64_t> all;
+  for (BlockCodes& codes : spaces) {
+    const std::vector<std::uint64_t>& some = codes.sorted();
+    all.insert(all.end(), some.begin(), some.end());
+  }
+  std::sort(all.begin(), all.end());
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+  blocks_.resize(all.size());
+  places_.reserve(all.size());
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    blocks_[i].code = all[i];
+    places_.emplace(all[i], static_cast<std::uint32_t>(i));
+  }
 }
 
 std::uint32_t HexNodes::find(const GridPoint& block) const noexcept {
@@ -100,22 +170,18 @@ std::uint32_t HexNodes::block_of(const GridPoint& point, const Near& near) const
   return near.blocks[x | y << 1 | z << 2];
 }
 
-void HexNodes::set_corners(std::span<const HexCell> cells) {
-  Near near;
-  for (const HexCell& cell : cells) {
-    look_around(cell, near);
-    for (std::size_t i = 0; i < 8; ++i) {
-      const GridPoint point = corner_point(cell, i);
-      std::uint32_t block = block_of(point, near);
-      if (block == kNone) {
-        block = made(node_block(point));
-        near.at = {kNone, kNone, kNone};
-        look_around(cell, near);
+void HexNodes::set_corners(std::span<const HexCell> cells, const Progress& watcher) {
+  for_each_part(cells, watcher, [&](std::span<const HexCell> part) {
+    Near near;
+    for (const HexCell& cell : part) {
+      look_around(cell, near);
+      for (std::size_t i = 0; i < 8; ++i) {
+        const GridPoint point = corner_point(cell, i);
+        const auto [word, bit] = node_place(point);
+        set_shared(blocks_[block_of(point, near)].nodes[0][word], bit);
       }
-      const auto [word, bit] = node_place(point);
-      blocks_[block].nodes[0][word] |= bit;
     }
-  }
+  });
 }
 
 void HexNodes::number_nodes() {
@@ -124,21 +190,8 @@ void HexNodes::number_nodes() {
                 "the mesh has " + std::to_string(count_) + " nodes; solvers number 2147483647")
         .with_field("level");
   }
-  // Blocks are large: each is moved once.
-  std::vector<std::uint32_t> order(blocks_.size());
-  std::iota(order.begin(), order.end(), std::uint32_t{0});
-  std::sort(order.begin(), order.end(), [this](std::uint32_t a, std::uint32_t b) {
-    return blocks_[a].code < blocks_[b].code;
-  });
-  std::vector<Block> sorted;
-  sorted.reserve(blocks_.size());
-  for (const std::uint32_t place : order) sorted.push_back(blocks_[place]);
-  blocks_ = std::move(sorted);
-
   std::array<std::uint64_t, 2> next = {0, count_ - hanging_count_};
-  for (std::size_t i = 0; i < blocks_.size(); ++i) {
-    Block& block = blocks_[i];
-    places_[block.code] = static_cast<std::uint32_t>(i);
+  for (Block& block : blocks_) {
     for (std::size_t kind = 0; kind < 2; ++kind) {
       for (std::size_t word = 0; word < 64; ++word) {
         block.first[kind][word] = static_cast<std::uint32_t>(next[kind]);
@@ -205,24 +258,25 @@ std::uint32_t HexNodes::points_of(const HexCell& cell, Near& near) const noexcep
   return points;
 }
 
-void HexNodes::find_hanging(std::span<const HexCell> cells) {
-  Near near;
-  for (const HexCell& cell : cells) {
-    if (cell.level == 0) continue;
-    look_around(cell, near);
-    for (const std::uint32_t middle : kMiddles) {
-      const GridPoint point = point_of(cell, middle);
-      const std::uint32_t block = block_of(point, near);
-      if (block == kNone) continue;
-      auto& nodes = blocks_[block].nodes;
-      const auto [word, bit] = node_place(point);
-      const std::uint64_t found = bit & nodes[0][word];
-      nodes[0][word] &= ~found;
-      nodes[1][word] |= found;
+void HexNodes::find_hanging(std::span<const HexCell> cells, const Progress& watcher) {
+  for_each_part(cells, watcher, [&](std::span<const HexCell> part) {
+    Near near;
+    for (const HexCell& cell : part) {
+      if (cell.level == 0) continue;
+      look_around(cell, near);
+      for (const std::uint32_t middle : kMiddles) {
+        const GridPoint point = point_of(cell, middle);
+        const std::uint32_t block = block_of(point, near);
+        if (block == kNone) continue;
+        auto& nodes = blocks_[block].nodes;
+        const auto [word, bit] = node_place(point);
+        if ((nodes[0][word] & bit) != 0) set_shared(nodes[1][word], bit);
+      }
     }
-  }
-  for (const Block& block : blocks_) {
+  });
+  for (Block& block : blocks_) {
     for (std::size_t word = 0; word < 64; ++word) {
+      block.nodes[0][word] &= ~block.nodes[1][word];
       const auto hanging = static_cast<std::uint64_t>(std::popcount(block.nodes[1][word]));
       hanging_count_ += hanging;
       count_ += hanging + static_cast<std::uint64_t>(std::popcount(block.nodes[0][word]));

@@ -21,6 +21,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "octavo/core/progress.h"
 #include "octavo/mesh/hexahedra/hex_cell.h"
 
 namespace octavo {
@@ -50,8 +51,9 @@ class HexNodes {
 
   HexNodes() = default;
 
-  /// Throws Error{limit_exceeded} above kMostHexNodes.
-  explicit HexNodes(std::span<const HexCell> cells);
+  /// Uses the threads of the calling task arena; the numbers do not depend on them.
+  /// Throws Error{limit_exceeded} above kMostHexNodes, Error{cancelled}.
+  explicit HexNodes(std::span<const HexCell> cells, const Progress& watcher = NoProgress());
 
   std::uint64_t count() const noexcept { return count_; }
   std::uint64_t hanging_count() const noexcept { return hanging_count_; }
@@ -83,7 +85,6 @@ class HexNodes {
 
   /// Bytes per block of 16^3 points, its entry in the table included.
   static constexpr std::uint64_t kBlockBytes = 1650;
-  /// Twice that while they are numbered.
   std::uint64_t memory_bytes() const noexcept { return blocks_.size() * kBlockBytes; }
 
  private:
@@ -95,17 +96,17 @@ class HexNodes {
     std::array<std::array<std::uint32_t, 64>, 2> first{};
   };
   std::uint32_t find(const GridPoint& block) const noexcept;
-  std::uint32_t made(const GridPoint& block);
   void look_around(const HexCell& cell, Near& near) const noexcept;
   std::uint32_t block_of(const GridPoint& point, const Near& near) const noexcept;
   std::uint32_t number_in(std::uint32_t block, const GridPoint& point) const noexcept;
-  void set_corners(std::span<const HexCell> cells);
-  void find_hanging(std::span<const HexCell> cells);
+  void make_blocks(std::span<const HexCell> cells, const Progress& watcher);
+  void set_corners(std::span<const HexCell> cells, const Progress& watcher);
+  void find_hanging(std::span<const HexCell> cells, const Progress& watcher);
   void number_nodes();
   template <class Visit>
   void visit_kind(std::size_t kind, Visit& visit) const;
 
-  std::vector<Block> blocks_;
+  std::vector<Block> blocks_;  ///< by code
   std::unordered_map<std::uint64_t, std::uint32_t> places_;
   std::uint64_t count_ = 0;
   std::uint64_t hanging_count_ = 0;

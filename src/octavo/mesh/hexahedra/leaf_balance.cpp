@@ -1,5 +1,6 @@
 #include "octavo/mesh/hexahedra/leaf_balance.h"
 
+#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -9,6 +10,8 @@
 #include <unordered_map>
 #include <unordered_set>
 #include <utility>
+
+#include "octavo/mesh/formats/mesh_bytes.h"
 
 namespace octavo {
 
@@ -91,16 +94,28 @@ class LeafBalance::Blocks {
     return 2 * blocks_.size() * (sizeof(BalanceBlock) + 32) + 64 * large_leaves_.size();
   }
 
-  std::vector<OCode> finish() {
-    find_split();
+  std::vector<OCode> finish(const Progress& watcher) {
+    find_split(watcher);
     add_full_neighbors();
-    find_neighbors();
-    balance_blocks();
+    find_neighbors(watcher);
+    balance_blocks(watcher);
     balance_large();
+    stop_if_cancelled(watcher);
     return leaves();
   }
 
  private:
+  /// Calls work(i) for each block, on all threads.
+  template <class Work>
+  void for_each_block(const Progress& watcher, Work&& work) {
+    constexpr std::size_t kBlocksOfPart = 256;
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, blocks_.size(), kBlocksOfPart),
+                      [&](const tbb::blocked_range<std::size_t>& range) {
+                        stop_if_cancelled(watcher);
+                        for (std::size_t i = range.begin(); i < range.end(); ++i) work(i);
+                      });
+  }
+
   BalanceBlock& block_of(std::uint64_t code) {
     if (last_ < blocks_.size() && blocks_[last_].code == code) return blocks_[last_];
     const auto [place, is_new] = places_.try_emplace(code, blocks_.size());
@@ -124,8 +139,8 @@ class LeafBalance::Blocks {
   }
 
   /// The cells in which smaller leaves lie.
-  void find_split() {
-    tbb::parallel_for(std::size_t{0}, blocks_.size(), [this](std::size_t i) {
+  void find_split(const Progress& watcher) {
+    for_each_block(watcher, [this](std::size_t i) {
       BalanceBlock& block = blocks_[i];
       for (std::uint64_t word = 0; word < 64; ++word) {
         const std::uint64_t voxels = block.voxels[word];
@@ -186,8 +201,8 @@ class LeafBalance::Blocks {
     }
   }
 
-  void find_neighbors() {
-    tbb::parallel_for(std::size_t{0}, blocks_.size(), [this](std::size_t i) {
+  void find_neighbors(const Progress& watcher) {
+    for_each_block(watcher, [this](std::size_t i) {
       BalanceBlock& block = blocks_[i];
       block.near.fill(kNoBlock);
       block.near[13] = static_cast<std::uint32_t>(i);
@@ -238,9 +253,9 @@ class LeafBalance::Blocks {
     return result;
   }
 
-  void balance_blocks() {
+  void balance_blocks(const Progress& watcher) {
     for (int level = 1; level < kBalanceBlockLevel; ++level) {
-      tbb::parallel_for(std::size_t{0}, blocks_.size(), [this, level](std::size_t i) {
+      for_each_block(watcher, [this, level](std::size_t i) {
         BalanceBlock& block = blocks_[i];
         const auto wanted = near_split(block, level);
         if (level == kBalanceBlockLevel - 1) {
@@ -349,6 +364,8 @@ void LeafBalance::add(const OCode& leaf) { blocks_->add(leaf); }
 
 std::uint64_t LeafBalance::memory_bytes() const noexcept { return blocks_->memory_bytes(); }
 
-std::vector<OCode> LeafBalance::finish() { return blocks_->finish(); }
+std::vector<OCode> LeafBalance::finish(const Progress& watcher) {
+  return blocks_->finish(watcher);
+}
 
 }  // namespace octavo

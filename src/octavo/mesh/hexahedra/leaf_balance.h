@@ -26,6 +26,7 @@
 #include <memory>
 #include <vector>
 
+#include "octavo/core/progress.h"
 #include "octavo/octree/o_code.h"
 
 namespace octavo {
@@ -46,8 +47,9 @@ class LeafBalance {
 
   /// The balanced leaves in o-code order. Uses the threads of the calling task arena; the result
   /// does not depend on their number. Call it once.
+  /// Throws  Error{cancelled}
   /// Memory  800 bytes for each cube of 16^3 voxels with leaves below it or beside such, 16 a leaf
-  std::vector<OCode> finish();
+  std::vector<OCode> finish(const Progress& watcher = NoProgress());
 
  private:
   class Blocks;

@@ -1,6 +1,7 @@
 #include "octavo/mesh/hexahedra/hex_nodes.h"
 
 #include <gtest/gtest.h>
+#include <tbb/task_arena.h>
 
 #include <cstdint>
 #include <map>
@@ -9,6 +10,8 @@
 #include <vector>
 
 #include "hex_samples.h"
+#include "octavo/core/error.h"
+#include "support/stopping_progress.h"
 
 namespace octavo {
 namespace {
@@ -100,6 +103,36 @@ TEST(HexNodes, VoxelsShareTheirCornersAndNoneHangs) {
   EXPECT_EQ(nodes.hanging_count(), 0u);
   EXPECT_EQ(nodes.number_at({8, 0, 0}), HexNodes::kNone);
   EXPECT_EQ(nodes.number_at({100, 0, 0}), HexNodes::kNone);
+}
+
+TEST(HexNodes, AreTheSameWithAnyThreads) {
+  std::mt19937 random(5);
+  const auto labels = testing::random_labels({90, 70, 50}, testing::kHexLabels, random);
+  const std::vector<HexCell> cells =
+      testing::cells_of_tree(testing::tree_of(labels), HexMethod::octree);
+  ASSERT_GT(cells.size(), 3u * 4096);  // parts of cells that threads take
+  using Points = std::vector<GridPoint>;
+  const auto points_with = [&](int threads) {
+    Points points;
+    tbb::task_arena(threads).execute([&] {
+      const HexNodes nodes(cells);
+      nodes.visit([&](const GridPoint& point, std::uint32_t) { points.push_back(point); });
+    });
+    return points;
+  };
+  const Points one = points_with(1);
+  for (const int threads : {2, 7}) EXPECT_EQ(points_with(threads), one);
+}
+
+TEST(HexNodes, EndWhenAskedTo) {
+  const testing::DenseLabels labels({40, 40, 40}, 1);
+  const LabelTree tree = testing::tree_of(labels);
+  const std::vector<HexCell> cells = testing::cells_of_tree(tree, HexMethod::uniform);
+  const testing::StoppingProgress stopping;
+  EXPECT_THROW(HexNodes(cells, stopping), Error);
+  EXPECT_THROW(hex_cells(tree, {HexMethod::octree, nullptr, false, &stopping},
+                         [](std::uint64_t) {}),
+               Error);
 }
 
 }  // namespace
