@@ -18,9 +18,12 @@ namespace octavo {
 namespace {
 
 constexpr int kLayoutVersion = 1;
+constexpr std::uint64_t kMostLayoutBytes = std::uint64_t{1} << 30;
+constexpr std::uint64_t kMostLineBytes = 160;  // of a run, or of what stands before the runs
 constexpr const char* kLayoutEnding = "-layout";
 constexpr const char* kCopiedEnding = "-copied-";
 constexpr const char* kSealedEnding = "-sealed-";
+constexpr const char* kDoneEnding = "-done-";
 
 [[noreturn]] void fail_layout(const std::string& why) {
   throw Error(ErrorKind::corrupt, "the layout of the join " + why + "; lay it out again");
@@ -44,6 +47,10 @@ std::string sealed_name(const std::string& path, const BuildPlan& plan) {
   return join_prefix(path) + kSealedEnding + std::to_string(plan.id);
 }
 
+std::string done_name(const std::string& path, const BuildPlan& plan) {
+  return join_prefix(path) + kDoneEnding + std::to_string(plan.id);
+}
+
 std::string groups_of(const PartPlace& place) {
   return std::to_string(place.first_group) + " to " + std::to_string(place.end_group - 1);
 }
@@ -63,14 +70,22 @@ void put_file(Storage& storage, const std::string& name, std::string_view bytes)
   storage.sync_folder(folder_of(name));
 }
 
-std::string file_text(Storage& storage, const std::string& name) {
+/// Throws Error{corrupt} for a file of more bytes
+std::string file_text(Storage& storage, const std::string& name, std::uint64_t most) {
   const std::unique_ptr<StorageFile> file = storage.open_read(name);
+  if (file->size() > most) fail_layout("is longer than any");
   std::string text(static_cast<std::size_t>(file->size()), '\0');
   file->read(0, {reinterpret_cast<std::uint8_t*>(text.data()), text.size()});
   return text;
 }
 
-/// Everything that joins to `path` have left. The marks of copies go first: a layout without them
+void remove_all(Storage& storage, const std::vector<std::string>& names) {
+  for (const std::string& name : names) {
+    if (storage.exists(name)) storage.remove(name);
+  }
+}
+
+/// Everything with which joins to `path` grow. The marks of copies go first: a layout without them
 /// is copied anew, marks without a layout would say what is not so. That of the plan goes last: it
 /// says that all is done.
 void discard_join(Storage& storage, const std::string& path) {
@@ -79,9 +94,7 @@ void discard_join(Storage& storage, const std::string& path) {
   names.push_back(joined_name(path));
   const std::vector<std::string> sealed = storage.list(join_prefix(path) + kSealedEnding);
   names.insert(names.end(), sealed.begin(), sealed.end());
-  for (const std::string& name : names) {
-    if (storage.exists(name)) storage.remove(name);
-  }
+  remove_all(storage, names);
   storage.sync_folder(folder_of(path));
 }
 
@@ -96,12 +109,18 @@ auto about(const std::string& path, F action) -> decltype(action()) {
   }
 }
 
+/// The most bytes that the layout of a plan has: each group a part with all its streams.
+std::uint64_t most_layout_bytes(const BuildPlan& plan) {
+  const std::size_t streams = run_streams(outline_of(plan).levels);
+  return (static_cast<std::uint64_t>(plan.group_count) * streams + 1) * kMostLineBytes;
+}
+
 /// Whether a join by another plan has begun beside this name.
 bool is_begun_by_another(const BuildPlan& plan, Storage& storage, const std::string& path) {
   if (!storage.exists(layout_name(path))) return false;
   if (storage.list(join_prefix(path) + kCopiedEnding).empty()) return false;
   try {
-    return parse_layout(file_text(storage, layout_name(path))).plan != plan.id;
+    return parse_layout(file_text(storage, layout_name(path), kMostLayoutBytes)).plan != plan.id;
   } catch (const Error& error) {
     if (error.kind() == ErrorKind::io) throw;
   }
@@ -117,33 +136,22 @@ void require_none_of_others(const BuildPlan& plan, Storage& storage, const std::
               path);
 }
 
-/// Whether a file of the plan's build stands under the name: by its header, which knows the first
-/// group alone.
-bool has_header_of(const BuildPlan& plan, Storage& storage, const std::string& path) {
-  if (storage.path_type(path) != PathType::file) return false;
+/// What the end of a file says of all its bytes; empty for what is too short.
+std::string end_of(Storage& storage, const std::string& path) {
+  if (storage.path_type(path) != PathType::file) return {};
   const std::unique_ptr<StorageFile> file = storage.open_read(path);
-  HeaderBlock block{};
-  if (file->size() < block.size()) return false;
-  file->read(0, block);
-  try {
-    const FileHeader header = parse_header(block, file->size());
-    return header.is_sealed && header.file_bytes == file->size() &&
-           header.build_id == header_of(plan, outline_of(plan)).build_id;
-  } catch (const Error&) {
-    return false;
-  }
+  if (file->size() < kHeaderBytes + kTrailerBytes) return {};
+  std::string end(static_cast<std::size_t>(kTrailerBytes), '\0');
+  file->read(file->size() - kTrailerBytes,
+             {reinterpret_cast<std::uint8_t*>(end.data()), end.size()});
+  return end;
 }
 
-/// Whether the file of a plan stands under its name, from which every mark has been removed. What
-/// is older than a file of the source was made of another state of it.
-bool is_joined_and_clear(const BuildPlan& plan, Storage& storage, const std::string& path) {
-  if (!has_header_of(plan, storage, path)) return false;
-  if (!storage.list(join_prefix(path) + kSealedEnding).empty()) return false;
-  if (plan.files.empty()) return true;
-  const std::int64_t written_ns = stamps_of({path}).front().written_ns;
-  return std::ranges::all_of(plan.files, [&](const SourceStamp& file) {
-    return file.written_ns <= written_ns;
-  });
+/// Whether the file at `path` is the one for which this mark was left.
+bool is_marked(Storage& storage, const std::string& mark, const std::string& path) {
+  if (!storage.exists(mark) || !storage.exists(path)) return false;
+  const std::string end = end_of(storage, path);
+  return !end.empty() && file_text(storage, mark, kTrailerBytes) == end;
 }
 
 void prove_all(const std::vector<std::shared_ptr<PartFile>>& parts, Progress& progress) {
@@ -194,6 +202,27 @@ void require_room(Storage& storage, const std::string& path,
               path);
 }
 
+/// Gives the file that was laid out its name, and marks it as sealed; where it has its name already
+/// nothing is done. Returns its length
+std::uint64_t name_joined(const BuildPlan& plan, Storage& storage, const std::string& path,
+                          bool overwrite) {
+  const std::optional<JoinLayout> layout = find_layout(plan, storage, path);
+  if (!layout) return storage.open_read(path)->size();
+  const std::vector<PartPlace> missing = uncopied_parts(*layout, storage, path);
+  if (!missing.empty()) {
+    std::string text;
+    for (const PartPlace& place : missing) text += (text.empty() ? "" : ", ") + groups_of(place);
+    throw Error(ErrorKind::io, "parts were not copied: those of groups " + text, path);
+  }
+  check_target(storage, path, overwrite);
+  const std::string growing = joined_name(path);
+  put_file(storage, sealed_name(path, plan), end_of(storage, growing));
+  if (overwrite) storage.rename(growing, path);
+  else storage.rename_new(growing, path);
+  storage.sync_folder(folder_of(path));
+  return layout->file_bytes;
+}
+
 std::uint32_t text_crc(const std::string& text) {
   return crc32c({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
 }
@@ -224,17 +253,18 @@ CopiedRun run_of(std::string_view line) {
 std::string joined_name(const std::string& path) { return join_prefix(path); }
 
 bool is_sealed(const BuildPlan& plan, Storage& storage, const std::string& path) {
-  return storage.exists(sealed_name(path, plan)) && !find_layout(plan, storage, path) &&
-         has_header_of(plan, storage, path);
+  return is_marked(storage, sealed_name(path, plan), path) && !find_layout(plan, storage, path);
 }
 
 bool is_joined(const BuildPlan& plan, Storage& storage, const std::string& path) {
-  return is_sealed(plan, storage, path) || is_joined_and_clear(plan, storage, path);
+  return is_sealed(plan, storage, path) || is_marked(storage, done_name(path, plan), path);
 }
 
 void discard_steps(const BuildPlan& plan, Storage& storage, const std::string& path) {
   if (storage.list(joined_name(path)).empty()) return;
-  if (!is_begun_by_another(plan, storage, path)) discard_join(storage, path);
+  if (is_begun_by_another(plan, storage, path)) return;
+  remove_all(storage, storage.list(join_prefix(path) + kDoneEnding));
+  discard_join(storage, path);
 }
 
 std::vector<PartPlace> parts_of(const JoinLayout& layout) {
@@ -325,7 +355,8 @@ std::optional<JoinLayout> find_layout(const BuildPlan& plan, Storage& storage,
     return std::nullopt;
   }
   try {
-    JoinLayout layout = parse_layout(file_text(storage, layout_name(path)));
+    JoinLayout layout =
+        parse_layout(file_text(storage, layout_name(path), most_layout_bytes(plan)));
     const bool is_whole =
         storage.open_read(joined_name(path))->size() == layout.file_bytes;
     if (layout.plan == plan.id && is_whole) return layout;
@@ -417,35 +448,26 @@ std::vector<PartPlace> uncopied_parts(const JoinLayout& layout, Storage& storage
 
 std::uint64_t seal_join(const BuildPlan& plan, Storage& storage, const std::string& path,
                         bool overwrite) {
-  const std::optional<JoinLayout> layout = find_layout(plan, storage, path);
-  if (!layout) {
-    // The name was given already, or nothing was begun.
-    if (!is_joined(plan, storage, path)) {
-      throw Error(ErrorKind::io, "nothing is laid out for this plan", path);
-    }
-    discard_steps(plan, storage, path);
-    return storage.open_read(path)->size();
+  if (!find_layout(plan, storage, path) && !is_joined(plan, storage, path)) {
+    throw Error(ErrorKind::io, "nothing is laid out for this plan", path);
   }
-  const std::vector<PartPlace> missing = uncopied_parts(*layout, storage, path);
-  if (!missing.empty()) {
-    std::string text;
-    for (const PartPlace& place : missing) text += (text.empty() ? "" : ", ") + groups_of(place);
-    throw Error(ErrorKind::io, "parts were not copied: those of groups " + text, path);
-  }
-  check_target(storage, path, overwrite);
-  put_file(storage, sealed_name(path, plan), "");
-  const std::string growing = joined_name(path);
-  if (overwrite) storage.rename(growing, path);
-  else storage.rename_new(growing, path);
-  storage.sync_folder(folder_of(path));
-  discard_join(storage, path);
-  return layout->file_bytes;
+  const std::uint64_t bytes = name_joined(plan, storage, path, overwrite);
+  const std::string done = done_name(path, plan);
+  if (!is_marked(storage, done, path)) put_file(storage, done, end_of(storage, path));
+  std::vector<std::string> older = storage.list(join_prefix(path) + kDoneEnding);
+  std::erase(older, done);
+  remove_all(storage, older);
+  if (!is_begun_by_another(plan, storage, path)) discard_join(storage, path);
+  return bytes;
 }
 
 std::uint64_t consume_parts(const BuildPlan& plan, const std::vector<std::string>& paths,
                             Storage& storage, const std::string& path, bool overwrite,
                             const PartWork& work, Progress& progress) {
-  if (is_sealed(plan, storage, path)) return seal_join(plan, storage, path, overwrite);
+  if (is_sealed(plan, storage, path)) {
+    discard_steps(plan, storage, path);
+    return storage.open_read(path)->size();
+  }
   std::vector<std::shared_ptr<PartFile>> parts;
   for (const std::string& name : paths) {
     if (storage.exists(name)) parts.push_back(PartFile::open(storage, name));
@@ -465,7 +487,9 @@ std::uint64_t consume_parts(const BuildPlan& plan, const std::vector<std::string
     copy_part(plan, part, storage, path, progress);
     storage.remove(part->path());
   }
-  return seal_join(plan, storage, path, overwrite);
+  const std::uint64_t bytes = name_joined(plan, storage, path, overwrite);
+  discard_steps(plan, storage, path);
+  return bytes;
 }
 
 }  // namespace octavo

@@ -9,7 +9,10 @@
 //   .NAME.join                 the file that grows
 //   .NAME.join-layout          the layout, once the file is laid out
 //   .NAME.join-copied-A-B      for each part, groups A .. B, whose bytes are on disk
-//   .NAME.join-sealed-PLAN     once the file is whole, until nothing else of this is left
+//   .NAME.join-sealed-PLAN     once the file is whole, until nothing else of this is left: the
+//                              trailer of the file, which holds a checksum of all its bytes
+//   .NAME.join-done-PLAN       the same, from then on: so that a step that is done again knows
+//                              the file of its plan; not of a join that consumes its parts
 //
 // Invariants
 //   A step that is done again changes nothing. NAME holds a whole file or what it held before.
@@ -65,8 +68,8 @@ std::string joined_name(const std::string& path);
 /// Throws Error{io}
 bool is_sealed(const BuildPlan& plan, Storage& storage, const std::string& path);
 
-/// Whether the file of a plan stands under its name: by the mark that it was sealed, or by its
-/// header where it is no older than the files of the source.
+/// Whether the file of a plan stands under its name, by the marks that steps have left: that of
+/// another plan, of a build, or one that was changed since is not taken for it.
 /// Throws Error{io}
 bool is_joined(const BuildPlan& plan, Storage& storage, const std::string& path);
 
@@ -97,7 +100,8 @@ void copy_part(const BuildPlan& plan, const std::shared_ptr<PartFile>& part, Sto
 std::vector<PartPlace> uncopied_parts(const JoinLayout& layout, Storage& storage,
                                       const std::string& path);
 
-/// Gives the file its name and removes what stood beside it. Where it is_joined, nothing is done.
+/// Gives the file its name and removes what stood beside it, but for the mark that this was done.
+/// Where it is_joined, the file stays as it is.
 /// Returns the length of the file
 /// Throws  Error{io} that names the parts that were not copied; as FileWriter
 std::uint64_t seal_join(const BuildPlan& plan, Storage& storage, const std::string& path,
