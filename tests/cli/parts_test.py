@@ -154,6 +154,9 @@ class JoinedInOtherWays(InParts):
         self.assertEqual(self.bytes_of("scan.8vo"), self.whole)
         self.step(0, "--step", "seal")
         self.assertIn("is joined already", self.step(0, "--step", "copy", "--part", "1").stdout)
+        (mark,) = [name for name in self.files() if name.startswith(".")]
+        self.assertTrue(mark.startswith(".scan.8vo.join-done-"), mark)
+        self.step(0, "--force")
         self.assertEqual([name for name in self.files() if name.startswith(".")], [])
 
     def test_a_join_in_one_leaves_nothing_of_one_in_steps(self):
@@ -163,9 +166,12 @@ class JoinedInOtherWays(InParts):
         self.assertEqual(self.bytes_of("scan.8vo"), self.whole)
         self.assertEqual([name for name in self.files() if name.startswith(".")], [])
 
-    def test_a_file_of_an_earlier_state_of_the_source_is_not_taken_for_sealed(self):
+    def test_only_the_file_that_steps_have_sealed_is_taken_for_sealed(self):
         self.expect(0, "join", "scan.plan", "parts", "-o", "scan.8vo", "-q")
-        self.step(0, "--step", "seal")
+        self.assertIn("nothing is laid out", self.step(5, "--step", "seal").stderr)
+        (self.folder / "scan.8vo").unlink()
+        for step in ("layout", "copy", "seal", "seal"):
+            self.step(0, "--step", step)
         self.write_scan(VOXELS[:2 * PLANE * 100] + b"\1\2\3\4" + VOXELS[2 * PLANE * 100 + 4:])
         self.expect(0, "plan", *self.raw, "-f", "--parts", "3", "-o", "scan.plan")
         self.assertIn("nothing is laid out", self.step(5, "--step", "seal").stderr)

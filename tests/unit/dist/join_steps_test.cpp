@@ -16,12 +16,30 @@
 namespace octavo::testing {
 namespace {
 
-/// A disk that has little room.
+/// A file that says it is longer than any memory.
+class LongFile final : public StorageFile {
+ public:
+  const std::string& path() const override { return path_; }
+  std::uint64_t size() const override { return std::uint64_t{1} << 60; }
+  void read(std::uint64_t, std::span<std::uint8_t> out) const override {
+    std::ranges::fill(out, std::uint8_t{'['});
+  }
+  void write(std::uint64_t, std::span<const std::uint8_t>) override {}
+  void truncate(std::uint64_t) override {}
+  void sync() override {}
+  void close() override {}
+
+ private:
+  std::string path_ = "long";
+};
+
+/// A disk that has little room, or a file that is too long.
 class FullDisk final : public Storage {
  public:
   FullDisk(MemoryStorage& files, std::uint64_t free_bytes) : files_(files), free_(free_bytes) {}
 
   std::unique_ptr<StorageFile> open_read(const std::string& p) override {
+    if (p == long_file) return std::make_unique<LongFile>();
     return files_.open_read(p);
   }
   std::unique_ptr<StorageFile> create_exclusive(const std::string& p) override {
@@ -47,6 +65,7 @@ class FullDisk final : public Storage {
   }
 
   std::optional<std::uint64_t> stored;  ///< of every file
+  std::string long_file;                ///< its name
 
  private:
   MemoryStorage& files_;
@@ -90,11 +109,11 @@ class JoinSteps : public ::testing::Test {
     for (const GroupRun& run : runs_) names.push_back(part_name(run));
     return consume_parts(plan_, names, storage_, "a.8vo", false, {.threads = 1}, progress_);
   }
-  /// Parts and file apart, nothing else is there.
-  void expect_done(std::size_t part_count) {
+  /// Parts, file and the mark of steps that were done apart, nothing else is there.
+  void expect_done(std::size_t part_count, std::size_t marks = 1) {
     ASSERT_EQ(storage_.files.count("a.8vo"), 1U);
     EXPECT_TRUE(*storage_.files.at("a.8vo") == whole_);
-    EXPECT_EQ(storage_.files.size(), part_count + 1);
+    EXPECT_EQ(storage_.files.size(), part_count + 1 + marks);
   }
 
   SmallGroups groups_{std::uint64_t{1} << 18};
@@ -156,6 +175,43 @@ TEST_F(JoinSteps, ALayoutThatWasChangedIsNone) {
     EXPECT_THROW(parse_layout(changed), Error) << at;
     EXPECT_THROW(parse_layout(text.substr(0, at)), Error) << at;
   }
+}
+
+TEST_F(JoinSteps, ALayoutThatIsLongerThanThatOfAnyPlanIsNotRead) {
+  lay_out(runs_);
+  FullDisk disk(storage_, 0);
+  EXPECT_TRUE(find_layout(plan_, disk, "a.8vo"));
+  copy({0, 1});
+  disk.long_file = joined_name("a.8vo") + "-layout";
+  EXPECT_FALSE(find_layout(plan_, disk, "a.8vo"));
+  discard_steps(plan_, disk, "a.8vo");
+  EXPECT_FALSE(storage_.files.contains(joined_name("a.8vo")));
+}
+
+TEST_F(JoinSteps, OnlyTheFileThatWasSealedIsTakenForThatOfItsPlan) {
+  lay_out(runs_);
+  for (const GroupRun& run : runs_) copy(run);
+  seal_join(plan_, storage_, "a.8vo", false);
+  EXPECT_TRUE(is_joined(plan_, storage_, "a.8vo"));
+
+  BuildPlan other = plan_;  // of the same first group, and of no file that would be newer
+  other.recipe = R"({"other":1})";
+  other.id = id_of(other);
+  EXPECT_FALSE(is_joined(other, storage_, "a.8vo"));
+  failure_of([&] { seal_join(other, storage_, "a.8vo", true); }, ErrorKind::io);
+
+  // A file of the same first group that takes the name later
+  SmallVolume changed = volume_;
+  changed.voxels.back() ^= std::byte{1};
+  auto& file = storage_.files.at("a.8vo");
+  const auto sealed = std::exchange(
+      file, std::make_shared<std::vector<std::uint8_t>>(built(changed)));
+  ASSERT_FALSE(*file == *sealed);
+  EXPECT_FALSE(is_joined(plan_, storage_, "a.8vo"));
+  failure_of([&] { seal_join(plan_, storage_, "a.8vo", true); }, ErrorKind::io);
+  file = sealed;
+  EXPECT_EQ(seal_join(plan_, storage_, "a.8vo", false), whole_.size());
+  expect_done(3);
 }
 
 TEST_F(JoinSteps, APartThatWasNotLaidOutIsRejectedByName) {
@@ -252,7 +308,7 @@ TEST_F(JoinSteps, AFileThatStandsThereIsReplacedOnlyWhenAsked) {
 
 TEST_F(JoinSteps, ConsumedPartsAreGoneAndTheFileIsThere) {
   EXPECT_EQ(consume(), whole_.size());
-  expect_done(0);
+  expect_done(0, 0);
 }
 
 TEST_F(JoinSteps, NothingIsConsumedBeforeAllIsProvenAndThereIsRoom) {
@@ -286,7 +342,7 @@ TEST_F(JoinSteps, NothingIsConsumedBeforeAllIsProvenAndThereIsRoom) {
   storage_.files.erase(joined_name("a.8vo"));
   FullDisk enough(storage_, all);
   EXPECT_EQ(consume_on(enough), whole_.size());
-  expect_done(0);
+  expect_done(0, 0);
 }
 
 // What a copy that was cut off has written needs no more room; all else does.
@@ -310,7 +366,7 @@ TEST_F(JoinSteps, AConsumingJoinThatGoesOnLooksForRoomAsWell) {
   EXPECT_EQ(open_parts(storage_, runs_).size(), 3U);
   disk.stored = own + 10;
   EXPECT_EQ(consume_on_disk(), whole_.size());
-  expect_done(0);
+  expect_done(0, 0);
 }
 
 // Killed at any call, it goes on; what a process leaves is all that the next one has.
@@ -336,7 +392,7 @@ TEST_F(JoinSteps, AConsumingJoinThatIsKilledGoesOn) {
       const auto found = storage_.files.find("a.8vo");
       if (found != storage_.files.end()) {
         ASSERT_TRUE(*found->second == whole_) << call;
-        seal_join(plan_, storage_, "a.8vo", false);
+        if (is_sealed(plan_, storage_, "a.8vo")) consume();
       } else {
         ASSERT_EQ(consume(), whole_.size()) << call;
       }
@@ -359,7 +415,7 @@ TEST_F(JoinSteps, AConsumingJoinThatIsKilledBehindTheRenameEndsWhenGivenAgain) {
   failure_of([&] { seal_join(later, storage_, "a.8vo", true); }, ErrorKind::io);
   EXPECT_TRUE(is_sealed(plan_, storage_, "a.8vo"));
   EXPECT_EQ(consume(), whole_.size());
-  expect_done(0);
+  expect_done(0, 0);
 }
 
 TEST_F(JoinSteps, AJoinThatIsStoppedLeavesThePartsAndNoFile) {
