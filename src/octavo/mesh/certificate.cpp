@@ -10,6 +10,7 @@
 #include <limits>
 
 #include "octavo/core/error.h"
+#include "octavo/mesh/cover_proof.h"
 #include "octavo/mesh/point_distance.h"
 
 namespace octavo {
@@ -194,6 +195,11 @@ class PointFinder {
 
   static constexpr int kDepth = 10;
 
+  /// The attached point nearest to a place; kNone where there is none.
+  std::uint32_t nearest_point(const Point3& place) const {
+    return points_.empty() ? TriangleTree::kNone : points_[nearest_number(place)];
+  }
+
   /// Takes the points that are attached to a triangle of a mesh and to those around it.
   void gather(const TriangleMesh& mesh, const MeshTriangle& triangle, const KnownNearby& known) {
     points_.clear();
@@ -221,6 +227,23 @@ class PointFinder {
   bool is_any_far() const { return is_any_far_; }
 
   TriangleTree::Nearest nearest(const Point3& place) const {
+    if (places_.empty()) return searched(place);
+    TriangleTree::Nearest found;
+    double best = distance_ * distance_;
+    for (const std::uint32_t number : fans_.of(points_[nearest_number(place)])) {
+      const double own = squared_distance(place, places_of(other_, other_.triangles[number]));
+      if (own >= best) continue;
+      best = own;
+      found.triangle = number;
+    }
+    if (found.triangle == TriangleTree::kNone) return searched(place);
+    found.distance = std::sqrt(best);
+    return found;
+  }
+
+ private:
+  /// The place in points_ of the one nearest to a place. Requires one.
+  std::size_t nearest_number(const Point3& place) const {
     const MeshPoint p = {static_cast<float>(place[0]), static_cast<float>(place[1]),
                          static_cast<float>(place[2])};
     float lowest = std::numeric_limits<float>::infinity();
@@ -234,21 +257,9 @@ class PointFinder {
       lowest = squared;
       nearest = i;
     }
-    if (places_.empty()) return searched(place);
-    TriangleTree::Nearest found;
-    double best = distance_ * distance_;
-    for (const std::uint32_t number : fans_.of(points_[nearest])) {
-      const double own = squared_distance(place, places_of(other_, other_.triangles[number]));
-      if (own >= best) continue;
-      best = own;
-      found.triangle = number;
-    }
-    if (found.triangle == TriangleTree::kNone) return searched(place);
-    found.distance = std::sqrt(best);
-    return found;
+    return nearest;
   }
 
- private:
   TriangleTree::Nearest searched(const Point3& place) const {
     const TriangleTree::Nearest found = tree_.nearest(place, distance_);
     if (found.triangle == TriangleTree::kNone) is_any_far_ = true;
@@ -272,6 +283,47 @@ class PointFinder {
   std::vector<std::uint32_t> points_;
   std::vector<MeshPoint> places_;
   mutable bool is_any_far_ = false;
+};
+
+/// Proves triangles by what is known of them: by what covers them, else near the points that are
+/// attached around them, else by the tree.
+class NearbyProof {
+ public:
+  NearbyProof(const TriangleMesh& mesh, const TriangleTree& tree, double distance,
+              const KnownNearby& known)
+      : mesh_(mesh),
+        known_(known),
+        points_(tree, known.other_fans, distance),
+        cover_(tree.mesh(), known.other_fans, distance),
+        by_points_(tree.mesh(), distance, points_),
+        by_tree_(tree, distance) {}
+
+  bool proves(std::uint32_t triangle) {
+    points_.gather(mesh_, mesh_.triangles[triangle], known_);
+    const TrianglePlaces places = places_of(mesh_, mesh_.triangles[triangle]);
+    const Point3 middle = scaled(sum(sum(places[0], places[1]), places[2]), 1.0 / 3);
+    const std::uint32_t near = points_.nearest_point(middle);
+    return (near != TriangleTree::kNone && cover_.proves(places, near)) ||
+           proves_near_points(places);
+  }
+
+ private:
+  bool proves_near_points(const TrianglePlaces& places) {
+    NearCorners corners;
+    for (std::size_t k = 0; k < 3; ++k) corners[k] = {places[k], points_.nearest(places[k])};
+    if (std::all_of(corners.begin(), corners.end(), is_found) &&
+        by_points_.proves(corners, PointFinder::kDepth)) {
+      return true;
+    }
+    return !points_.is_any_far() && by_tree_.proves(unknown(places));
+  }
+
+  const TriangleMesh& mesh_;
+  const KnownNearby& known_;
+  PointFinder points_;
+  CoverProof cover_;
+  Certificate<PointFinder> by_points_;
+  TreeFinder by_tree_;
 };
 
 using FoundTriangles = tbb::enumerable_thread_specific<std::vector<std::uint32_t>>;
@@ -346,28 +398,15 @@ std::vector<std::uint32_t> unproven_triangles(const TriangleMesh& mesh,
                                               const TriangleTree& tree, double distance,
                                               const KnownNearby& known,
                                               const Progress& progress) {
-  const TreeFinder searching(tree, distance);
   constexpr std::size_t kChunk = 64;
   FoundTriangles found;
   tbb::parallel_for(std::size_t{0}, (triangles.size() + kChunk - 1) / kChunk,
                     [&](std::size_t chunk) {
-    if (progress.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
-    PointFinder finder(tree, known.other_fans, distance);
-    const Certificate by_points(tree.mesh(), distance, finder);
+    NearbyProof proof(mesh, tree, distance, known);
     const std::size_t end = std::min((chunk + 1) * kChunk, triangles.size());
     for (std::size_t i = chunk * kChunk; i < end; ++i) {
-      const MeshTriangle& t = mesh.triangles[triangles[i]];
-      finder.gather(mesh, t, known);
-      const TrianglePlaces places = places_of(mesh, t);
-      NearCorners corners;
-      for (std::size_t k = 0; k < 3; ++k) corners[k] = {places[k], finder.nearest(places[k])};
-      if (std::all_of(corners.begin(), corners.end(), is_found) &&
-          by_points.proves(corners, PointFinder::kDepth)) {
-        continue;
-      }
-      if (finder.is_any_far() || !searching.proves(unknown(places))) {
-        found.local().push_back(triangles[i]);
-      }
+      if (progress.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
+      if (!proof.proves(triangles[i])) found.local().push_back(triangles[i]);
     }
   });
   return joined(found);

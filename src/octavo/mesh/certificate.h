@@ -6,7 +6,8 @@
 // proven counts as too far.
 //
 // Any triangle that is near enough is a proof, not only the nearest. So triangles that are known to
-// be near are tried first, and the tree is searched for what they do not prove.
+// be near are tried first, and the tree is searched for what they do not prove. Most triangles of a
+// reduced mesh are seen to be covered by the other surface (cover_proof.h), which is proof as well.
 #pragma once
 
 #include <cstdint>
