@@ -331,7 +331,7 @@ void predict_plane(const Parameters& p, const Stage& stage, Workspace<std::int16
                    std::int64_t z) {
   prepare_plane<kAxis>(p, stage, work, z);
   for (std::int64_t y = 0; y < stage.pairs.y; ++y) {
-    close_pairs(coded_pairs(stage, work, y, z), stage.pairs.x, work.limits.row(y, z));
+    close_limits(coded_pairs(stage, work, y, z), stage.pairs.x, work.limits.row(y, z));
     predict_row<kAxis>(stage, work, y, z);
     settle_weighted_row(stage, work, y, z, work.residuals.row(y, z));
     fill_margins(work.magnitudes[kAxis].row(y, z), stage.pairs.x);
@@ -405,7 +405,7 @@ class PlaneDecoder {
 
   void count_row(std::int64_t y) {
     const RowMask pairs = coded_pairs(stage_, work_, y, z_);
-    close_pairs(pairs, stage_.pairs.x, work_.limits.row(y, z_));
+    close_limits(pairs, stage_.pairs.x, work_.limits.row(y, z_));
     const int coded = std::popcount(pairs);
     pairs_[y - first_] = pairs;
     counts_[y - first_] = coded;

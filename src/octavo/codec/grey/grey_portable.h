@@ -193,6 +193,7 @@ inline MagnitudeRows magnitude_rows(const SampleGrid<std::int16_t>* magnitudes, 
 
 /// The passes built on a Kernel, which has
 ///   row_features(p, stage, work, y, z)    fills work.row, and the activities and limits of the row
+///   close_row(coded, count, limits)        close_pairs
 ///   row_contexts(p, stage, near, row, contexts)
 ///   take_row(symbols, contexts, coded, count, residuals)   0 for pairs that are not coded
 ///   takes_planes(p, stage)                     whether take_plane knows this split from means
@@ -242,7 +243,7 @@ struct Passes {
     }
     Kernel::row_features(p, stage, work, y, z);
     open_weighted(stage, stage.first_weighted(y, z), work.limits.row(y, z), work.row.limit);
-    close_pairs(coded, stage.pairs.x, work.limits.row(y, z));
+    Kernel::close_row(coded, stage.pairs.x, work.limits.row(y, z));
   }
 
   static void contexts(const Parameters& p, const Stage& stage, Workspace<Sample>& work,
@@ -496,6 +497,9 @@ struct PortableKernel {
   /// The same of some pairs of a row.
   static void some_features(const Parameters& p, const Stage& stage, Workspace<Sample>& work,
                             const Box& pairs);
+  static void close_row(RowMask coded, std::int64_t count, Limit<Sample>* limits) {
+    close_pairs(coded, count, limits);
+  }
   static void row_contexts(const Parameters& p, const Stage& stage, const MagnitudeRows& near,
                            const RowBuffers& row, std::uint16_t* contexts);
   static void take_row(SymbolReader& symbols, const std::uint16_t* contexts, RowMask coded,

@@ -44,6 +44,28 @@ HWY_INLINE Halves is_at_least(Halves a, Halves b) {
   return hn::ShiftRight<15>(hn::VecFromMask(kHalves, hn::Eq(hn::Max(a, b), a)));
 }
 
+/// For each lane the bit of its pair, in the 16 pairs from that of the first lane on.
+alignas(64) inline constexpr std::uint16_t kLaneBits[] = {
+    1 << 0, 1 << 1, 1 << 2,  1 << 3,  1 << 4,  1 << 5,  1 << 6,  1 << 7,
+    1 << 8, 1 << 9, 1 << 10, 1 << 11, 1 << 12, 1 << 13, 1 << 14, 1 << 15};
+
+/// The lanes whose pairs are among some pairs of a row; lane 0 is pair x.
+HWY_INLINE hn::Mask<decltype(kHalves)> lanes_of(RowMask pairs, int x) {
+  return hn::TestBit(hn::Set(kHalves, static_cast<std::uint16_t>(pairs >> x)),
+                     hn::Load(kHalves, kLaneBits));
+}
+
+/// close_pairs; what is behind the row stays as it is.
+inline void close_limits(RowMask coded, std::int64_t count, std::uint16_t* limits) {
+  const RowMask all = first_pairs(count);
+  if (coded == all) return;
+  constexpr int kLanes = static_cast<int>(hn::MaxLanes(kHalves));
+  for (int x = 0; x < count; x += kLanes) {
+    const auto stays = lanes_of(coded | ~all, x);
+    hn::StoreU(hn::IfThenElseZero(stays, hn::LoadU(kHalves, limits + x)), kHalves, limits + x);
+  }
+}
+
 inline void features_of_row(const Parameters& p, const Stage& stage,
                             Workspace<std::int16_t>& work, std::int64_t y, std::int64_t z) {
   const std::int64_t along = pair_step<std::int16_t>(stage.axis);

@@ -42,6 +42,9 @@ struct Kernel {
                            Workspace<std::int16_t>& work, std::int64_t y, std::int64_t z) {
     features_of_row(p, stage, work, y, z);
   }
+  static void close_row(RowMask coded, std::int64_t count, std::uint16_t* limits) {
+    close_limits(coded, count, limits);
+  }
   static void row_contexts(const Parameters& p, const Stage& stage, const MagnitudeRows& near,
                            const RowBuffers& row, std::uint16_t* contexts) {
     const std::int32_t* const weights = p.context_weights[stage.group][stage.axis];

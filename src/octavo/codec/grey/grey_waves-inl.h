@@ -294,8 +294,9 @@ void run_waves(const std::int16_t* weights, const Stage& stage, const WaveRow* r
     // Predict a sample of each row; without room, as an edge or a uniform cell, it is known.
     const Quad limit = hn::Load(kQuad, woven.limits + 4 * x);
     const Quad known = hn::Load(kQuad, woven.edges + 4 * x);
+    const bool has_room = !hn::AllTrue(kQuad, hn::Eq(limit, hn::Zero(kQuad)));
     Quad sum = hn::Zero(kQuad);
-    if (!hn::AllTrue(kQuad, hn::Eq(limit, hn::Zero(kQuad)))) {
+    if (has_room) {
       sum = sum_each(c0.sums(rows[0].at + at, weights_of(rows[0], x)),
                      c1.sums(rows[1].at + at, weights_of(rows[1], x)),
                      c2.sums(rows[2].at + at, weights_of(rows[2], x)),
@@ -305,7 +306,9 @@ void run_waves(const std::int16_t* weights, const Stage& stage, const WaveRow* r
     const Quad prediction = hn::ShiftRight<kWeightBits>(hn::Add(sum, half));
     // Detail to residual, or residual to detail, counted from those of edges
     Quad detail = hn::Load(kQuad, woven.residuals + 4 * x);
-    if constexpr (kHasGaps) {
+    if (!kIsEncoding && !has_room) {
+      detail = hn::Zero(kQuad);
+    } else if constexpr (kHasGaps) {
       const Quad found = four_through_gaps<kIsEncoding>(
           woven.details + 4 * x, hn::Add(known, brought_within(prediction, limit)), detail);
       if constexpr (kIsEncoding) hn::Store(found, kQuad, woven.residuals + 4 * x);
