@@ -480,8 +480,9 @@ struct Passes {
     Kernel::write_row(residuals, context, coded, writer);
   }
 
+  /// Less those of edges.
   static constexpr StagePasses<Sample> functions() {
-    return {decode, decode_two, measure, predict, list_symbols, encode, write};
+    return {decode, decode_two, measure, predict, list_symbols, encode, write, nullptr, nullptr};
   }
 };
 

@@ -55,6 +55,13 @@ HWY_INLINE hn::Mask<decltype(kHalves)> lanes_of(RowMask pairs, int x) {
                      hn::Load(kHalves, kLaneBits));
 }
 
+/// The bits of a mask, that of the first lane lowest.
+HWY_INLINE RowMask bits_of(hn::Mask<decltype(kHalves)> lanes) {
+  std::uint8_t bits[8] = {};
+  hn::StoreMaskBits(kHalves, lanes, bits);
+  return static_cast<RowMask>(bits[0] | bits[1] << 8);
+}
+
 /// close_pairs; what is behind the row stays as it is.
 inline void close_limits(RowMask coded, std::int64_t count, std::uint16_t* limits) {
   const RowMask all = first_pairs(count);

@@ -194,6 +194,9 @@ struct StagePasses {
   void (*encode)(const Parameters&, const Stage&, Workspace<Sample>&, std::vector<Symbol>&);
   /// The same, to a segment.
   void (*write)(const Parameters&, const Stage&, Workspace<Sample>&, SymbolWriter&);
+  /// See edge_pairs.h.
+  void (*mark_edges)(const Stage&, Workspace<Sample>&);
+  void (*take_edges)(const Stage&, Workspace<Sample>&, SymbolReader&);
 };
 
 struct StageFunctions {

@@ -3,6 +3,7 @@
 #include <cstring>
 #include <type_traits>
 
+#include "octavo/codec/grey/edge_candidates.h"
 #include "octavo/codec/grey/grey_portable.h"
 #include "octavo/codec/grey/octant_transform.h"
 
@@ -255,8 +256,9 @@ std::int64_t Stage::detail_count() const {
 
 const StageFunctions& portable_stage_functions() {
   static constexpr StageFunctions kFunctions = {
-      Passes<std::int16_t, PortableKernel<std::int16_t>>::functions(),
-      Passes<std::int32_t, PortableKernel<std::int32_t>>::functions(), push_tokens};
+      passes_of<std::int16_t, PortableKernel<std::int16_t>, PortableEdges<std::int16_t>>(),
+      passes_of<std::int32_t, PortableKernel<std::int32_t>, PortableEdges<std::int32_t>>(),
+      push_tokens};
   return kFunctions;
 }
 

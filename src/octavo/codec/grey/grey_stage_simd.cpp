@@ -7,6 +7,7 @@
 #include <string_view>
 #include <type_traits>
 
+#include "octavo/codec/grey/edge_candidates.h"
 #include "octavo/codec/grey/grey_portable.h"
 #include "octavo/codec/simd_level.h"
 
@@ -18,6 +19,7 @@
 #include <hwy/highway.h>
 
 // clang-format off
+#include "octavo/codec/grey/grey_edges-inl.h"
 #include "octavo/codec/grey/grey_exact-inl.h"
 #include "octavo/codec/grey/grey_planes-inl.h"
 #include "octavo/codec/grey/grey_push-inl.h"
@@ -111,7 +113,17 @@ struct Kernel {
   }
 };
 
-StagePasses<std::int16_t> narrow_passes() { return Passes<std::int16_t, Kernel>::functions(); }
+struct EdgeKernel {
+  static RowMask background(const std::int16_t* means, std::int64_t count, std::int16_t lowest) {
+    return background_of_row(means, static_cast<int>(count), lowest);
+  }
+  static void describe(const Stage& stage, const std::int16_t* means, const EdgeMasks& beside,
+                       CandidateRow& row) {
+    describe_row(stage, means, beside, row);
+  }
+};
+
+StagePasses<std::int16_t> narrow_passes() { return passes_of<std::int16_t, Kernel, EdgeKernel>(); }
 PushTokens push_pass() { return push_token_vectors; }
 
 #endif

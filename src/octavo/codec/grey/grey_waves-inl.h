@@ -247,9 +247,7 @@ inline RowMask pairs_with_limits(const std::uint16_t* limits, int count) {
   constexpr int kLanes = static_cast<int>(hn::MaxLanes(kHalves));
   for (int x = 0; x < count; x += kLanes) {
     const auto has_limit = hn::Ne(hn::LoadU(kHalves, limits + x), hn::Zero(kHalves));
-    std::uint8_t bits[8] = {};
-    hn::StoreMaskBits(kHalves, has_limit, bits);
-    pairs |= static_cast<RowMask>(bits[0] | bits[1] << 8) << x;
+    pairs |= bits_of(has_limit) << x;
   }
   return pairs & first_pairs(count);
 }

@@ -149,10 +149,12 @@ RandomSplit make_split(std::mt19937& random, const Size3& fine, int axis, Predic
 struct Results {
   std::vector<std::int32_t> residuals;
   std::vector<Symbol> symbols;
+  std::vector<Symbol> edges;
   std::vector<std::int16_t> samples;
 
   bool operator==(const Results& other) const {
-    return residuals == other.residuals && samples == other.samples && symbols == other.symbols;
+    return residuals == other.residuals && samples == other.samples && symbols == other.symbols &&
+           edges == other.edges;
   }
 };
 
@@ -204,8 +206,8 @@ Results run(const StageFunctions& functions, RandomSplit& s, bool has_cells) {
   load_with_details(work, s);
   std::vector<Symbol> edges;
   if (s.stage.has_edges) {
-    mark_edges(s.stage, work);
-    edges = work.edge_symbols;
+    functions.narrow.mark_edges(s.stage, work);
+    results.edges = edges = work.edge_symbols;
   }
   functions.narrow.predict(s.model.parameters, s.stage, work);
   for (std::int64_t z = 0; z < pairs.z; ++z) {
@@ -219,7 +221,7 @@ Results run(const StageFunctions& functions, RandomSplit& s, bool has_cells) {
 
   std::vector<Symbol> at_once;
   load_with_details(work, s);
-  if (s.stage.has_edges) mark_edges(s.stage, work);
+  if (s.stage.has_edges) functions.narrow.mark_edges(s.stage, work);
   functions.narrow.encode(s.model.parameters, s.stage, work, at_once);
   EXPECT_TRUE(at_once == results.symbols);
   EXPECT_EQ(pairs_of(work, s), results.samples);
@@ -239,7 +241,7 @@ Results run(const StageFunctions& functions, RandomSplit& s, bool has_cells) {
   load_with_details(work, s);
   SymbolWriter writer(s.model, s.stage.set, 0, functions.push);
   if (s.stage.has_edges) {
-    mark_edges(s.stage, work);
+    functions.narrow.mark_edges(s.stage, work);
     writer.add(work.edge_symbols);
   }
   functions.narrow.write(s.model.parameters, s.stage, work, writer);
@@ -247,7 +249,7 @@ Results run(const StageFunctions& functions, RandomSplit& s, bool has_cells) {
   EXPECT_EQ(pairs_of(work, s), results.samples);
   load(work, s);
   SymbolReader symbols(s.model, s.stage.set, segment, count, 0);
-  if (s.stage.has_edges) take_edges(s.stage, work, symbols);
+  if (s.stage.has_edges) functions.narrow.take_edges(s.stage, work, symbols);
   functions.narrow.decode(s.model.parameters, {s.stage, work, symbols});
   symbols.finish();
   EXPECT_EQ(pairs_of(work, s), results.samples);
@@ -353,7 +355,7 @@ std::optional<std::vector<std::int16_t>> decode_any(const StageFunctions& functi
   load(work, s);
   SymbolReader symbols(s.model, s.stage.set, segment, s.stage.detail_count(), 0);
   try {
-    if (s.stage.has_edges) take_edges(s.stage, work, symbols);
+    if (s.stage.has_edges) functions.narrow.take_edges(s.stage, work, symbols);
     functions.narrow.decode(s.model.parameters, {s.stage, work, symbols});
   } catch (const Error&) {
     return std::nullopt;
@@ -443,8 +445,8 @@ TEST_P(StagesOf, DecodeTwoPartsAtOnceToWhatEachHolds) {
     SymbolReader of_a(a.model, a.stage.set, bytes[0], a.stage.detail_count(), 0, most_states);
     SymbolReader of_b(b.model, b.stage.set, bytes[1], b.stage.detail_count(), 0, most_states);
     if (a.stage.has_edges) {
-      take_edges(a.stage, works[0], of_a);
-      take_edges(b.stage, works[1], of_b);
+      functions->narrow.take_edges(a.stage, works[0], of_a);
+      functions->narrow.take_edges(b.stage, works[1], of_b);
     }
     functions->narrow.decode_two(a.model.parameters, {a.stage, works[0], of_a},
                                  {b.stage, works[1], of_b});
