@@ -220,7 +220,7 @@ MeasureResult join_measured(const JoinMeasuredOptions& options, const TaskContex
     }
     file.lines.erase(file.lines.begin());
     parts.push_back(file.part);
-    found.push_back(regions_of_lines(file.lines));
+    found.push_back(of_part_result(path, [&] { return regions_of_lines(file.lines); }));
   }
   PartOfRegions all;
   for (const std::size_t place : order_of_all_parts(parts)) add_part(found[place], all);

@@ -4,6 +4,7 @@
 #include <map>
 #include <random>
 
+#include "octavo/tasks/files/part_result.h"
 #include "support/task_files.h"
 
 namespace octavo {
@@ -231,6 +232,18 @@ TEST_F(Measure, PartsJoinToEveryDigit) {
         JoinMeasuredOptions{options_, {found[0], found[1], found[1]}}}) {
     EXPECT_EQ(failure_of([&] { join_measured(join, context_); }).kind,
               ErrorKind::invalid_argument);
+  }
+
+  // Of sums that are none
+  FoundPart part = read_part_result(found[1], "measure", context_);
+  part.lines.at(1).set("counts", std::vector<std::int64_t>{});
+  write_part_result({found[1], true}, "measure", part.part, part.lines);
+  try {
+    join_measured({options_, found}, context_);
+    ADD_FAILURE() << "taken";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::corrupt) << error.what();
+    EXPECT_EQ(error.path(), found[1]) << error.what();
   }
 }
 

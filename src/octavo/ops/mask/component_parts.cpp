@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cstdlib>
 #include <numeric>
+#include <string>
 
+#include "octavo/core/error.h"
 #include "octavo/core/joined_sets.h"
 #include "octavo/ops/mask/file_mask.h"
 
@@ -100,7 +102,7 @@ PartOfComponents part_of_components(const Components& found, const WorkPart& par
 }
 
 JoinedComponents joined_components(std::span<const PartOfComponents> parts,
-                                   Connectivity connectivity) {
+                                   Connectivity connectivity, std::uint64_t most) {
   std::vector<WorkPart> numbers;
   for (const PartOfComponents& part : parts) numbers.push_back(part.part);
   const std::vector<std::size_t> places = order_of_all_parts(numbers);
@@ -133,6 +135,10 @@ JoinedComponents joined_components(std::span<const PartOfComponents> parts,
       const std::size_t own = first_of[i] + k;
       const std::size_t root = joined_sets.first_of(own);
       if (root == own) {
+        if (wholes.size() == most) {
+          throw Error(ErrorKind::limit_exceeded,
+                      "the mask has more than " + std::to_string(most) + " components");
+        }
         whole_of[own] = wholes.size();
         wholes.emplace_back();
       }

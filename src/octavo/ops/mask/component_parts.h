@@ -46,10 +46,16 @@ struct JoinedComponents {
   std::vector<std::vector<std::uint32_t>> labels;  ///< [part][label in the part - 1]
 };
 
+/// Labels have 32 bits, and 0 is that of the voxels outside the mask.
+inline constexpr std::uint64_t kMostComponents = (std::uint64_t{1} << 32) - 1;
+
 /// Joins all parts, in any order.
-/// Throws Error{invalid_argument} where parts are missing or there twice
+/// most   components that there may be
+/// Throws Error{invalid_argument} where parts are missing or there twice; Error{limit_exceeded} for
+///        more components
 /// Memory that of the components of all parts, and 24 bytes for each of them
 JoinedComponents joined_components(std::span<const PartOfComponents> parts,
-                                   Connectivity connectivity);
+                                   Connectivity connectivity,
+                                   std::uint64_t most = kMostComponents);
 
 }  // namespace octavo

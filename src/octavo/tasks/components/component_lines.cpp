@@ -153,6 +153,7 @@ PartOfComponents components_of_lines(std::span<const JsonObject> lines, const Wo
       take_each(lines[i], kNumbersOfComponent,
                 [&](auto numbers) { take_component(numbers, box, found); });
     } else {
+      if (of != kFirstPlane && of != kLastPlane) fail_lines("a list of something else");
       std::vector<LabelRun>& runs = of == kFirstPlane ? found.first_plane : found.last_plane;
       take_each(lines[i], kNumbersOfRun,
                 [&](auto numbers) { take_run(numbers, size, counts[0], runs); });

@@ -26,30 +26,9 @@ double number_of_text(const std::string& text, const std::string& path) {
   fail_numbers(path, "its smallest volume is none");
 }
 
-}  // namespace
-
-JsonObject question_of(const FileReader& mask, Connectivity connectivity) {
-  JsonObject question;
-  question.set("mask_digest", hex_text(mask.voxel_digest()));
-  question.set("connectivity", std::vector<int>{static_cast<int>(connectivity)});
-  return question;
-}
-
-void write_component_numbers(const ComponentNumbers& numbers, const FileReader& mask,
-                             const Output& output) {
-  JsonObject head = question_of(mask, numbers.options.connectivity);
-  head.set("keep_largest", std::vector<std::int64_t>{numbers.options.keep_largest});
-  head.set("min_mm3", exact_text(numbers.options.min_mm3));
-  head.set("counts",
-           std::vector<std::size_t>{numbers.found, numbers.kept, numbers.labels.size()});
-  std::vector<JsonObject> lines = lines_of_labels(numbers.labels);
-  lines.insert(lines.begin(), std::move(head));
-  write_part_result(output, kNumbersKind, {}, lines);
-}
-
-ComponentNumbers read_component_numbers(const std::string& path, const FileReader& mask,
-                                        const TaskContext& context) {
-  const FoundPart file = read_part_result(path, kNumbersKind, context);
+/// What the lines of the file at `path` say.
+ComponentNumbers numbers_of(const FoundPart& file, const FileReader& mask,
+                            const std::string& path) {
   if (file.lines.empty()) fail_numbers(path, "it is empty");
   const JsonObject& head = file.lines.front();
   ComponentNumbers numbers;
@@ -75,13 +54,35 @@ ComponentNumbers read_component_numbers(const std::string& path, const FileReade
   if (!is_usable) fail_numbers(path, "its counts are none");
   numbers.found = static_cast<std::size_t>(counts[0]);
   numbers.kept = static_cast<std::size_t>(counts[1]);
-  try {
-    numbers.labels =
-        labels_of_lines(std::span(file.lines).subspan(1), counts[2], numbers.kept);
-  } catch (const Error& error) {
-    throw error.with_path(path);
-  }
+  numbers.labels = labels_of_lines(std::span(file.lines).subspan(1), counts[2], numbers.kept);
   return numbers;
+}
+
+}  // namespace
+
+JsonObject question_of(const FileReader& mask, Connectivity connectivity) {
+  JsonObject question;
+  question.set("mask_digest", hex_text(mask.voxel_digest()));
+  question.set("connectivity", std::vector<int>{static_cast<int>(connectivity)});
+  return question;
+}
+
+void write_component_numbers(const ComponentNumbers& numbers, const FileReader& mask,
+                             const Output& output) {
+  JsonObject head = question_of(mask, numbers.options.connectivity);
+  head.set("keep_largest", std::vector<std::int64_t>{numbers.options.keep_largest});
+  head.set("min_mm3", exact_text(numbers.options.min_mm3));
+  head.set("counts",
+           std::vector<std::size_t>{numbers.found, numbers.kept, numbers.labels.size()});
+  std::vector<JsonObject> lines = lines_of_labels(numbers.labels);
+  lines.insert(lines.begin(), std::move(head));
+  write_part_result(output, kNumbersKind, {}, lines);
+}
+
+ComponentNumbers read_component_numbers(const std::string& path, const FileReader& mask,
+                                        const TaskContext& context) {
+  const FoundPart file = read_part_result(path, kNumbersKind, context);
+  return of_part_result(path, [&] { return numbers_of(file, mask, path); });
 }
 
 }  // namespace octavo

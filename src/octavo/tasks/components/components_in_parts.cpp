@@ -36,12 +36,10 @@ PartOfComponents found_in(const std::string& path, const FileReader& mask,
     throw Error(ErrorKind::invalid_argument,
                 "is part of other components: of another mask or connectivity", path);
   }
-  try {
+  return of_part_result(path, [&] {
     return components_of_lines(std::span(file.lines).subspan(1), file.part,
                                mask.description().size);
-  } catch (const Error& error) {
-    throw error.with_path(path);
-  }
+  });
 }
 
 std::uint64_t bytes_of_part(const PartOfComponents& part) {

@@ -70,7 +70,7 @@ void write_part_result(const Output& output, std::string_view kind, const WorkPa
 
 FoundPart read_part_result(const std::string& path, std::string_view kind,
                            const TaskContext& context) {
-  try {
+  return of_part_result(path, [&] {
     require_memory_to_read(path, context);
     const std::string text = text_of_file(path);
     const std::size_t proof = text.size() < 2 ? 0 : text.rfind('\n', text.size() - 2) + 1;
@@ -94,9 +94,7 @@ FoundPart read_part_result(const std::string& path, std::string_view kind,
     file.part = {numbers[0], numbers[1]};
     require_part(file.part);
     return file;
-  } catch (const Error& error) {
-    throw error.with_path(path);
-  }
+  });
 }
 
 std::vector<std::int64_t> integers_in(const JsonObject& line, std::string_view name,

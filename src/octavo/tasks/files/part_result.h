@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "octavo/core/error.h"
 #include "octavo/core/json_text.h"
 #include "octavo/core/work_part.h"
 #include "octavo/tasks/outputs.h"
@@ -32,6 +33,16 @@ struct FoundPart {
 /// Memory twice the file
 FoundPart read_part_result(const std::string& path, std::string_view kind,
                            const TaskContext& context);
+
+/// What `read` makes of the lines of the result at `path`, which its errors then name.
+template <class Read>
+auto of_part_result(const std::string& path, Read read) -> decltype(read()) {
+  try {
+    return read();
+  } catch (const Error& error) {
+    throw error.path().empty() ? error.with_path(path) : error;
+  }
+}
 
 /// A member of a line, of a list of integers or of texts, of which all have to be there.
 /// Throws Error{corrupt}

@@ -175,9 +175,10 @@ VerifyVolumeResult join_verified(const JoinVerifiedOptions& options, const TaskC
   const std::int64_t written = written_ns(options.input);
   for (const std::string& path : options.parts) {
     const FoundPart found = read_part_result(path, kVerifyKind, context);
-    parts.push_back(verified_part_of(found));
-    const bool is_as_written =
-        integers_in(found.lines.front(), "written_ns", 1).front() == written;
+    const bool is_as_written = of_part_result(path, [&] {
+      parts.push_back(verified_part_of(found));
+      return integers_in(found.lines.front(), "written_ns", 1).front() == written;
+    });
     if (is_as_written && parts.back().file == verified) continue;
     throw Error(ErrorKind::invalid_argument,
                 "is of another file than " + options.input + ", or of an earlier state of it",

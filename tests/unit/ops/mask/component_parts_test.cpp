@@ -120,6 +120,27 @@ TEST(ComponentParts, OfAFileAreThePlanesOfTheParts) {
   }
 }
 
+TEST(ComponentParts, MoreComponentsThanLabelsAreRejected) {
+  // Three rods along z that both parts see, and a voxel
+  DenseMask mask{{9, 1, 128}, std::vector<std::uint8_t>(9 * 128)};
+  for (std::int64_t z = 0; z < 128; ++z) {
+    for (const std::int64_t x : {0, 2, 4}) mask.at({x, 0, z}) = 1;
+  }
+  mask.at({8, 0, 127}) = 1;
+  std::vector<PartOfComponents> parts;
+  for (const WorkPart& part : {WorkPart{0, 2}, WorkPart{1, 2}}) {
+    const MaskTree alone = testing::tree_of(planes_alone(mask, part));
+    parts.push_back(part_of_components(Components(alone, Connectivity::faces), part));
+  }
+  EXPECT_EQ(joined_components(parts, Connectivity::faces, 4).components.size(), 4u);
+  try {
+    joined_components(parts, Connectivity::faces, 3);
+    ADD_FAILURE() << "taken";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::limit_exceeded) << error.what();
+  }
+}
+
 TEST(ComponentParts, ThatMakeNoWholeAreRejected) {
   const MaskTree tree = testing::tree_of({{4, 4, 4}, std::vector<std::uint8_t>(64, 1)});
   const Components found(tree, Connectivity::faces);

@@ -137,6 +137,26 @@ TEST_F(ComponentsInParts, OfAnotherMaskOrConnectivityAreRejected) {
   EXPECT_NE(failure.detail.find("another mask"), std::string::npos) << failure.detail;
 }
 
+TEST_F(ComponentsInParts, AFileOfOtherNumbersIsNamed) {
+  options_.input = write("noise.8vo", noise({20, 20, 130}, 20));
+  joined(2);
+  const std::string path = folder_.file("numbers");
+  constexpr const char* kKind = "numbers of components";
+  const FoundPart whole = read_part_result(path, kKind, context_);
+  for (const char* const name : {"connectivity", "keep_largest", "min_mm3", "counts"}) {
+    std::vector<JsonObject> lines = whole.lines;
+    lines.front().set(name, std::vector<std::int64_t>{});
+    write_part_result({path, true}, kKind, whole.part, lines);
+    try {
+      label_components({options_.input, path, {folder_.file("labels.8vo"), true}}, context_);
+      ADD_FAILURE() << name;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::corrupt) << error.what();
+      EXPECT_EQ(error.path(), path) << error.what();
+    }
+  }
+}
+
 TEST_F(ComponentsInParts, ThatAreMissingOrThereTwiceAreRejected) {
   options_.input = write("noise.8vo", noise({20, 20, 130}, 20));
   const std::vector<std::string> found = found_by(2);
@@ -273,6 +293,13 @@ TEST(ComponentLines, ComponentsAreThoseThatWereWritten) {
   }
   EXPECT_EQ(again.first_plane, found.first_plane);
   EXPECT_EQ(again.last_plane, found.last_plane);
+}
+
+TEST(ComponentLines, AListOfSomethingElseIsRejected) {
+  std::vector<JsonObject> lines = lines_of_components(two_components());
+  ASSERT_EQ(lines.back().json_of("of"), "\"last plane\"");
+  lines.back().set("of", "middle plane");
+  EXPECT_FALSE(are_taken(lines));
 }
 
 TEST(ComponentLines, NumbersThatNoMaskHasAreRejected) {

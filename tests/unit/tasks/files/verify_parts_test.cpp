@@ -5,6 +5,8 @@
 #include <fstream>
 #include <iterator>
 
+#include "octavo/core/error.h"
+#include "octavo/tasks/files/part_result.h"
 #include "support/scan_files.h"
 
 namespace octavo {
@@ -87,6 +89,23 @@ TEST_F(VerifyParts, OfTheFileThatACopyWasMadeOfAreRejected) {
   const Failure failure = failure_of([&] { join_verified({copy, found}, context_); });
   EXPECT_EQ(failure.kind, ErrorKind::invalid_argument);
   EXPECT_NE(failure.detail.find("or of an earlier state"), std::string::npos);
+}
+
+TEST_F(VerifyParts, AFileOfOtherNumbersIsNamed) {
+  const std::vector<std::string> found = found_by(2);
+  const FoundPart whole = read_part_result(found[1], "verify", context_);
+  for (const char* const name : {"counts", "written_ns", "voxel_digest"}) {
+    std::vector<JsonObject> lines = whole.lines;
+    lines.front().set(name, std::vector<std::int64_t>{});
+    write_part_result({found[1], true}, "verify", whole.part, lines);
+    try {
+      join_verified({input_, found}, context_);
+      ADD_FAILURE() << name;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::corrupt) << error.what();
+      EXPECT_EQ(error.path(), found[1]) << error.what();
+    }
+  }
 }
 
 /// Any changed byte, any end that is missing.
