@@ -74,7 +74,8 @@ constexpr VerbText kBuildText = {
     "the finished file, byte for byte. Give --resume from the start where work may not be lost.\n\n"
     "--parts N builds in parts that know nothing of each other, side by side on the threads of\n"
     "-j, and joins them: the same file. It is there to try what plan, part and join do on many\n"
-    "machines. The parts stand in a hidden folder beside the file until they are joined.\n\n"
+    "machines. The parts stand in a hidden folder beside the file until they are joined. --bands\n"
+    "N does it with parts of which N share each group of planes, as of octavo plan.\n\n"
     "Examples:\n"
     "  octavo build scans/head/ -o head.8vo\n"
     "  octavo build slices/*.tif --spacing 0.0195 -o bone.8vo\n"
@@ -93,15 +94,16 @@ struct BuildVerb {
   std::string output;
   bool resume = false;
   std::optional<std::int64_t> parts;
+  std::optional<std::int64_t> bands;
 };
 
 int run_build(const BuildVerb& arguments, Context& context) {
   BuildScanOptions options = build_scan_options(arguments.build, arguments.output, context);
   options.is_resuming = arguments.resume;
-  const BuiltVolume built =
-      arguments.parts
-          ? run_task(build_in_parts, BuildInPartsOptions{options, *arguments.parts}, context)
-          : run_task(build_scan, options, context);
+  const bool is_in_parts = arguments.parts || arguments.bands;
+  const BuildInPartsOptions in_parts{options, arguments.parts.value_or(1), arguments.bands};
+  const BuiltVolume built = is_in_parts ? run_task(build_in_parts, in_parts, context)
+                                        : run_task(build_scan, options, context);
   print_built(built, arguments.output, context);
   return kExitDone;
 }
@@ -117,10 +119,16 @@ void add_build(CLI::App& app, Context& context) {
   Option resume = verb.add_flag(
       "--resume", arguments->resume,
       "Continue an interrupted build of FILE, and keep this one if it is interrupted");
-  verb.add_option("--parts", arguments->parts, "Build in N parts, and join them")
+  Option parts = verb.add_option("--parts", arguments->parts, "Build in N parts, and join them")
+                     ->type_name("N")
+                     ->check(whole_within(1))
+                     ->excludes(resume);
+  verb.add_option("--bands", arguments->bands,
+                  "Build in parts of which N share each group of planes, and join them")
       ->type_name("N")
       ->check(whole_within(1))
-      ->excludes(resume);
+      ->excludes(resume)
+      ->excludes(parts);
 }
 
 }  // namespace octavo::cli

@@ -32,6 +32,12 @@ constexpr VerbText kPlanText = {
     "give octavo part the same limit. The bytes are those without it.\n\n"
     "A part has whole groups of slices. --parts says how many parts there are, at most as many as\n"
     "groups; --part-size how many bytes of voxels a part holds at most, 4G unless told otherwise.\n"
+    "\n"
+    "--bands N goes below that, for scans so wide that groups are few and large: N parts share\n"
+    "each group, and each encodes a band of its bricks. Every one of them reads the slices of its\n"
+    "group once or twice, so let N be what machines or memory need, no more. Lossless volumes\n"
+    "have it whose groups are one layer of bricks (64 slices of 32 MiB and more together), and\n"
+    "which can be read from any slice on; others are rejected.\n\n"
     "A source that is compressed as one stream (.nii.gz) is read from its start by every part:\n"
     "the plan says so and proposes 8 parts at most.\n\n"
     "Paths below the folder of the plan stand relative to it, others absolute, so that a job may\n"
@@ -46,6 +52,7 @@ constexpr VerbText kPlanText = {
     "  octavo plan slices/ --spacing 0.0195 -o scan.plan\n"
     "  octavo plan slices/ --spacing 0.0195 --part-size 8G -o scan.plan\n"
     "  octavo plan scans/head/ --max-error 2 --parts 16 -o head.plan\n"
+    "  octavo plan wide/ --spacing 0.005 --bands 8 -o wide.plan\n"
     "  octavo plan --parts 64 -o turned.plan -- transform bone.8vo --rotate z:30"};
 
 struct PlanArguments {
@@ -53,6 +60,7 @@ struct PlanArguments {
   std::string output;
   std::optional<std::int64_t> parts;
   std::string part_size;
+  std::optional<std::int64_t> bands;
   std::string source_root;
 };
 
@@ -78,14 +86,16 @@ PlanScanOptions options_of(const PlanArguments& arguments, const Context& contex
   options.scan = build_scan_options(arguments.build, arguments.output, context);
   options.parts = arguments.parts;
   if (!arguments.part_size.empty()) options.part_bytes = parse_bytes(arguments.part_size);
+  options.bands = arguments.bands;
   options.source_root = arguments.source_root;
   return options;
 }
 
 std::string groups_of_parts(const PlanResult& plan) {
+  if (plan.bands > 1) return fmt::format(", of which {} share each group", plan.bands);
   const std::int64_t fewest = plan.group_count / plan.part_count;
-  if (fewest == plan.groups_per_part) return counted_text(fewest, "group");
-  return fmt::format("{} or {} groups", fewest, plan.groups_per_part);
+  if (fewest == plan.groups_per_part) return " of " + counted_text(fewest, "group");
+  return fmt::format(" of {} or {} groups", fewest, plan.groups_per_part);
 }
 
 std::string plan_words(const PlanResult& plan, const std::string& path) {
@@ -101,7 +111,7 @@ std::string plan_words(const PlanResult& plan, const std::string& path) {
   if (!plan.can_seek) {
     text += "source    is compressed as one stream: every part reads it from its start\n";
   }
-  text += fmt::format("parts     {} of {}; each needs {} of memory with 1 thread{}\n",
+  text += fmt::format("parts     {}{}; each needs {} of memory with 1 thread{}\n",
                       plan.part_count, groups_of_parts(plan), bytes_text(plan.part_memory_bytes),
                       plan.is_in_bands ? ", in bands" : "");
   const std::string limit =
@@ -128,6 +138,7 @@ int run_plan(const PlanArguments& arguments, Context& context) {
                 {"group_bytes", plan.group_bytes},
                 {"parts", plan.part_count},
                 {"groups_per_part", plan.groups_per_part},
+                {"bands", plan.bands},
                 {"part_memory_bytes", plan.part_memory_bytes},
                 {"in_bands", plan.is_in_bands},
                 {"thread_bytes", plan.thread_bytes},
@@ -151,10 +162,15 @@ void add_plan(CLI::App& app, Context& context) {
   Option parts = verb.add_option("--parts", arguments->parts, "Into how many parts")
                      ->type_name("N")
                      ->check(whole_within(1));
-  verb.add_option("--part-size", arguments->part_size,
-                  "Parts of so many bytes of voxels at most (8G). Default: 4G")
-      ->type_name("BYTES")
-      ->excludes(parts);
+  Option part_size = verb.add_option("--part-size", arguments->part_size,
+                                     "Parts of so many bytes of voxels at most (8G). Default: 4G")
+                         ->type_name("BYTES")
+                         ->excludes(parts);
+  verb.add_option("--bands", arguments->bands, "So many parts share each group of slices")
+      ->type_name("N")
+      ->check(whole_within(1))
+      ->excludes(parts)
+      ->excludes(part_size);
   verb.add_option("--source-root", arguments->source_root,
                   "Where relative paths of the plan begin; default: at its folder")
       ->type_name("FOLDER");

@@ -28,11 +28,11 @@ void check_excerpts(const BuildPlan& plan) {
 
 void check_plan(const BuildPlan& plan) {
   require(first_plane_of(plan, plan.group_count) == plan.source.size.z, "groups beyond the end");
-  std::int64_t before = 0;
+  BrickAt before = {0, 0};
   for (std::int64_t part = 1; part <= std::min<std::int64_t>(plan.part_count, 100); ++part) {
-    const std::int64_t group = first_group_of(plan, part);
-    require(group > before && group <= plan.group_count, "a part without groups");
-    before = group;
+    const BrickAt begin = begin_of(place_of(plan, part));
+    require(begin > before && begin <= BrickAt{plan.group_count, 0}, "a part without bricks");
+    before = begin;
   }
   if (plan.stack) check_excerpts(plan);
   BuildPlan moved = plan;

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstring>
 #include <numeric>
+#include <utility>
 
 #include "octavo/builder/crypto_hasher.h"
 #include "octavo/builder/training.h"
@@ -63,6 +64,8 @@ BandReader::BandReader(PlaneSource& source, const Levels& levels, std::int64_t f
   is_uniform_.assign(bricks_.size(), 1);
   values_.resize(bricks_.size() * static_cast<std::size_t>(width_));
   plane_.resize(static_cast<std::size_t>(size.x * size.y * width_));
+  end_ = order_.size();
+  if (cut.share) make_room_ahead();
   const auto hasher = make_crypto_hasher();
   if (cut.floats != nullptr) group_.codes_crc = 0;
   source.seek(first, end);
@@ -75,14 +78,87 @@ BandReader::BandReader(PlaneSource& source, const Levels& levels, std::int64_t f
     } else {
       group_.crc = crc32c(bytes, group_.crc);
     }
-    if (!cut.is_rows) {
-      hasher->add(bytes);
-      digests_.push_back(hasher->digest());
-    }
+    hash_plane(*hasher, z, bytes);
     look_at(z);
+    keep_ahead(z);
     progress.advance(1);
   }
+  if (cut.share) end_ahead();
 }
+
+void BandReader::hash_plane(Hasher& hasher, std::int64_t z, ByteSpan bytes) {
+  const std::int64_t plane = z - group_.first_plane;
+  if (cut_.is_rows) return;
+  if (cut_.share && (plane < cut_.share->first_plane || plane >= cut_.share->end_plane)) return;
+  hasher.add(bytes);
+  digests_.push_back(hasher.digest());
+}
+
+// --- What is picked up while the planes of a share are read first: then it is not known yet which
+// bricks are uniform, and all have room for each voxel.
+
+void BandReader::make_room_ahead() {
+  next_ = cut_.share->first;
+  end_ = cut_.share->end;
+  std::uint64_t bytes = 0;
+  for (std::size_t i = next_; i < end_; ++i) bytes += whole_bytes_of(i);
+  has_band_ahead_ = bytes <= cut_.bytes;
+  for (std::size_t i = next_; has_band_ahead_ && i < end_; ++i) bands_[0].numbers.push_back(i);
+  if (cut_.share->is_trained_on) bands_[1].numbers = training_numbers(true);
+  for (BrickBand& band : bands_) {
+    for (const std::size_t brick : band.numbers) {
+      band.voxels.emplace_back(static_cast<std::size_t>(whole_bytes_of(brick)));
+    }
+  }
+}
+
+void BandReader::keep_ahead(std::int64_t z) {
+  for (BrickBand& band : bands_) {
+    for (std::size_t i = 0; i < band.numbers.size(); ++i) {
+      const Box box = levels_.brick_box(0, bricks_[band.numbers[i]]);
+      if (z < box.lo.z || z >= box.hi.z) continue;
+      copy_box_plane(plane_.data(), group_.size.x, width_, box, z, band.voxels[i].data());
+    }
+  }
+}
+
+void BandReader::end_ahead() {
+  has_training_ahead_ = cut_.share->is_trained_on && take_training_ahead();
+  if (!has_band_ahead_) return;
+  BrickBand& band = bands_[0];
+  for (std::size_t i = 0; i < band.numbers.size(); ++i) {
+    const std::size_t brick = band.numbers[i];
+    band.bricks.push_back(bricks_[brick]);
+    if (is_a_row(brick)) band.voxels[i] = room_for(brick);
+    band.views.push_back(view_of_brick(brick, band.voxels[i]));
+  }
+}
+
+// Puts the bricks that training chooses in place of those that were guessed. False where one of
+// them was not picked up.
+bool BandReader::take_training_ahead() {
+  BrickBand& guessed = bands_[1];
+  BrickBand chosen;
+  chosen.numbers = training_numbers(false);
+  for (const std::size_t brick : chosen.numbers) {
+    const auto at = std::ranges::lower_bound(guessed.numbers, brick);
+    if (at != guessed.numbers.end() && *at == brick) {
+      chosen.voxels.push_back(
+          guessed.voxels[static_cast<std::size_t>(at - guessed.numbers.begin())]);
+    } else if (has_band_ahead_ && brick >= next_ && brick < end_) {
+      chosen.voxels.push_back(bands_[0].voxels[brick - next_]);
+    } else {
+      return false;
+    }
+  }
+  guessed = std::move(chosen);
+  for (std::size_t i = 0; i < guessed.numbers.size(); ++i) {
+    guessed.views.push_back(view_of_brick(guessed.numbers[i], guessed.voxels[i]));
+  }
+  return true;
+}
+
+// --- Planes and bricks
 
 void BandReader::read_plane() {
   if (progress_.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped while reading planes");
@@ -189,20 +265,28 @@ void BandReader::copy_plane(std::int64_t z, BrickBand& band) {
   }
 }
 
-std::vector<TrainingBrick> BandReader::training_bricks() {
+// is_guess  as if no brick were uniform
+std::vector<std::size_t> BandReader::training_numbers(bool is_guess) const {
   std::vector<std::size_t> candidates;
   std::vector<std::int64_t> voxel_counts;
   for (std::size_t i = 0; i < bricks_.size(); ++i) {
-    if (is_uniform_[i] != 0) continue;
+    if (is_uniform_[i] != 0 && !is_guess) continue;
     candidates.push_back(i);
     voxel_counts.push_back(levels_.brick_box(0, bricks_[i]).size().voxel_count());
   }
-  BrickBand& band = bands_[0];
-  band.numbers.clear();
+  std::vector<std::size_t> numbers;
   for (const std::size_t i : training_choice(voxel_counts, levels_.brick_side(0).voxel_count())) {
-    band.numbers.push_back(candidates[i]);
+    numbers.push_back(candidates[i]);
   }
-  read_bricks(band);
+  return numbers;
+}
+
+std::vector<TrainingBrick> BandReader::training_bricks() {
+  BrickBand& band = training_band();
+  if (!has_training_ahead_) {
+    band.numbers = training_numbers(false);
+    read_bricks(band);
+  }
   std::vector<TrainingBrick> chosen;
   for (std::size_t i = 0; i < band.numbers.size(); ++i) {
     chosen.push_back({brick_shape(levels_, 0, bricks_[band.numbers[i]]), band.views[i]});
@@ -217,7 +301,10 @@ std::size_t BandReader::end_of_step(std::size_t first) const {
 }
 
 std::uint64_t BandReader::bytes_of(std::size_t brick) const {
-  if (is_a_row(brick)) return 0;
+  return is_a_row(brick) ? 0 : whole_bytes_of(brick);
+}
+
+std::uint64_t BandReader::whole_bytes_of(std::size_t brick) const {
   const std::int64_t width =
       width_ + (cut_.floats != nullptr ? static_cast<std::int64_t>(sizeof(float)) : 0);
   return static_cast<std::uint64_t>(
@@ -227,11 +314,15 @@ std::uint64_t BandReader::bytes_of(std::size_t brick) const {
 BrickBand& BandReader::next() {
   BrickBand& band = bands_[turn_++ % bands_.size()];
   band.first = next_;
+  if (std::exchange(has_band_ahead_, false)) {
+    next_ = end_;
+    return band;
+  }
   band.numbers.clear();
   band.bricks.clear();
-  band.digests = digests_;
+  if (!cut_.share) band.digests = digests_;
   std::uint64_t bytes = 0;
-  while (next_ < order_.size()) {
+  while (next_ < end_) {
     const std::size_t end = end_of_step(next_);
     for (std::size_t i = next_; i < end; ++i) bytes += bytes_of(order_[i]);
     const bool is_of_next_layer = cut_.is_rows && !band.bricks.empty() &&

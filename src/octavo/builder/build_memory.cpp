@@ -4,6 +4,7 @@
 
 #include "octavo/builder/build_setup.h"
 #include "octavo/builder/group_reader.h"
+#include "octavo/builder/training.h"
 #include "octavo/core/checked.h"
 #include "octavo/core/error.h"
 
@@ -55,6 +56,34 @@ std::uint64_t band_memory_bytes(const VolumeDescription& description, int thread
   const std::uint64_t bands = checked_add(planes * plane_bytes(description) + bricks,
                                           2 * band_bytes, "the memory of bands");
   return checked_add(bands, base_bytes(threads), "the memory of bands");
+}
+
+std::uint64_t share_memory_bytes(const VolumeDescription& description, int threads,
+                                 std::uint64_t share_bytes) {
+  const Size3 side = levels_of(description).brick_side(0);
+  const auto training = static_cast<std::uint64_t>(
+      static_cast<std::int64_t>(kTrainingBricks) * side.voxel_count() *
+      bytes_per_voxel(description.type));
+  return checked_add(band_memory_bytes(description, threads, 0) + training, share_bytes,
+                     "the memory of a share");
+}
+
+std::uint64_t share_band_bytes(const PlaneSource& source, const BuildOptions& options,
+                               int threads, std::uint64_t share_bytes) {
+  const VolumeDescription& volume = source.description();
+  if (!source.can_seek()) {
+    throw Error(ErrorKind::invalid_argument,
+                "the source can only be read from its start on: parts cannot share a group of it");
+  }
+  if (options.band_bytes > 0) return options.band_bytes;
+  const std::uint64_t limit = options.max_memory_bytes;
+  const std::uint64_t base = checked_add(share_memory_bytes(volume, threads, 0),
+                                         source.resident_bytes(), "the memory of a share");
+  if (limit == 0 || checked_add(base, share_bytes, "the memory of a share") <= limit) {
+    return share_bytes;
+  }
+  check_build_memory(base + 2 * fewest_band_bytes(volume, options), limit);
+  return (limit - base) / 2;
 }
 
 std::uint64_t band_bytes_of(const PlaneSource& source, const BuildOptions& options, int threads) {

@@ -17,6 +17,17 @@ std::uint64_t build_memory_bytes(const VolumeDescription& description, int threa
 std::uint64_t band_memory_bytes(const VolumeDescription& description, int threads,
                                 std::uint64_t band_bytes);
 
+/// Memory for a share of a group's bricks, of so many bytes, that is read in one band.
+std::uint64_t share_memory_bytes(const VolumeDescription& description, int threads,
+                                 std::uint64_t share_bytes);
+
+/// The bytes of voxels in a band of a share: all where memory holds it.
+/// options  as band_bytes_of
+/// Throws   Error{limit_exceeded} where bands have no room either; Error{invalid_argument} where
+///          the source can only be read from its start on
+std::uint64_t share_band_bytes(const PlaneSource& source, const BuildOptions& options,
+                               int threads, std::uint64_t share_bytes);
+
 /// The bytes of voxels in a band of a build of `source`, or 0 where whole groups have room.
 /// options  kind, max error, details left out, max_memory_bytes and band_bytes count
 /// Throws   Error{limit_exceeded} where bands have no room either, or cannot be read;

@@ -51,6 +51,12 @@ void put_stack(Bytes& bytes, const SliceStack& stack) {
   }
 }
 
+/// The first of `count` things that share `part` of `parts` has: part * count / parts, without a
+/// product that may be too large.
+std::int64_t first_of_share(std::int64_t count, std::int64_t parts, std::int64_t part) {
+  return part * (count / parts) + part * (count % parts) / parts;
+}
+
 /// The folder that holds all files, with a slash at its end; nothing where there is none.
 std::string shared_folder(const std::vector<SourceStamp>& files) {
   std::string_view shared = files.empty() ? std::string_view() : files.front().path;
@@ -76,6 +82,7 @@ std::uint64_t id_of(const BuildPlan& plan) {
   bytes.insert(bytes.end(), plan.first_model.begin(), plan.first_model.end());
   put_text(bytes, plan.recipe);
   out.put_varint(static_cast<std::uint64_t>(plan.part_count));
+  if (plan.bands > 1) out.put_varint(static_cast<std::uint64_t>(plan.bands));
   out.put_varint(plan.inputs.size());
   for (const std::string& input : plan.inputs) put_text(bytes, input);
   if (plan.stack) put_stack(bytes, *plan.stack);
@@ -190,20 +197,35 @@ std::int64_t first_plane_of(const BuildPlan& plan, std::int64_t group) {
   return std::min(group * plan.planes_per_group, plan.source.size.z);
 }
 
-std::int64_t first_group_of(const BuildPlan& plan, std::int64_t part) {
-  // part * group_count / part_count, without a product that may be too large.
-  const std::int64_t each = plan.group_count / plan.part_count;
-  const std::int64_t rest = plan.group_count % plan.part_count;
-  return part * each + part * rest / plan.part_count;
+std::int64_t layer_bricks_of(const BuildPlan& plan) {
+  const Size3 grid = levels_of(plan.source).brick_grid(0);
+  return grid.x * grid.y;
 }
 
-std::int64_t part_of_group(const BuildPlan& plan, std::int64_t group) {
-  std::int64_t low = 0;
-  for (std::int64_t high = plan.part_count; high - low > 1;) {
-    const std::int64_t middle = low + (high - low) / 2;
-    (first_group_of(plan, middle) <= group ? low : high) = middle;
+PartPlace place_of(const BuildPlan& plan, std::int64_t part) {
+  if (plan.bands == 1) {
+    return {plan.id, first_of_share(plan.group_count, plan.part_count, part),
+            first_of_share(plan.group_count, plan.part_count, part + 1)};
   }
-  return low;
+  const std::int64_t group = part / plan.bands;
+  const std::int64_t band = part % plan.bands;
+  const std::int64_t bricks = layer_bricks_of(plan);
+  return {plan.id, group, group + 1, first_of_share(bricks, plan.bands, band),
+          first_of_share(bricks, plan.bands, band + 1)};
+}
+
+std::optional<std::int64_t> part_at(const BuildPlan& plan, const PartPlace& place) {
+  if (place.first_group < 0 || place.first_group >= plan.group_count) return std::nullopt;
+  std::int64_t low = plan.bands == 1 ? 0 : place.first_group * plan.bands;
+  const std::int64_t end = plan.bands == 1 ? plan.part_count : low + plan.bands;
+  for (std::int64_t high = end; high - low > 1;) {
+    const std::int64_t middle = low + (high - low) / 2;
+    (begin_of(place_of(plan, middle)) <= begin_of(place) ? low : high) = middle;
+  }
+  const PartPlace found = place_of(plan, low);
+  const bool is_same = begin_of(found) == begin_of(place) && found.end_group == place.end_group &&
+                       found.end_brick == place.end_brick;
+  return is_same ? std::optional(low) : std::nullopt;
 }
 
 }  // namespace octavo

@@ -17,6 +17,7 @@
 #include "octavo/core/bytes.h"
 #include "octavo/core/progress.h"
 #include "octavo/core/volume.h"
+#include "octavo/dist/part_place.h"
 #include "octavo/dist/source_stamp.h"
 #include "octavo/file/layout.h"
 #include "octavo/planes/plane_source.h"
@@ -39,8 +40,11 @@ struct BuildPlan {
   /// Nothing here looks into them.
   std::vector<std::string> inputs;
   std::string recipe = "{}";
-  /// The groups are dealt out to so many parts, evenly: 1 to group_count.
+  /// The groups are dealt out to so many parts, evenly: 1 to group_count, where they have no bands.
   std::int64_t part_count = 1;
+  /// So many parts share each group, 1 to the bricks of a layer; above 1 there are group_count *
+  /// bands parts.
+  std::int64_t bands = 1;
   std::vector<SourceStamp> files;  ///< of the source, as they were when it was planned
   /// The slices that planes are made of, where a part can open those of its planes alone: path i is
   /// that of files[i].
@@ -93,10 +97,13 @@ FileHeader header_of(const BuildPlan& plan, const BuildOutline& outline);
 /// The first plane of a group; for the count of groups, that of planes.
 std::int64_t first_plane_of(const BuildPlan& plan, std::int64_t group);
 
-/// The first group of a part, 0 <= part; for the count of parts, that of groups.
-std::int64_t first_group_of(const BuildPlan& plan, std::int64_t part);
+/// The bricks of a layer of tier 0.
+std::int64_t layer_bricks_of(const BuildPlan& plan);
 
-/// The part that a group is in, 0 <= group < group_count.
-std::int64_t part_of_group(const BuildPlan& plan, std::int64_t group);
+/// What a part holds, 0 <= part < part_count.
+PartPlace place_of(const BuildPlan& plan, std::int64_t part);
+
+/// The part that has a place; nothing where none of the plan has.
+std::optional<std::int64_t> part_at(const BuildPlan& plan, const PartPlace& place);
 
 }  // namespace octavo

@@ -1,8 +1,8 @@
 #include "octavo/dist/join_steps.h"
 
 #include <algorithm>
+#include <map>
 #include <optional>
-#include <set>
 #include <span>
 #include <utility>
 
@@ -17,7 +17,7 @@ namespace octavo {
 
 namespace {
 
-constexpr int kLayoutVersion = 1;
+constexpr int kLayoutVersion = 2;
 constexpr std::uint64_t kMostLayoutBytes = std::uint64_t{1} << 30;
 constexpr std::uint64_t kMostLineBytes = 160;  // of a run, or of what stands before the runs
 constexpr const char* kLayoutEnding = "-layout";
@@ -39,8 +39,12 @@ std::string join_prefix(const std::string& path) {
 std::string layout_name(const std::string& path) { return join_prefix(path) + kLayoutEnding; }
 
 std::string copied_name(const std::string& path, const PartPlace& place) {
-  return join_prefix(path) + kCopiedEnding + std::to_string(place.first_group) + "-" +
-         std::to_string(place.end_group);
+  std::string name = join_prefix(path) + kCopiedEnding + std::to_string(place.first_group) + "-" +
+                     std::to_string(place.end_group);
+  if (place.is_band()) {
+    name += "-" + std::to_string(place.first_brick) + "-" + std::to_string(place.end_brick);
+  }
+  return name;
 }
 
 std::string sealed_name(const std::string& path, const BuildPlan& plan) {
@@ -49,10 +53,6 @@ std::string sealed_name(const std::string& path, const BuildPlan& plan) {
 
 std::string done_name(const std::string& path, const BuildPlan& plan) {
   return join_prefix(path) + kDoneEnding + std::to_string(plan.id);
-}
-
-std::string groups_of(const PartPlace& place) {
-  return std::to_string(place.first_group) + " to " + std::to_string(place.end_group - 1);
 }
 
 /// A file of these bytes under a name, whole or not at all.
@@ -109,10 +109,12 @@ auto about(const std::string& path, F action) -> decltype(action()) {
   }
 }
 
-/// The most bytes that the layout of a plan has: each group a part with all its streams.
+/// The most bytes that the layout of a plan has: each group a part, or the parts that share groups,
+/// with all their streams.
 std::uint64_t most_layout_bytes(const BuildPlan& plan) {
   const std::size_t streams = run_streams(outline_of(plan).levels);
-  return (static_cast<std::uint64_t>(plan.group_count) * streams + 1) * kMostLineBytes;
+  const auto parts = static_cast<std::uint64_t>(std::max(plan.group_count, plan.part_count));
+  return (parts * streams + 1) * kMostLineBytes;
 }
 
 /// Whether a join by another plan has begun beside this name.
@@ -170,8 +172,7 @@ std::optional<std::uint64_t> begun_bytes(const JoinLayout& layout, Storage& stor
   std::uint64_t whole = 0;
   for (const Section& own : own_bytes_of(layout)) whole += own.length;
   for (const CopiedRun& run : layout.runs) {
-    const PartPlace place{layout.plan, run.first_group, run.end_group};
-    if (storage.exists(copied_name(path, place))) whole += run.length;
+    if (storage.exists(copied_name(path, run.part))) whole += run.length;
   }
   return *stored - std::min(*stored, whole);
 }
@@ -211,8 +212,8 @@ std::uint64_t name_joined(const BuildPlan& plan, Storage& storage, const std::st
   const std::vector<PartPlace> missing = uncopied_parts(*layout, storage, path);
   if (!missing.empty()) {
     std::string text;
-    for (const PartPlace& place : missing) text += (text.empty() ? "" : ", ") + groups_of(place);
-    throw Error(ErrorKind::io, "parts were not copied: those of groups " + text, path);
+    for (const PartPlace& place : missing) text += (text.empty() ? "" : ", ") + place_text(place);
+    throw Error(ErrorKind::io, "parts were not copied: those of " + text, path);
   }
   check_target(storage, path, overwrite);
   const std::string growing = joined_name(path);
@@ -234,12 +235,15 @@ std::uint64_t number_of(JsonReader& in) {
   return static_cast<std::uint64_t>(*in.integer());
 }
 
-CopiedRun run_of(std::string_view line) {
+CopiedRun run_of(std::string_view line, std::uint64_t plan) {
   JsonReader in(line);
   if (in.next() != JsonToken::begin_list) fail_layout("has an odd line");
   CopiedRun run;
-  run.first_group = static_cast<std::int64_t>(number_of(in));
-  run.end_group = static_cast<std::int64_t>(number_of(in));
+  run.part.plan = plan;
+  for (std::int64_t* const number : {&run.part.first_group, &run.part.end_group,
+                                     &run.part.first_brick, &run.part.end_brick}) {
+    *number = static_cast<std::int64_t>(number_of(in));
+  }
   run.part_offset = number_of(in);
   run.file_offset = number_of(in);
   run.length = number_of(in);
@@ -268,11 +272,11 @@ void discard_steps(const BuildPlan& plan, Storage& storage, const std::string& p
 }
 
 std::vector<PartPlace> parts_of(const JoinLayout& layout) {
-  std::set<std::pair<std::int64_t, std::int64_t>> groups;
-  for (const CopiedRun& run : layout.runs) groups.emplace(run.first_group, run.end_group);
-  std::vector<PartPlace> places;
-  for (const auto& [first, end] : groups) places.push_back({layout.plan, first, end});
-  return places;
+  std::map<BrickAt, PartPlace> places;
+  for (const CopiedRun& run : layout.runs) places.emplace(begin_of(run.part), run.part);
+  std::vector<PartPlace> sorted;
+  for (const auto& [begin, place] : places) sorted.push_back(place);
+  return sorted;
 }
 
 std::vector<Section> own_bytes_of(const JoinLayout& layout) {
@@ -293,9 +297,11 @@ std::string layout_text(const JoinLayout& layout) {
   std::string runs;
   for (const CopiedRun& run : layout.runs) {
     runs += "[";
-    for (const std::uint64_t number :
-         {static_cast<std::uint64_t>(run.first_group), static_cast<std::uint64_t>(run.end_group),
-          run.part_offset, run.file_offset, run.length}) {
+    for (const std::int64_t number : {run.part.first_group, run.part.end_group,
+                                      run.part.first_brick, run.part.end_brick}) {
+      runs += std::to_string(number) + ",";
+    }
+    for (const std::uint64_t number : {run.part_offset, run.file_offset, run.length}) {
       runs += std::to_string(number) + ",";
     }
     runs += std::to_string(run.crc) + "]\n";
@@ -334,7 +340,7 @@ JoinLayout parse_layout(std::string_view text) {
   }
   JsonReader bytes(object.json_of("bytes"));
   layout.file_bytes = number_of(bytes);
-  while (!rest.empty()) layout.runs.push_back(run_of(take()));
+  while (!rest.empty()) layout.runs.push_back(run_of(take(), layout.plan));
 
   // Runs follow each other within the file; what was changed gives another text.
   std::uint64_t at = 0;
@@ -383,9 +389,8 @@ JoinLayout lay_out_join(const BuildPlan& plan, const std::vector<std::shared_ptr
     return lay_out_parts(plan, parts, storage, joined_name(path), false, work, progress,
                          [&](const PartFile& part, std::size_t stream, const Section& bytes) {
                            if (bytes.length == 0) return;
-                           layout.runs.push_back({part.place().first_group, part.place().end_group,
-                                                  part.stream(stream).offset, bytes.offset,
-                                                  bytes.length, bytes.crc});
+                           layout.runs.push_back({part.place(), part.stream(stream).offset,
+                                                  bytes.offset, bytes.length, bytes.crc});
                          });
   });
   layout.file_bytes = result.file_bytes;
@@ -402,11 +407,11 @@ void copy_part(const BuildPlan& plan, const std::shared_ptr<PartFile>& part, Sto
   // The runs of this part, as it has them
   std::vector<CopiedRun> runs;
   std::ranges::copy_if(layout->runs, std::back_inserter(runs), [&](const CopiedRun& run) {
-    return run.first_group == place.first_group && run.end_group == place.end_group;
+    return run.part == place;
   });
   std::vector<std::size_t> streams;
   for (std::size_t stream = 0; stream < part->stream_count(); ++stream) {
-    if (part->stream(stream).length > 0) streams.push_back(stream);
+    if (part->is_joined(stream) && part->stream(stream).length > 0) streams.push_back(stream);
   }
   const auto is_laid_out = [&](std::size_t stream, const CopiedRun& run) {
     const Section& bytes = part->stream(stream);

@@ -8,7 +8,8 @@
 //
 //   .NAME.join                 the file that grows
 //   .NAME.join-layout          the layout, once the file is laid out
-//   .NAME.join-copied-A-B      for each part, groups A .. B, whose bytes are on disk
+//   .NAME.join-copied-A-B      for each part, groups A .. B, whose bytes are on disk; of a band
+//                              A-B-C-D, bricks C .. D
 //   .NAME.join-sealed-PLAN     once the file is whole, until nothing else of this is left: the
 //                              trailer of the file, which holds a checksum of all its bytes
 //   .NAME.join-done-PLAN       the same, from then on: so that a step that is done again knows
@@ -32,8 +33,7 @@ namespace octavo {
 
 /// Bytes of a part and their place in the file.
 struct CopiedRun {
-  std::int64_t first_group = 0;  ///< of the part
-  std::int64_t end_group = 0;
+  PartPlace part;
   std::uint64_t part_offset = 0;
   std::uint64_t file_offset = 0;
   std::uint64_t length = 0;      ///< above 0
@@ -48,14 +48,14 @@ struct JoinLayout {
   std::vector<CopiedRun> runs;   ///< in the order of the file
 };
 
-/// The parts of a layout by their groups.
+/// The parts of a layout in their order.
 std::vector<PartPlace> parts_of(const JoinLayout& layout);
 
 /// The bytes of the file that are no part's.
 std::vector<Section> own_bytes_of(const JoinLayout& layout);
 
 /// Lines of JSON: an object of the plan, the length and a checksum of all, then for each run
-/// [A,B,PART OFFSET,FILE OFFSET,LENGTH,CRC].
+/// [A,B,C,D,PART OFFSET,FILE OFFSET,LENGTH,CRC] of groups A .. B, of a band bricks C .. D.
 std::string layout_text(const JoinLayout& layout);
 
 /// Throws Error{corrupt} for what is no layout, Error{unsupported_version}

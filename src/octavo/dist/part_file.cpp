@@ -25,13 +25,15 @@ constexpr const char* kTail = "the tail of the part";
 HeaderBlock encode_head(const PartPlace& place, const Section& tail) {
   Bytes bytes(kPartMagic.begin(), kPartMagic.end());
   ByteWriter out(bytes);
-  out.put_u32(kPartVersion);
+  out.put_u32(place.is_band() ? kBandVersion : kPartVersion);
   out.put_u64(place.plan);
   out.put_u64(static_cast<std::uint64_t>(place.first_group));
   out.put_u64(static_cast<std::uint64_t>(place.end_group));
   out.put_u64(tail.offset);
   out.put_u64(tail.length);
   out.put_u32(tail.crc);
+  out.put_u64(static_cast<std::uint64_t>(place.first_brick));
+  out.put_u64(static_cast<std::uint64_t>(place.end_brick));
   HeaderBlock block{};
   std::ranges::copy(bytes, block.begin());
   store_little_endian(crc32c(ByteSpan(block).first(kHeadCrcAt)), block.data() + kHeadCrcAt);
@@ -81,6 +83,12 @@ void PartWriter::end_group(std::uint32_t voxels_crc) {
   for (ModelRef& model : group.models) model.offset -= kHeaderBytes;
   groups_.push_back(std::move(group));
   errors_.emplace_back();
+}
+
+void PartWriter::end_band(std::uint32_t voxels_crc, std::vector<Sha256Digest> digests) {
+  JournalGroup band = run_->take_band(voxels_crc, std::move(digests));
+  for (ModelRef& model : band.models) model.offset = 0;
+  groups_.push_back(std::move(band));
 }
 
 Bytes PartWriter::tail() const {
@@ -147,10 +155,10 @@ std::unique_ptr<PartFile> PartFile::open(Storage& storage, const std::string& pa
   if (!checksum_matches(crc32c(ByteSpan(head).first(kHeadCrcAt)), head_crc)) {
     part->fail("the head of the part fails its checksum");
   }
-  if (version != kPartVersion) {
+  if (version != kPartVersion && version != kBandVersion) {
     throw Error(ErrorKind::unsupported_version,
                 "a part of version " + std::to_string(version) + "; this program knows " +
-                    std::to_string(kPartVersion),
+                    std::to_string(kPartVersion) + " and " + std::to_string(kBandVersion),
                 path);
   }
   part->place_.plan = in.u64();
@@ -159,6 +167,11 @@ std::unique_ptr<PartFile> PartFile::open(Storage& storage, const std::string& pa
   Section tail{in.u64(), 0, 0};
   tail.length = in.u64();
   tail.crc = in.u32();
+  part->place_.first_brick = static_cast<std::int64_t>(in.u64());
+  part->place_.end_brick = static_cast<std::int64_t>(in.u64());
+  if (part->place_.is_band() != (version == kBandVersion)) {
+    part->fail("the head of the part has no bricks of a band");
+  }
   if (tail.offset < kHeaderBytes || tail.offset > size || tail.length != size - tail.offset) {
     throw Error(ErrorKind::truncated,
                 "the part has " + std::to_string(size) + " bytes, " +
@@ -197,10 +210,36 @@ void PartFile::read_tail(ByteSpan bytes, std::uint64_t tail_offset) {
     }
   }
   in.expect_end();
+  if (place_.first_brick < 0 || place_.end_brick < 0 ||
+      place_.first_brick > place_.end_brick ||
+      (place_.is_band() && place_.first_brick == place_.end_brick)) {
+    in.fail("bricks other than those of a band");
+  }
   if (place_.first_group < 0 || place_.end_group < place_.first_group ||
       static_cast<std::int64_t>(groups_.size()) != place_.end_group - place_.first_group) {
     in.fail("groups other than those of its head");
   }
+}
+
+// A band of the layer, which is all of its group.
+bool PartFile::is_band_of(const Levels& levels, std::int64_t layer) const {
+  const Size3 grid = levels.brick_grid(0);
+  if (groups_.size() != 1 || layer >= grid.z || place_.end_brick > grid.x * grid.y) return false;
+  const JournalGroup& band = groups_.front();
+  const std::int64_t first_page = place_.first_brick / kPageBricks;
+  const std::int64_t end_page = (place_.end_brick - 1) / kPageBricks + 1;
+  const auto [first_plane, end_plane] = hashed_planes(
+      place_, levels.brick_box(0, {0, 0, layer}).size().z, grid.x * grid.y);
+  const auto is = [](std::size_t count, std::int64_t expected) {
+    return static_cast<std::int64_t>(count) == expected;
+  };
+  return band.end_layer == layer + 1 && band.slab_trailer_bytes.empty() &&
+         errors_.front().empty() && is(band.models.size(), 1) &&
+         band.models.front().first_slab == static_cast<std::uint32_t>(layer) &&
+         band.models.front().length <= kMaxModelBytes && band.models.front().offset == 0 &&
+         is(band.pages.size(), end_page - first_page) &&
+         is(band.parents.size(), place_.end_brick - place_.first_brick) &&
+         is(band.plane_digests.size(), end_plane - first_plane);
 }
 
 void PartFile::require_groups(const Levels& levels, std::int64_t first_layer) const {
@@ -208,6 +247,10 @@ void PartFile::require_groups(const Levels& levels, std::int64_t first_layer) co
   before.end_layer = first_layer;
   before.file_bytes = kHeaderBytes;
   if (streams_.size() != run_streams(levels)) fail("the part has other levels than the plan");
+  if (place_.is_band()) {
+    if (!is_band_of(levels, first_layer)) fail("the part has other bricks than the plan");
+    return;
+  }
   for (std::size_t i = 0; i < groups_.size(); ++i) {
     const JournalGroup& group = groups_[i];
     const bool has_errors = errors_[i].empty() || errors_[i].size() == group.parents.size();
@@ -234,6 +277,14 @@ double PartFile::add_errors(double before) {
 std::uint64_t PartFile::stream_bytes() const {
   std::uint64_t bytes = 0;
   for (const Section& stream : streams_) bytes += stream.length;
+  return bytes;
+}
+
+std::uint64_t PartFile::joined_bytes() const {
+  std::uint64_t bytes = 0;
+  for (std::size_t stream = 0; stream < streams_.size(); ++stream) {
+    if (is_joined(stream)) bytes += streams_[stream].length;
+  }
   return bytes;
 }
 

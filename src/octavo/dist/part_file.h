@@ -1,9 +1,9 @@
-// A file that holds some groups of a build, encoded.
+// A file that holds some groups of a build, encoded, or a band of one.
 //
 //   head     512 bytes: magic 8f '8prt' 0d 0a 1a, u32 version, u64 plan, u64 first group,
-//            u64 end group, u64 offset of the tail, u64 its length, u32 its CRC; at byte 508 the
-//            CRC of the bytes before
-//   streams  those of a run (run_writer.h), one behind the other, level 0 first
+//            u64 end group, u64 offset of the tail, u64 its length, u32 its CRC; of a band u64
+//            first brick, u64 end brick; at byte 508 the CRC of the bytes before
+//   streams  those of a run or a band (run_writer.h), one behind the other, level 0 first
 //   tail     length and CRC of each stream; the groups as in a journal, and the squared errors of
 //            their bricks where details are left out
 //
@@ -23,6 +23,7 @@
 
 #include "octavo/core/levels.h"
 #include "octavo/core/progress.h"
+#include "octavo/dist/part_place.h"
 #include "octavo/file/layout.h"
 #include "octavo/file/storage/storage.h"
 #include "octavo/file/write/append_file.h"
@@ -34,18 +35,12 @@
 namespace octavo {
 
 inline constexpr std::uint32_t kPartVersion = 1;
-
-/// Which part of which build.
-struct PartPlace {
-  std::uint64_t plan = 0;  ///< BuildPlan::id
-  std::int64_t first_group = 0;
-  std::int64_t end_group = 0;
-};
+inline constexpr std::uint32_t kBandVersion = 2;  ///< of parts that hold a band
 
 /// Writes the bricks of a part. Destroyed before finish() it leaves nothing.
 class PartWriter final : public BrickSink {
  public:
-  /// start  the first layer and, as its model, the first group
+  /// start  the first layer and, as its model, the first group; of a band its bricks
   /// Throws Error{io}
   PartWriter(Storage& storage, std::string path, const FileHeader& header, const Levels& levels,
              const PartPlace& place, const RunStart& start);
@@ -57,6 +52,10 @@ class PartWriter final : public BrickSink {
     run_->add_plane_digests(digests);
   }
   void end_group(std::uint32_t voxels_crc) override;
+
+  /// Ends a band, in place of a group.
+  /// digests  of its hashed_planes
+  void end_band(std::uint32_t voxels_crc, std::vector<Sha256Digest> digests);
 
   /// Writes the rest, syncs, and gives the file its name in place of whatever has it.
   void finish();
@@ -89,7 +88,8 @@ class PartFile final : public EncodedRun {
   const std::string& path() const { return path_; }
   const PartPlace& place() const { return place_; }
 
-  /// Proves that its groups are those of a volume of these levels, from `first_layer` on.
+  /// Proves that its groups, or the bricks of its band, are those of a volume of these levels, from
+  /// `first_layer` on.
   /// Throws Error{corrupt}
   void require_groups(const Levels& levels, std::int64_t first_layer) const;
 
@@ -105,8 +105,15 @@ class PartFile final : public EncodedRun {
   void prove() const;
 
   std::size_t stream_count() const { return streams_.size(); }
+
+  /// Whether the file of a join holds a stream as it is: the pages of a band become others.
+  bool is_joined(std::size_t stream) const {
+    return !place_.is_band() || stream + 1 < streams_.size();
+  }
   /// Of all streams.
   std::uint64_t stream_bytes() const;
+  /// Of those that the file of a join holds as they are.
+  std::uint64_t joined_bytes() const;
 
   const std::vector<JournalGroup>& groups() const override { return groups_; }
   Section stream(std::size_t number) const override { return streams_.at(number); }
@@ -117,6 +124,7 @@ class PartFile final : public EncodedRun {
  private:
   PartFile(Storage& storage, std::string path) : storage_(storage), path_(std::move(path)) {}
   void read_tail(ByteSpan bytes, std::uint64_t tail_offset);
+  bool is_band_of(const Levels& levels, std::int64_t layer) const;
   [[noreturn]] void fail(const std::string& what) const;
 
   Storage& storage_;

@@ -14,68 +14,126 @@
 #include "octavo/core/checked.h"
 #include "octavo/core/error.h"
 #include "octavo/core/text.h"
+#include "octavo/dist/banded_group.h"
 #include "octavo/dist/proven_source.h"
 
 namespace octavo {
 
 namespace {
 
-std::string groups_text(std::int64_t first, std::int64_t end) {
-  return end - first == 1 ? "group " + std::to_string(first)
-                          : "groups " + std::to_string(first) + " to " + std::to_string(end - 1);
+/// Adds what lies between two bricks: of groups that have bands, at most, on both sides.
+void add_gap(const BrickAt& from, const BrickAt& to, const BuildPlan& plan,
+             std::vector<PartPlace>& gaps) {
+  BrickAt at = from;
+  if (at.second > 0 && at < to) {
+    const bool ends_here = at.first == to.first;
+    gaps.push_back({plan.id, at.first, at.first + 1, at.second,
+                    ends_here ? to.second : layer_bricks_of(plan)});
+    at = ends_here ? to : BrickAt{at.first + 1, 0};
+  }
+  if (at.first < to.first) gaps.push_back({plan.id, at.first, to.first});
+  at.first = std::max(at.first, to.first);
+  if (at < to) gaps.push_back({plan.id, to.first, to.first + 1, at.second, to.second});
 }
 
 std::vector<PartPlace> gaps_of(const BuildPlan& plan,
                                const std::vector<std::shared_ptr<PartFile>>& sorted) {
   std::vector<PartPlace> gaps;
-  std::int64_t at = 0;
-  const auto close = [&](std::int64_t begin) {
-    if (begin > at) gaps.push_back({plan.id, at, begin});
-  };
+  const std::int64_t layer_bricks = layer_bricks_of(plan);
+  BrickAt at = {0, 0};
   for (const auto& part : sorted) {
-    close(part->place().first_group);
-    at = std::max(at, part->place().end_group);
+    add_gap(at, begin_of(part->place()), plan, gaps);
+    at = std::max(at, end_of(part->place(), layer_bricks));
   }
-  close(plan.group_count);
+  add_gap(at, {plan.group_count, 0}, plan, gaps);
   return gaps;
 }
 
 bool comes_before(const std::shared_ptr<PartFile>& a, const std::shared_ptr<PartFile>& b) {
-  return a->place().first_group < b->place().first_group;
+  return begin_of(a->place()) < begin_of(b->place());
+}
+
+/// The first bricks of a place, up to a brick that is not behind its end.
+PartPlace first_of(const PartPlace& place, const BrickAt& end, std::int64_t layer_bricks) {
+  PartPlace first = place;
+  const BrickAt last = std::min(end, end_of(place, layer_bricks));
+  if (place.is_band()) first.end_brick = last.second > 0 ? last.second : layer_bricks;
+  else first.end_group = last.first + (last.second > 0 ? 1 : 0);
+  return first;
 }
 
 /// Proves that sorted parts are of the plan and hold each of its groups once.
 void require_all(const BuildPlan& plan, const std::vector<std::shared_ptr<PartFile>>& parts,
                  const std::string& path) {
-  std::int64_t at = 0;
+  const std::int64_t layer_bricks = layer_bricks_of(plan);
+  BrickAt at = {0, 0};
   for (const auto& part : parts) {
     const PartPlace& place = part->place();
     if (place.plan != plan.id) {
       throw Error(ErrorKind::invalid_argument, "is a part of another plan", part->path());
     }
-    if (place.first_group >= place.end_group || place.end_group > plan.group_count) {
+    if (place.first_group >= place.end_group || place.end_group > plan.group_count ||
+        place.end_brick > layer_bricks) {
       throw Error(ErrorKind::corrupt, "holds groups that the plan does not have", part->path());
     }
-    if (place.first_group < at) {
+    if (begin_of(place) < at) {
       throw Error(ErrorKind::invalid_argument,
-                  "holds " + groups_text(place.first_group, std::min(at, place.end_group)) +
+                  "holds " + place_text(first_of(place, at, layer_bricks)) +
                       ", which another part holds as well; give each part once",
                   part->path());
     }
-    at = place.end_group;
+    at = end_of(place, layer_bricks);
   }
   const std::vector<PartPlace> gaps = gaps_of(plan, parts);
   if (gaps.empty()) return;
   std::string text;
-  for (const PartPlace& gap : gaps) {
-    text += (text.empty() ? "" : ", ") + groups_text(gap.first_group, gap.end_group);
-  }
-  throw Error(ErrorKind::io, "no part holds " + text + " of " + std::to_string(plan.group_count),
+  for (const PartPlace& gap : gaps) text += (text.empty() ? "" : ", ") + place_text(gap);
+  throw Error(ErrorKind::io,
+              "no part holds " + text + " of " + std::to_string(plan.group_count) + " groups",
               path);
 }
 
 std::int64_t first_layer_of(const BuildPlan& plan, const Levels& levels, std::int64_t group) {
   return first_plane_of(plan, group) / levels.brick_side(0).z;
+}
+
+/// What the file consists of, in its order: parts, and groups of which several parts have bands.
+using Runs = std::vector<std::shared_ptr<const EncodedRun>>;
+
+/// parts  sorted, with their groups proven; header and levels outlive the runs
+Runs runs_of(const std::vector<std::shared_ptr<PartFile>>& parts, const FileHeader& header,
+             const Levels& levels) {
+  Runs runs;
+  for (auto part = parts.begin(); part != parts.end();) {
+    if (!(*part)->place().is_band()) {
+      runs.push_back(*part++);
+      continue;
+    }
+    const std::int64_t group = (*part)->place().first_group;
+    const auto end = std::find_if(part, parts.end(), [&](const auto& other) {
+      return other->place().first_group != group;
+    });
+    runs.push_back(std::make_shared<BandedGroup>(
+        std::vector<std::shared_ptr<PartFile>>(part, end), header, levels));
+    part = end;
+  }
+  return runs;
+}
+
+/// Tells of the streams of parts that a stream of a run consists of.
+void tell_left_out(const EncodedRun& run, const PlacedStream& placed, const LeaveOut& leave_out) {
+  const auto* const banded = dynamic_cast<const BandedGroup*>(&run);
+  if (banded == nullptr) {
+    leave_out(dynamic_cast<const PartFile&>(run), placed.stream, placed.bytes);
+    return;
+  }
+  std::uint64_t offset = placed.bytes.offset;
+  for (const auto& band : banded->bands()) {
+    if (!band->is_joined(placed.stream)) continue;
+    Section bytes = band->stream(placed.stream);
+    bytes.offset = std::exchange(offset, offset + bytes.length);
+    leave_out(*band, placed.stream, bytes);
+  }
 }
 
 /// What encodes the groups of a part.
@@ -130,8 +188,8 @@ void build_part(const BuildPlan& plan, PlaneSource& source, std::int64_t first_g
                 const PartWork& work, Progress& progress) {
   if (first_group < 0 || first_group >= end_group || end_group > plan.group_count) {
     throw Error(ErrorKind::invalid_argument,
-                groups_text(first_group, end_group) + " of " + std::to_string(plan.group_count) +
-                    " asked for");
+                place_text({0, first_group, end_group}) + " of " +
+                    std::to_string(plan.group_count) + " asked for");
   }
   require_codec(plan);
   if (source.description().size != plan.source.size) require_planned(plan, source.description());
@@ -190,7 +248,7 @@ BuildResult lay_out_parts(const BuildPlan& plan, std::vector<std::shared_ptr<Par
   const BuildOutline outline = outline_of(plan);
   const Levels& levels = outline.levels;
   std::uint64_t bytes = 0;
-  for (const auto& part : parts) bytes += part->stream_bytes();
+  for (const auto& part : parts) bytes += part->joined_bytes();
   const WatchedParts watched(parts, progress);
   const ProgressScope scope(progress, "join",
                             leave_out ? 0 : static_cast<std::int64_t>(bytes), "bytes");
@@ -205,14 +263,15 @@ BuildResult lay_out_parts(const BuildPlan& plan, std::vector<std::shared_ptr<Par
   writing.overwrite = overwrite;
   if (leave_out) {
     writing.leave_out = [&](const PlacedStream& placed) {
-      leave_out(*parts[placed.run], placed.stream, placed.bytes);
+      tell_left_out(*writing.runs[placed.run], placed, leave_out);
     };
   }
   for (const auto& part : parts) {
     part->require_groups(levels, first_layer_of(plan, levels, part->place().first_group));
     squared_error = part->add_errors(squared_error);
-    writing.runs.push_back(part);
   }
+  const FileHeader header = header_of(plan, outline);
+  writing.runs = runs_of(parts, header, levels);
 
   // The file: level 0, the tiers above, and what seals it
   const auto writer = FileWriter::create(storage, path, outline.description, levels,

@@ -5,8 +5,8 @@
 //                         +--> ..                           |
 //                         +---------------------------------+
 //
-// The file is that of build_file, byte for byte, however its groups are parted, wherever and in
-// whatever order parts are made.
+// The file is that of build_file, byte for byte, however its groups and their bricks are parted,
+// wherever and in whatever order parts are made.
 #pragma once
 
 #include <cstddef>
@@ -41,11 +41,12 @@ void build_part(const BuildPlan& plan, PlaneSource& source, std::int64_t first_g
                 std::int64_t end_group, Storage& storage, const std::string& path,
                 const PartWork& work, Progress& progress);
 
-/// The groups that no part holds, as runs first .. end.
+/// What no part holds, as runs of groups and of bricks of a group.
 std::vector<PartPlace> missing_groups(const BuildPlan& plan,
                                       const std::vector<std::shared_ptr<PartFile>>& parts);
 
-/// Takes note of where a stream of a part belongs in the file.
+/// Takes note of where a stream of a part belongs in the file. Those that become others
+/// (PartFile::is_joined) belong nowhere.
 using LeaveOut =
     std::function<void(const PartFile& part, std::size_t stream, const Section& bytes)>;
 
@@ -53,7 +54,7 @@ using LeaveOut =
 /// part is proven by its checksum.
 /// Throws  Error{invalid_argument} that names a part of another plan, or two of the same groups,
 ///         and as require_codec; Error{io} where groups are missing; Error{corrupt} for a damaged
-///         part; as FileWriter
+///         part; Error{source_rejected} for bands of a group whose voxels differ; as FileWriter
 /// Memory  a sample per brick, and that of the tiers above tier 0
 BuildResult join_parts(const BuildPlan& plan, std::vector<std::shared_ptr<PartFile>> parts,
                        Storage& storage, const std::string& path, bool overwrite,

@@ -159,7 +159,7 @@ void set_stack(JsonObject& object, const SliceStack& stack) {
 JsonObject object_of(const BuildPlan& plan) {
   const BuildOptions& options = plan.options;
   JsonObject object;
-  object.set("octavo_plan", kPlanVersion);
+  object.set("octavo_plan", plan.bands > 1 ? kBandedPlanVersion : kPlanVersion);
   object.set("id", hex_of(plan.id));
   object.set("codec_check", std::vector<std::int64_t>{plan.codec_check});
   object.set("build.choices",
@@ -184,6 +184,7 @@ JsonObject object_of(const BuildPlan& plan) {
   object.set("groups.floats", hex_of(floats));
   object.set("groups.count", std::vector<std::int64_t>{plan.planes_per_group, plan.group_count,
                                                        plan.part_count});
+  if (plan.bands > 1) object.set("groups.bands", std::vector<std::int64_t>{plan.bands});
   object.set("groups.first_voxels", std::vector<std::int64_t>{plan.content_hash});
   object.set("groups.first_model", hex_of(plan.first_model));
   object.sort_by_name();
@@ -339,10 +340,12 @@ BuildPlan parse_plan(std::string_view text) {
   std::string_view rest = text;
   const JsonObject object = json_members(take_line(rest));
   if (object.json_of("octavo_plan").empty()) fail("is none");
-  if (object.json_of("octavo_plan") != std::to_string(kPlanVersion)) {
+  const bool is_banded = object.json_of("octavo_plan") == std::to_string(kBandedPlanVersion);
+  if (!is_banded && object.json_of("octavo_plan") != std::to_string(kPlanVersion)) {
     throw Error(ErrorKind::unsupported_version,
                 "a plan of version " + std::string(object.json_of("octavo_plan")).substr(0, 20) +
-                    "; this program knows " + std::to_string(kPlanVersion));
+                    "; this program knows " + std::to_string(kPlanVersion) + " and " +
+                    std::to_string(kBandedPlanVersion));
   }
   plan.options = options_of(object);
   plan.source = description_of(object, "source.");
@@ -360,7 +363,13 @@ BuildPlan parse_plan(std::string_view text) {
   // What was changed gives another id or another text.
   if (plan.floats.has_value() == is_integer(plan.source.type)) fail("has floats of integers");
   require_groups(plan);
-  plan.part_count = within(counts[2], 1, plan.group_count);
+  if (is_banded) {
+    const auto bands = exactly(1, integers_of(object.json_of("groups.bands")));
+    plan.bands = within(bands.front(), 2, layer_bricks_of(plan));
+    plan.part_count = plan.group_count * plan.bands;
+  } else {
+    plan.part_count = within(counts[2], 1, plan.group_count);
+  }
   plan.id = id_of(plan);
   if (plan_text(plan) != text) fail("is not as it was written");
   return plan;

@@ -16,6 +16,7 @@
 namespace octavo {
 
 inline constexpr int kPlanVersion = 1;
+inline constexpr int kBandedPlanVersion = 2;  ///< of plans whose parts share groups
 
 /// The text, each line with its end.
 std::string plan_text(const BuildPlan& plan);

@@ -190,16 +190,37 @@ class WrittenWhileRead final : public PlaneSource {
   std::unique_ptr<PlaneSource> planes_;
 };
 
-TEST(Planned, EveryGroupIsInItsPart) {
+TEST(Planned, EveryPartIsFoundByItsPlaceAndNoOtherPlaceIs) {
   BuildPlan plan;
   for (plan.group_count = 1; plan.group_count < 40; ++plan.group_count) {
     for (plan.part_count = 1; plan.part_count <= plan.group_count; ++plan.part_count) {
-      for (std::int64_t group = 0; group < plan.group_count; ++group) {
-        const std::int64_t part = part_of_group(plan, group);
-        ASSERT_LE(first_group_of(plan, part), group);
-        ASSERT_GT(first_group_of(plan, part + 1), group);
+      for (std::int64_t part = 0; part < plan.part_count; ++part) {
+        PartPlace place = place_of(plan, part);
+        ASSERT_EQ(part_at(plan, place), part);
+        ++place.end_group;
+        ASSERT_EQ(part_at(plan, place), std::nullopt);
       }
     }
+  }
+}
+
+TEST(Planned, TheBandsOfAGroupTileItsBricks) {
+  BuildPlan plan;
+  plan.group_count = 3;
+  plan.source.size = {64 * 5, 64 * 7, 192};
+  for (plan.bands = 2; plan.bands <= 35; ++plan.bands) {
+    plan.part_count = plan.group_count * plan.bands;
+    BrickAt at = {0, 0};
+    for (std::int64_t part = 0; part < plan.part_count; ++part) {
+      PartPlace place = place_of(plan, part);
+      ASSERT_EQ(begin_of(place), at) << part;
+      at = end_of(place, 35);
+      ASSERT_GT(at, begin_of(place));
+      ASSERT_EQ(part_at(plan, place), part);
+      ++place.end_brick;
+      ASSERT_EQ(part_at(plan, place), std::nullopt);
+    }
+    ASSERT_EQ(at, (BrickAt{3, 0}));
   }
 }
 

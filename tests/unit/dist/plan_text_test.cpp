@@ -145,6 +145,7 @@ TEST(PlanText, EveryChangeIsRejected) {
   }
   EXPECT_TRUE(is_rejected(text + "\n"));
   EXPECT_TRUE(is_rejected("{\"octavo_plan\":2}\n"));
+  EXPECT_TRUE(is_rejected("{\"octavo_plan\":3}\n"));
 }
 
 TEST(PlanText, PartsHoldEveryGroupOnceAndDifferByOneAtMost) {
@@ -153,12 +154,15 @@ TEST(PlanText, PartsHoldEveryGroupOnceAndDifferByOneAtMost) {
       BuildPlan plan;
       plan.group_count = groups;
       plan.part_count = parts;
-      ASSERT_EQ(first_group_of(plan, 0), 0);
-      ASSERT_EQ(first_group_of(plan, parts), groups);
+      std::int64_t end = 0;
       for (std::int64_t part = 0; part < parts; ++part) {
-        const std::int64_t count = first_group_of(plan, part + 1) - first_group_of(plan, part);
+        const PartPlace place = place_of(plan, part);
+        ASSERT_EQ(place.first_group, end);
+        end = place.end_group;
+        const std::int64_t count = end - place.first_group;
         ASSERT_TRUE(count == groups / parts || count == (groups + parts - 1) / parts);
       }
+      ASSERT_EQ(end, groups);
     }
   }
 }

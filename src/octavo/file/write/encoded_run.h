@@ -33,6 +33,13 @@ class EncodedRun {
   /// Throws  Error{corrupt, truncated} behind the last block where they are not those that were
   ///         written; Error{io}
   virtual void copy(std::size_t stream, const std::function<void(ByteSpan)>& sink) const = 0;
+
+  /// How many bytes of a stream, its first ones, stand in a file as they are: who leaves out runs
+  /// leaves out these.
+  virtual std::uint64_t stored_bytes(std::size_t number) const { return stream(number).length; }
+
+  /// As copy, of the bytes behind those.
+  virtual void copy_rest(std::size_t, const std::function<void(ByteSpan)>&) const {}
 };
 
 }  // namespace octavo

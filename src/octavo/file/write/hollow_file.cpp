@@ -5,7 +5,7 @@
 namespace octavo {
 
 void HollowFile::leave_out(std::uint64_t offset, const EncodedRun& run, std::size_t stream) {
-  const std::uint64_t length = run.stream(stream).length;
+  const std::uint64_t length = run.stored_bytes(stream);
   if (length > 0) left_out_.emplace(offset, LeftOut{&run, stream, length});
 }
 

@@ -15,7 +15,8 @@ class HollowFile final : public StorageFile {
  public:
   explicit HollowFile(std::unique_ptr<StorageFile> file) : file_(std::move(file)) {}
 
-  /// Bytes from `offset` on are those of a stream. The run outlives the file.
+  /// Bytes from `offset` on are those of a stream that stand in a file (EncodedRun::stored_bytes).
+  /// The run outlives the file.
   void leave_out(std::uint64_t offset, const EncodedRun& run, std::size_t stream);
 
   const std::string& path() const override { return file_->path(); }

@@ -93,6 +93,10 @@ void IndexBuilder::add_brick(int tier_number, const ValueRange& range, std::uint
   if (count == tier.brick_count(tier.pages.size())) finish_page(tier_number);
 }
 
+void IndexBuilder::end_page(int tier) {
+  if (!page_.ranges.empty()) finish_page(tier);
+}
+
 void IndexBuilder::finish_page(int tier_number) {
   TierIndex& tier = root_.tiers[static_cast<std::size_t>(tier_number)];
   const Bytes bytes = encode_page(page_);

@@ -29,6 +29,9 @@ class IndexBuilder {
   void add_brick(int tier, const ValueRange& range, std::uint64_t error_steps,
                  const std::vector<PieceRef>& pieces);
 
+  /// Ends the page in work, if it has bricks, before it is full.
+  void end_page(int tier);
+
   /// Takes over a page of tier 0 whose bytes stand in the spool.
   void restore_page(const PageRef& page) { root_.tiers.front().pages.push_back(page); }
 

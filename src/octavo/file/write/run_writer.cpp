@@ -25,6 +25,7 @@ RunWriter::RunWriter(const FileHeader& header, const Levels& levels, AppendFile&
       keeps_groups_(keeps_groups),
       start_(start),
       layer_(start.layer),
+      place_(start.place),
       group_end_(start.layer) {}
 
 void RunWriter::add_model(const Bytes& model) {
@@ -32,7 +33,8 @@ void RunWriter::add_model(const Bytes& model) {
   const bool is_coarse = tier_ == 1 && layer_ == 0 && tier_ < levels_.tier_count();
   const auto slab = static_cast<std::uint32_t>(is_coarse ? layer_count() : layer_);
   const bool has_model = !models.empty() && models.back().first_slab == slab;
-  if ((tier_ != 0 && !is_coarse) || place_ != 0 || has_model) misused("a model inside a layer");
+  const bool is_inside = place_ != start_.place || (place_ != 0 && !start_.is_band());
+  if ((tier_ != 0 && !is_coarse) || is_inside || has_model) misused("a model inside a layer");
   if (models.empty() && layer_ != start_.layer) misused("bricks before the first model");
   if (model.size() > kMaxModelBytes) misused("a model above 16 MiB");
   ModelRef ref;
@@ -41,6 +43,7 @@ void RunWriter::add_model(const Bytes& model) {
   ref.crc = piece_crc(header_.build_id, kModelLevel, model_count(), model);
   ref.first_slab = slab;
   index_.add_model(ref);
+  if (start_.place > 0) return;  // it stands in front of another band
   out_.append(model);
   if (!is_coarse) slab_crc_ = crc32c(model, slab_crc_);
 }
@@ -49,6 +52,7 @@ void RunWriter::add_model(const Bytes& model) {
 std::uint64_t RunWriter::next_code(int tier) const {
   if (tier != tier_ || tier >= levels_.tier_count()) misused("a brick out of order");
   if (index_.root().models.empty()) misused("a brick before the first model");
+  if (start_.is_band() && place_ == start_.end_place) misused("a brick behind its band");
   const Size3 grid = levels_.brick_grid(tier);
   Index3 position = position_in_layer(grid, place_);
   position.z = layer_;
@@ -99,7 +103,12 @@ void RunWriter::add_brick(int tier, const EncodedBrick& brick) {
 
 void RunWriter::advance(int tier) {
   const Size3 grid = levels_.brick_grid(tier);
-  if (++place_ < grid.x * grid.y) return;
+  ++place_;
+  if (start_.is_band()) {
+    if (place_ % kPageBricks == 0 || place_ == start_.end_place) index_.end_page(tier);
+    return;
+  }
+  if (place_ < grid.x * grid.y) return;
   if (tier == 0) append_slab_trailer();
   place_ = 0;
   if (++layer_ < grid.z) return;
@@ -132,6 +141,21 @@ void RunWriter::append_slab_trailer() {
   const Bytes bytes = encode_slab_trailer(trailer);
   index_.add_slab_trailer(static_cast<std::uint32_t>(bytes.size()));
   out_.append(bytes);
+}
+
+JournalGroup RunWriter::take_band(std::uint32_t voxels_crc, std::vector<Sha256Digest> digests) {
+  if (!start_.is_band() || place_ != start_.end_place) misused("a band without its end");
+  JournalGroup band;
+  band.end_layer = layer_ + 1;
+  band.voxels_crc = voxels_crc;
+  band.file_bytes = out_.size();
+  band.digest = out_.digest();
+  band.squared_error = squared_error_;
+  band.models = index_.root().models;
+  band.pages = index_.root().tiers.front().pages;
+  band.parents = std::exchange(group_parents_, {});
+  band.plane_digests = std::move(digests);
+  return band;
 }
 
 JournalGroup RunWriter::take_group(std::uint32_t voxels_crc) {

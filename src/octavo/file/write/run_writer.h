@@ -4,6 +4,10 @@
 //   out     level 0 of tier 0 as it comes: model, pieces, slab trailer, pieces, slab trailer, ..
 //   spool   a stream for each level above, and behind them one for the index pages
 //
+// A band is a run of bricks inside one layer, the only one of its group. Its streams have no slab
+// trailer, the model only where the band begins the layer, and pages that end where those of the
+// layer do or the band does: who has all bands of the layer makes the rest.
+//
 // Invariants
 //   What a run holds depends on its bricks, its first layer and the number of its first model, not
 //   on where in a file it stands.
@@ -25,10 +29,14 @@
 
 namespace octavo {
 
-/// Where a run begins: at the start of a group.
+/// Where a run begins: at the start of a group, or inside one.
 struct RunStart {
   std::int64_t layer = 0;   ///< of tier 0
   std::uint64_t model = 0;  ///< the number of its first model among those of the file
+  std::int64_t place = 0;      ///< of a band: its first brick in the layer
+  std::int64_t end_place = 0;  ///< of a band: behind its last; 0: whole layers
+
+  bool is_band() const { return end_place > 0; }
 };
 
 /// The streams of a spool that a run needs: one per level of a piece, then that of the pages.
@@ -51,6 +59,12 @@ class RunWriter {
   /// Ends a group of whole layers of tier 0. Requires keeps_groups.
   /// Returns  what is known of the layers since the group before
   JournalGroup take_group(std::uint32_t voxels_crc);
+
+  /// Ends a band. Requires keeps_groups.
+  /// digests  of planes of the layer, which stand in what is returned
+  /// Returns  what is known of its bricks: no slab trailer, and of the model where it stands only
+  ///          in a band that begins the layer
+  JournalGroup take_band(std::uint32_t voxels_crc, std::vector<Sha256Digest> digests);
 
   /// Goes on behind a group whose bytes stand in `out` and `spool`. Offsets are those in `out`.
   void take_over(const JournalGroup& group);
@@ -84,7 +98,7 @@ class RunWriter {
   // Where the next brick belongs.
   int tier_ = 0;
   std::int64_t layer_;
-  std::int64_t place_ = 0;
+  std::int64_t place_;
 
   double squared_error_ = 0;
   Sha256 planes_hasher_;                    ///< of the digests of all planes before the layer

@@ -18,6 +18,9 @@ namespace octavo {
 
 namespace {
 
+/// Hands bytes to a sink, block by block.
+using CopyBytes = std::function<void(const std::function<void(ByteSpan)>& sink)>;
+
 class FileWriterImpl final : public FileWriter {
  public:
   FileWriterImpl(Storage& storage, std::string path, FileHeader header, const Levels& levels,
@@ -152,7 +155,7 @@ class FileWriterImpl final : public FileWriter {
   void append_run(std::size_t number);
   std::vector<PlacedBytes> place_streams();
   void place_stream(std::size_t number, std::size_t stream, std::uint64_t offset);
-  void copy_stream(const EncodedRun& run, std::size_t stream, std::uint64_t offset);
+  void write_at(std::uint64_t offset, const CopyBytes& copy);
   void take_over(InterruptedBuild build, std::vector<WholeGroup> groups);
   JournalHead journal_head() const;
   void append_group(std::uint32_t voxels_crc);
@@ -319,17 +322,21 @@ std::vector<PlacedBytes> FileWriterImpl::place_streams() {
 
 void FileWriterImpl::place_stream(std::size_t number, std::size_t stream, std::uint64_t offset) {
   const EncodedRun& run = *options_.runs[number];
-  if (hollow_ == nullptr) return copy_stream(run, stream, offset);
+  if (hollow_ == nullptr) {
+    return write_at(offset, [&](const auto& sink) { run.copy(stream, sink); });
+  }
   hollow_->leave_out(offset, run, stream);
   const Section bytes = run.stream(stream);
   options_.leave_out({number, stream, {offset, bytes.length, bytes.crc}});
+  write_at(offset + run.stored_bytes(stream),
+           [&](const auto& sink) { run.copy_rest(stream, sink); });
 }
 
-void FileWriterImpl::copy_stream(const EncodedRun& run, std::size_t stream,
-                                 std::uint64_t offset) {
+// Writes what `copy`, which reads a run, hands on.
+void FileWriterImpl::write_at(std::uint64_t offset, const CopyBytes& copy) {
   bool is_ours = false;  // what fails
   try {
-    run.copy(stream, [&](ByteSpan bytes) {
+    copy([&](ByteSpan bytes) {
       is_ours = true;
       out_->file().write(offset, bytes);
       offset += bytes.size();

@@ -33,7 +33,7 @@ namespace octavo {
 struct PlacedStream {
   std::size_t run = 0;     ///< of WriterOptions::runs
   std::size_t stream = 0;  ///< of the run
-  Section bytes;           ///< of the file
+  Section bytes;           ///< of the file; the run's stored_bytes of them are left out
 };
 
 struct WriterOptions {

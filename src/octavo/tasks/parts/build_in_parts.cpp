@@ -153,14 +153,17 @@ BuiltVolume build_in_parts(const BuildInPartsOptions& options, const TaskContext
   if (options.parts < 1) throw Error(ErrorKind::invalid_argument, "a build has one part or more");
   require_scan_output(scan);
   PlanResult planned;
-  const BuildPlan plan = plan_in_memory({.scan = scan, .parts = options.parts}, context, planned);
+  const BuildPlan plan = plan_in_memory(
+      {.scan = scan, .parts = options.parts, .bands = options.bands}, context, planned);
   const std::int64_t at_once = parts_at_once(planned, context);
   context.detail(std::to_string(plan.part_count) + " parts, " + std::to_string(at_once) +
                  " at once");
   const PartsFolder folder(scan.output.path);
   std::vector<std::string> paths;
   {
-    const ProgressScope scope(context.watcher(), "parts", 2 * plan.source.size.z, "plane passes");
+    // Each of the parts that share a group reads all of its planes
+    const ProgressScope scope(context.watcher(), "parts", (plan.bands + 1) * plan.source.size.z,
+                              "plane passes");
     paths = make_all_parts(plan, folder.path(), at_once, context);
   }
   BuiltVolume built = join_planned(plan, paths, scan.output, context);

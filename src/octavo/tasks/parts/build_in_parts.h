@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "octavo/tasks/build_planes.h"
 #include "octavo/tasks/files/scan_planes.h"
@@ -11,6 +12,7 @@ namespace octavo {
 struct BuildInPartsOptions {
   BuildScanOptions scan;
   std::int64_t parts = 1;  ///< no more are made than there are groups
+  std::optional<std::int64_t> bands = {};  ///< in place of that: so many parts share each group
 };
 
 /// Makes the file of build_scan, byte for byte. Parts are made side by side, as many at once as

@@ -19,11 +19,17 @@ namespace octavo {
 
 namespace {
 
+/// path  of the join, whose layout says so
+std::int64_t number_of(const BuildPlan& plan, const PartPlace& place, const std::string& path) {
+  if (const auto number = part_at(plan, place)) return *number;
+  throw Error(ErrorKind::corrupt, "the layout of the join has other parts than the plan", path);
+}
+
 std::vector<std::int64_t> uncopied_numbers(const BuildPlan& plan, const JoinLayout& layout,
                                            const std::string& path) {
   std::vector<std::int64_t> numbers;
   for (const PartPlace& place : uncopied_parts(layout, local_storage(), path)) {
-    numbers.push_back(part_of_group(plan, place.first_group));
+    numbers.push_back(number_of(plan, place, path));
   }
   std::ranges::sort(numbers);
   return numbers;
@@ -138,7 +144,7 @@ JoinRuns join_runs(const JoinOptions& options, const TaskContext& context) {
     by_offset[own.offset] = {result.own_file, own.offset, own.length};
   }
   for (const CopiedRun& run : layout.runs) {
-    const std::int64_t part = part_of_group(plan, run.first_group);
+    const std::int64_t part = number_of(plan, run.part, options.output.path);
     const auto file = found.find(part);
     const std::string path = file != found.end()
                                  ? file->second

@@ -5,6 +5,7 @@
 
 #include "octavo/builder/build_setup.h"
 #include "octavo/core/error.h"
+#include "octavo/dist/band_part.h"
 #include "octavo/dist/parts.h"
 #include "octavo/file/storage/storage.h"
 #include "octavo/tasks/files/scan_planes.h"
@@ -75,15 +76,18 @@ Error about_planned(const Error& error, const BuildPlan& plan) {
 
 MadePart make_part(const BuildPlan& plan, std::int64_t part, const std::string& path,
                    int threads_of_all, const WorkParser& parser, const TaskContext& context) {
-  const std::int64_t first = first_group_of(plan, part);
-  const std::int64_t end = first_group_of(plan, part + 1);
+  const PartPlace place = place_of(plan, part);
   try {
-    const auto source = open_planned(plan, first_plane_of(plan, first), first_plane_of(plan, end),
-                                     context, parser);
-    build_part(plan, *source, first, end, local_storage(), path,
-               {context.threads, context.max_memory_bytes, clipped_listener(path, context),
-                threads_of_all},
-               context.watcher());
+    const auto source = open_planned(plan, first_plane_of(plan, place.first_group),
+                                     first_plane_of(plan, place.end_group), context, parser);
+    const PartWork work = {context.threads, context.max_memory_bytes,
+                           clipped_listener(path, context), threads_of_all};
+    if (place.is_band()) {
+      build_band(plan, *source, place, local_storage(), path, work, context.watcher());
+    } else {
+      build_part(plan, *source, place.first_group, place.end_group, local_storage(), path, work,
+                 context.watcher());
+    }
   } catch (const Error& error) {
     throw about_planned(error, plan);
   }

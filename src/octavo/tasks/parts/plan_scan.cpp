@@ -8,6 +8,7 @@
 #include "octavo/builder/build_setup.h"
 #include "octavo/core/error.h"
 #include "octavo/core/url_text.h"
+#include "octavo/dist/band_part.h"
 #include "octavo/tasks/parts/plan_file.h"
 #include "octavo/tasks/parts/scan_recipe.h"
 
@@ -47,8 +48,12 @@ void describe_plan(const BuildPlan& plan, const PlaneSource& source, PlanResult&
   const std::uint64_t whole =
       build_memory_bytes(volume, 1, plan.options.max_error) + source.resident_bytes();
   const std::uint64_t limit = plan.options.max_memory_bytes;
-  result.is_in_bands = limit != 0 && whole > limit;
-  result.part_memory_bytes = result.is_in_bands ? limit : whole;
+  const std::uint64_t needed =
+      plan.bands == 1
+          ? whole
+          : share_memory_bytes(volume, 1, band_share_bytes(plan)) + source.resident_bytes();
+  result.is_in_bands = limit != 0 && needed > limit;
+  result.part_memory_bytes = result.is_in_bands ? limit : needed;
   result.thread_bytes = kThreadBytes;
   result.can_seek = source.can_seek();
   result.file_count = static_cast<std::int64_t>(plan.files.size());
@@ -109,13 +114,20 @@ BuildPlan plan_in_memory(const PlanScanOptions& options, const TaskContext& cont
     PlannedPlanes opened = open_to_plan(options, context);
     BuildPlan plan = plan_build(*opened.planes, opened.build, context.watcher(),
                                 opened.files, opened.stack);
+    if (options.bands.value_or(1) > 1) {
+      plan.bands = std::clamp<std::int64_t>(*options.bands, 1, layer_bricks_of(plan));
+      require_bands(plan, opened.planes->can_seek());
+    }
     describe_plan(plan, *opened.planes, result);
     plan.inputs = inputs;
     plan.recipe = recipe_text(opened.recipe);
     plan.part_count =
-        part_count_for(options, plan.group_count, result.group_bytes, result.can_seek);
+        plan.bands > 1
+            ? plan.group_count * plan.bands
+            : part_count_for(options, plan.group_count, result.group_bytes, result.can_seek);
     result.part_count = plan.part_count;
     result.groups_per_part = (plan.group_count + plan.part_count - 1) / plan.part_count;
+    result.bands = plan.bands;
     plan.id = id_of(plan);
     return plan;
   } catch (const Error& error) {

@@ -20,6 +20,7 @@ struct PlanScanOptions {
   std::vector<std::string> words = {};
   std::optional<std::int64_t> parts = {};        ///< so many at most; no more than there are groups
   std::optional<std::uint64_t> part_bytes = {};  ///< in place of that: voxels of a part, at most
+  std::optional<std::int64_t> bands = {};  ///< in place of both: so many parts share each group
   std::string source_root = {};                  ///< as write_plan
 };
 
@@ -31,7 +32,8 @@ struct PlanResult {
   std::int64_t planes_per_group = 0;
   std::uint64_t group_bytes = 0;      ///< voxels of a whole one
   std::int64_t part_count = 0;
-  std::int64_t groups_per_part = 0;   ///< of the largest
+  std::int64_t groups_per_part = 0;   ///< of the largest, 1 where parts share groups
+  std::int64_t bands = 1;             ///< parts that share a group; no more than a layer has bricks
   std::uint64_t part_memory_bytes = 0;  ///< that a part needs with one thread
   bool is_in_bands = false;  ///< that is the limit, within which a part encodes groups in bands
   std::uint64_t thread_bytes = 0;       ///< that each further one adds
@@ -41,8 +43,8 @@ struct PlanResult {
 
 /// The plan of a scan: its first group is read and trained on.
 /// part_count_for says how many parts there are.
-/// Throws  as open_scan_planes, open_computed and plan_build; Error{invalid_argument} for a source
-///         behind a URL, which nothing tells to be unchanged
+/// Throws  as open_scan_planes, open_computed, plan_build and require_bands;
+///         Error{invalid_argument} for a source behind a URL, which nothing tells to be unchanged
 BuildPlan plan_in_memory(const PlanScanOptions& options, const TaskContext& context,
                          PlanResult& result);
 

@@ -10,11 +10,7 @@ std::int64_t number_of(const BuildPlan& plan, const PartFile& part) {
   if (place.plan != plan.id) {
     throw Error(ErrorKind::invalid_argument, "is a part of another plan", part.path());
   }
-  const std::int64_t number = part_of_group(plan, place.first_group);
-  if (first_group_of(plan, number) == place.first_group &&
-      first_group_of(plan, number + 1) == place.end_group) {
-    return number;
-  }
+  if (const auto number = part_at(plan, place)) return *number;
   throw Error(ErrorKind::corrupt, "holds other groups than any part of the plan; make it anew",
               part.path());
 }

@@ -1,0 +1,141 @@
+#!/usr/bin/env python3
+"""Builds scans in parts that share groups of planes, and joins them.
+
+usage: bands_test.py OCTAVO [unittest arguments]
+"""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+
+import cli_test
+import parts_test
+
+
+class SharedGroups(parts_test.InParts):
+    """Two parts share each of the three groups."""
+
+    def setUp(self):
+        super().setUp()
+        self.plan("--bands", "2")
+        self.part(0, "--parts", "4,1,5,0,2,3", "-o", "parts", "-q")
+
+    def join(self, code, *arguments, **variables):
+        return self.expect(code, "join", "scan.plan", "parts", *arguments, "-o", "scan.8vo",
+                           "--progress", "none", env=parts_test.without_schedulers(**variables))
+
+    def name(self, part):
+        return f"parts/scan.part-000{part}-of-0006"
+
+    def missing(self, code):
+        return self.expect(code, "join", "scan.plan", "parts", "--missing", "--progress",
+                           "none").stdout
+
+    def test_every_way_to_join_makes_the_file_of_a_build(self):
+        whole = self.built()
+        self.join(0)
+        self.assertEqual(self.bytes_of("scan.8vo"), whole)
+        (self.folder / "scan.8vo").unlink()
+        told = json.loads(self.join(0, "--runs", "--json").stdout)
+        joined = b""
+        for run in told["runs"]:
+            with open(run["path"], "rb") as file:
+                file.seek(run["offset"])
+                joined += file.read(run["length"])
+        self.assertEqual(joined, whole)
+        told = json.loads(self.join(0, "--step", "copy", "--json", PBS_ARRAY_INDEX="3").stdout)
+        self.assertEqual(told["copied"], [3])
+        self.assertNotIn(3, told["uncopied"])
+        self.join(0, "--step", "copy")
+        self.join(0, "--step", "seal")
+        self.assertEqual(self.bytes_of("scan.8vo"), whole)
+        (self.folder / "scan.8vo").unlink()
+        self.join(0, "--consume")
+        self.assertEqual(self.bytes_of("scan.8vo"), whole)
+        self.assertEqual(self.files(), ["parts", "scan.8vo", "scan.plan", "scan.raw", "whole.8vo"])
+        self.expect(0, "build", *self.raw, "--bands", "3", "-j", "2", "-o", "parted.8vo")
+        self.assertEqual(self.bytes_of("parted.8vo"), whole)
+        self.assertEqual(self.files(), ["parted.8vo", "parts", "scan.8vo", "scan.plan", "scan.raw",
+                                        "whole.8vo"])
+
+    def test_a_part_made_twice_or_in_less_memory_has_the_same_bytes(self):
+        first = self.bytes_of(self.name(3))
+        self.assertIn("is there already", self.part(0, "--part", "3", "-o", "parts").stdout)
+        self.part(0, "--part", "3", "-o", "parts", "--force", "--max-memory", "250M", "-j", "1")
+        self.assertEqual(self.bytes_of(self.name(3)), first)
+        self.assertIn("needs about",
+                      self.part(6, "--part", "3", "-o", "parts", "--force", "--max-memory",
+                                "200M", "-j", "1").stderr)
+        self.assertEqual(self.bytes_of(self.name(3)), first)
+
+    def test_missing_and_damaged_parts_are_named_alone_and_made_anew(self):
+        good = self.bytes_of(self.name(2))
+        for at in [20, 100, 520, len(good) // 2, len(good) - 5]:
+            bad = bytearray(good)
+            bad[at] ^= 4
+            (self.folder / self.name(2)).write_bytes(bad)
+            (self.folder / self.name(5)).unlink(missing_ok=True)
+            self.assertEqual(self.missing(1), "2,5\n")
+            self.assertIn("1 of 6 parts is missing: 5", self.join(5).stderr)
+            self.part(0, "--part", "5", "-o", "parts", "-q")
+            self.assertIn(self.name(2), self.join(4).stderr)
+            self.assertNotIn("scan.8vo", self.files())
+            self.part(0, "--part", "2", "-o", "parts", "-q")
+            self.assertEqual(self.bytes_of(self.name(2)), good)
+        self.assertEqual(self.missing(0), "")
+
+    def test_a_band_of_another_plan_is_rejected(self):
+        self.expect(0, "plan", *self.raw, "--bands", "2", "--access", "boxes", "-fo", "scan.plan")
+        self.assertIn("is a part of another plan", self.join(2).stderr)
+        self.assertIn("is a part of another plan",
+                      self.part(2, "--part", "2", "-o", "parts").stderr)
+
+    def test_a_source_changed_between_bands_is_rejected(self):
+        (self.folder / self.name(5)).unlink()
+        self.write_scan(parts_test.VOXELS[:-2] + b"\1\2")
+        self.part(7, "--part", "5", "-o", "parts")
+        self.assertEqual(self.missing(1), "5\n")
+
+    def test_a_killed_band_leaves_nothing_under_its_name(self):
+        command = [cli_test.OCTAVO, "part", "scan.plan", "--part", "2", "-o", "killed",
+                   "--progress", "json", "-j", "1"]
+        with subprocess.Popen(command, cwd=self.folder, stderr=subprocess.PIPE, text=True,
+                              env=parts_test.without_schedulers()) as running:
+            running.stderr.readline()
+            running.send_signal(signal.SIGKILL)
+            running.stderr.read()
+            running.wait()
+        self.assertNotIn("killed/scan.part-0002-of-0006", self.files())
+        self.part(0, "--part", "2", "-o", "killed", "-q")
+        self.assertEqual(self.bytes_of("killed/scan.part-0002-of-0006"),
+                         self.bytes_of(self.name(2)))
+
+    def test_a_plan_says_how_many_share_a_group(self):
+        said = self.expect(0, "plan", *self.raw[:-1], "--bands", "4", "-fo", "scan.plan").stdout
+        self.assertIn("12, of which 4 share each group; each needs", said)
+        told = json.loads(self.expect(0, "plan", *self.raw, "--bands", "1000", "-fo", "scan.plan",
+                                      "--json").stdout)
+        self.assertEqual((told["parts"], told["bands"]), (3 * 64, 64))
+        whole = json.loads(self.expect(0, "plan", *self.raw, "--parts", "3", "-fo", "scan.plan",
+                                       "--json").stdout)
+        self.assertLess(told["part_memory_bytes"], whole["part_memory_bytes"])
+
+    def test_what_has_no_bands_is_rejected_and_left_alone(self):
+        self.expect_error(2, ["parts share no group whose voxels change"], "plan", *self.raw,
+                          "--bands", "2", "--max-error", "2", "-o", "other.plan")
+        self.expect_error(2, ["parts share no group whose voxels change"], "build", *self.raw,
+                          "--bands", "2", "--keep-details", "1", "-o", "other.8vo")
+        narrow = ("scan.raw", "--raw", "128,512,560,uint16", "--spacing", "1", "-q")
+        self.expect_error(2, ["several layers of bricks"], "plan", *narrow, "--bands", "2", "-o",
+                          "other.plan")
+        self.expect(2, "plan", *self.raw, "--bands", "2", "--parts", "3", "-o", "other.plan")
+        self.expect(2, "plan", *self.raw, "--bands", "0", "-o", "other.plan")
+        self.expect(0, "plan", *narrow, "--bands", "1", "-o", "other.plan")
+        self.assertNotIn("other.8vo", self.files())
+
+
+if __name__ == "__main__":
+    cli_test.OCTAVO = os.path.abspath(sys.argv.pop(1))
+    cli_test.unittest.main()
