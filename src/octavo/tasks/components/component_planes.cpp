@@ -124,8 +124,9 @@ void ComponentPlanes::read_plane(std::span<std::byte> plane) {
 }
 
 void ComponentPlanes::open_part_of(std::int64_t z) {
-  open_.reset();
   slab_end_ = slab_begin_;
+  std::swap(open_, kept_);
+  const std::int64_t kept_before = std::exchange(kept_part_, part_);
   const auto count = static_cast<std::int64_t>(numbers_.labels.size());
   for (part_ = 0; part_ < count; ++part_) {
     const PlanesOfPart planes = planes_of_part(description_.size.z, {part_, count});
@@ -133,8 +134,9 @@ void ComponentPlanes::open_part_of(std::int64_t z) {
     part_end_ = planes.end;
     if (z >= part_begin_ && z < part_end_) break;
   }
-  open_ = std::make_unique<MaskOfPart>(*reader_, WorkPart{part_, count},
-                                       numbers_.options.connectivity, max_bytes_, context_);
+  if (open_ && part_ == kept_before) return;
+  open_.reset();
+  open_ = opened({part_, count});
   const std::size_t found = open_->components().components().size();
   const std::size_t numbered = numbers_.labels[static_cast<std::size_t>(part_)].size();
   if (found == numbered) return;
@@ -143,6 +145,26 @@ void ComponentPlanes::open_part_of(std::int64_t z) {
                   std::to_string(part_) + " of the mask, which has " + std::to_string(found) +
                   "; join the parts anew",
               path_);
+}
+
+std::unique_ptr<const MaskOfPart> ComponentPlanes::opened(const WorkPart& part) {
+  const auto within = [&](std::uint64_t most) {
+    ++opened_parts_;
+    return std::make_unique<const MaskOfPart>(*reader_, part, numbers_.options.connectivity, most,
+                                              context_);
+  };
+  const std::uint64_t kept = kept_ ? kept_->memory_bytes() : 0;
+  do_two_fit_ = do_two_fit_ && kept < max_bytes_;
+  if (kept_ && do_two_fit_) {
+    try {
+      return within(max_bytes_ - kept);
+    } catch (const Error& error) {
+      if (error.kind() != ErrorKind::limit_exceeded) throw;
+      do_two_fit_ = false;
+    }
+  }
+  kept_.reset();
+  return within(max_bytes_);
 }
 
 void ComponentPlanes::fill_slab_of(std::int64_t z) {

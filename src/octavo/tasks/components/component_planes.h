@@ -31,6 +31,8 @@ class MaskOfPart {
   std::optional<Components> components_;
 };
 
+/// Within a memory limit the masks of two parts are kept where both fit: a build in bands reads the
+/// planes of a group several times, and those may lie in two parts.
 class ComponentPlanes final : public PlaneSource {
  public:
   /// description  of the label map
@@ -44,6 +46,8 @@ class ComponentPlanes final : public PlaneSource {
   /// With a memory limit what the mask of a part may take is in it before any part is read; without
   /// one what that takes which was read last.
   std::uint64_t resident_bytes() const override;
+  /// How often the mask of a part was read and its components were found.
+  std::int64_t opened_parts() const { return opened_parts_; }
   const PlaneFiles& files() const override { return files_; }
   /// Throws  as MaskOfPart; Error{corrupt} where the part has other components than are numbered
   void read_plane(std::span<std::byte> plane) override;
@@ -52,6 +56,7 @@ class ComponentPlanes final : public PlaneSource {
  private:
   std::uint64_t held_bytes() const;
   void open_part_of(std::int64_t z);
+  std::unique_ptr<const MaskOfPart> opened(const WorkPart& part);
   void fill_slab_of(std::int64_t z);
   void fill_rows(const Box& rows, const std::vector<std::uint32_t>& labels);
 
@@ -68,6 +73,10 @@ class ComponentPlanes final : public PlaneSource {
   std::int64_t part_begin_ = 0;
   std::int64_t part_end_ = 0;
   std::unique_ptr<const MaskOfPart> open_;
+  std::int64_t kept_part_ = -1;  // that was open before
+  std::unique_ptr<const MaskOfPart> kept_;
+  bool do_two_fit_ = true;
+  std::int64_t opened_parts_ = 0;
   std::vector<std::byte> slab_;  // a few planes, as the file has them
   std::int64_t slab_begin_ = 0;
   std::int64_t slab_end_ = 0;

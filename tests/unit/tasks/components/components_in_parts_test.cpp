@@ -9,6 +9,7 @@
 
 #include "octavo/builder/build_memory.h"
 #include "octavo/tasks/components/component_lines.h"
+#include "octavo/tasks/components/component_planes.h"
 #include "octavo/tasks/files/part_result.h"
 #include "support/task_files.h"
 
@@ -225,6 +226,34 @@ TEST_F(ComponentsInParts, TheirPlanesTakeNoMoreMemoryThanTheySay) {
   context_.max_memory_bytes = 2 * build;
   options.output = {folder_.file("labels.8vo")};
   EXPECT_GT(label_components(options, context_).kept, 255u);
+}
+
+/// A build in bands reads planes of two parts in turn.
+TEST_F(ComponentsInParts, PlanesThatAreReadAgainFindNoComponentsAgainWhereBothPartsFit) {
+  options_.input = write("noise.8vo", noise({41, 23, 300}, 31));
+  joined(2);
+  const LabelComponentsOptions options = {options_.input, folder_.file("numbers"), {}};
+  const auto opened_parts = [&](std::uint64_t limit, std::vector<std::byte>& last) {
+    context_.max_memory_bytes = limit;
+    const ComputedVolume labeled = labeled_planes(options, context_);
+    auto& planes = static_cast<ComponentPlanes&>(*labeled.planes);
+    std::vector<std::byte> plane(plane_bytes(planes.description()));
+    last.clear();
+    for (int pass = 0; pass < 3; ++pass) {
+      planes.seek(100, 200);
+      for (int i = 0; i < 100; ++i) {
+        planes.read_plane(plane);
+        if (pass == 2) last.insert(last.end(), plane.begin(), plane.end());
+      }
+    }
+    EXPECT_LE(planes.resident_bytes(), limit == 0 ? ~std::uint64_t{0} : limit);
+    return planes.opened_parts();
+  };
+  std::vector<std::byte> with_room;
+  std::vector<std::byte> without_limit;
+  EXPECT_EQ(opened_parts(std::uint64_t{2} << 30, with_room), 2);
+  EXPECT_EQ(opened_parts(0, without_limit), 6);
+  EXPECT_TRUE(with_room == without_limit);
 }
 
 TEST_F(ComponentsInParts, NumbersOfMoreComponentsThanLabelsAreRejected) {
