@@ -78,7 +78,8 @@ WITHIN = {
         "isolation": {"source", "."},
     },
     "planes": {".": set(), "between": {"."}},
-    "render": {".": set(), "slice": {"."}, "cubes": {"."}, "transparency": {".", "cubes"}},
+    "render": {".": set(), "slice": {"."}, "cubes": {"."}, "transparency": {".", "cubes"},
+               "rays": {"."}},
 }
 
 # More .cpp files than this make a folder hard to find one's way in.

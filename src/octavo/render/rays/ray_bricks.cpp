@@ -1,0 +1,238 @@
+#include "octavo/render/rays/ray_bricks.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <string>
+#include <utility>
+
+#include "octavo/core/error.h"
+
+namespace octavo {
+
+namespace {
+
+constexpr std::size_t kReadBeyond = 16;  // bytes that vectors read behind the last sample
+constexpr std::uint64_t kMaxOffset = std::numeric_limits<std::int32_t>::max();  // of gathers
+
+bool is_pooled_wide(VoxelType type) { return bytes_per_voxel(type) > 2; }
+
+PooledScale scale_of(VoxelType type, const SampleRange& range) {
+  if (type == VoxelType::uint16) return {range.highest > 32767 ? 32768.0 : 0.0, 1};
+  if (!is_pooled_wide(type)) return {};
+  const double width = range.highest - range.lowest;
+  return {range.lowest, width > 0 ? 1 / width : 1};
+}
+
+/// Bounds as rays find values between samples: as far off as roundings go.
+float widened(float value, float by) { return value + by * (std::abs(value) * 1e-6f + 1e-30f); }
+
+template <class Pooled, class T>
+Pooled pooled_value(T value, const PooledScale& scale) {
+  if constexpr (std::is_same_v<Pooled, std::int16_t>) {
+    return static_cast<std::int16_t>(static_cast<std::int32_t>(value) -
+                                     static_cast<std::int32_t>(scale.offset));
+  } else {
+    const double share = scale.pooled(static_cast<double>(value));
+    // NaN counts as the lowest.
+    return share >= 0 ? static_cast<float>(std::min(share, 1.0)) : 0.0f;
+  }
+}
+
+}  // namespace
+
+RayBricks::RayBricks(const SampleSource& source, const Options& options)
+    : source_(source),
+      size_(source.size()),
+      shift_(options.brick_shift),
+      row_((std::int64_t{1} << options.brick_shift) + kApronBelow + kApronAbove),
+      slot_samples_(row_ * row_ * row_),
+      cubes_(std::size_t{1} << 3 * (options.brick_shift - kCubeShift)),
+      is_wide_(is_pooled_wide(source.type())),
+      scale_(scale_of(source.type(), source.range())) {
+  for (int axis = 0; axis < 3; ++axis) {
+    grid_[axis] = (size_[axis] + (std::int64_t{1} << shift_) - 1) >> shift_;
+  }
+  const std::uint64_t sample_bytes = is_wide_ ? 4 : 2;
+  const std::uint64_t slot_bytes = static_cast<std::uint64_t>(slot_samples_) * sample_bytes;
+  const std::uint64_t with_ends = slot_bytes + cubes_ * (sizeof(Ends) + sizeof(float));
+  const auto bricks = static_cast<std::uint64_t>(grid_.voxel_count());
+  const std::uint64_t of_tables = bricks * (sizeof(float) + sizeof(std::int32_t));
+  if (bricks > kMaxOffset || of_tables + with_ends > options.memory_bytes) {
+    throw Error(ErrorKind::limit_exceeded,
+                "memory for bricks is " + std::to_string(options.memory_bytes) +
+                    " bytes, and one with what is known of the others needs " +
+                    std::to_string(of_tables + with_ends))
+        .with_field("level");
+  }
+  const std::uint64_t addressed = kMaxOffset / (is_wide_ ? slot_bytes / 4 : slot_bytes);
+  capacity_ = static_cast<std::size_t>(
+      std::min({bricks, addressed, (options.memory_bytes - of_tables) / with_ends}));
+  // Pages that no brick comes to are never touched.
+  samples_.reset(new std::uint8_t[capacity_ * slot_bytes + kReadBeyond]);
+  slots_.assign(bricks, -1);
+  brick_bounds_.assign(bricks, 1);
+  cube_bounds_.assign(1, 0);  // what rays look at that look at nothing
+  bound_of_ = [](float, float) { return 1.0f; };
+}
+
+SampleRange RayBricks::range() const {
+  const SampleRange range = source_.range();
+  return {scale_.pooled(range.lowest), scale_.pooled(range.highest)};
+}
+
+Index3 RayBricks::place_of(std::int32_t brick) const {
+  const std::int64_t number = brick;
+  return {number % grid_.x, number / grid_.x % grid_.y, number / (grid_.x * grid_.y)};
+}
+
+Box RayBricks::own_box(const Index3& place) const {
+  const std::int64_t side = std::int64_t{1} << shift_;
+  const Index3 lo{place.x * side, place.y * side, place.z * side};
+  return {lo, {lo.x + side, lo.y + side, lo.z + side}};
+}
+
+void RayBricks::set_bounds(BoundOf bound_of) {
+  bound_of_ = std::move(bound_of);
+  for (std::size_t brick = 0; brick < slots_.size(); ++brick) {
+    // Between its last sample and the next of its neighbors as well.
+    Box box = own_box(place_of(static_cast<std::int32_t>(brick)));
+    box.hi = {box.hi.x + 1, box.hi.y + 1, box.hi.z + 1};
+    const SampleRange range = source_.range(intersection(box_of(size_), box));
+    brick_bounds_[brick] =
+        bound_of_(widened(static_cast<float>(scale_.pooled(range.lowest)), -1),
+                  widened(static_cast<float>(scale_.pooled(range.highest)), 1));
+  }
+  for (std::size_t slot = 0; slot < occupants_.size(); ++slot) {
+    set_cube_bounds(static_cast<std::int32_t>(slot));
+  }
+}
+
+BrickTables RayBricks::tables() const {
+  BrickTables tables;
+  tables.samples = samples_.get();
+  tables.is_wide = is_wide_;
+  tables.row = static_cast<std::int32_t>(row_);
+  tables.plane = static_cast<std::int32_t>(row_ * row_);
+  tables.slot = static_cast<std::int32_t>(slot_samples_);
+  tables.shift = shift_;
+  for (int axis = 0; axis < 3; ++axis) {
+    tables.size[static_cast<std::size_t>(axis)] = static_cast<std::int32_t>(size_[axis]);
+    tables.grid[static_cast<std::size_t>(axis)] = static_cast<std::int32_t>(grid_[axis]);
+  }
+  tables.brick_bounds = brick_bounds_.data();
+  tables.slots = slots_.data();
+  tables.cube_bounds = cube_bounds_.data();
+  return tables;
+}
+
+std::int32_t RayBricks::free_slot() {
+  if (occupants_.size() < capacity_) {
+    occupants_.push_back(-1);
+    cube_ends_.resize(occupants_.size() * cubes_);
+    cube_bounds_.resize(occupants_.size() * cubes_);
+    return static_cast<std::int32_t>(occupants_.size() - 1);
+  }
+  const std::size_t slot = oldest_;
+  oldest_ = (oldest_ + 1) % capacity_;
+  if (occupants_[slot] >= 0) slots_[static_cast<std::size_t>(occupants_[slot])] = -1;
+  return static_cast<std::int32_t>(slot);
+}
+
+void RayBricks::load(std::span<const std::int32_t> bricks) {
+  std::vector<std::int32_t> slots;
+  for (std::size_t i = 0; i < bricks.size(); ++i) {
+    slots.push_back(free_slot());
+    occupants_[static_cast<std::size_t>(slots.back())] = -1;
+  }
+  tbb::parallel_for(std::size_t{0}, bricks.size(), [&](std::size_t i) {
+    with_voxel_type(source_.type(), [&](auto id) {
+      using T = typename decltype(id)::type;
+      using Pooled = std::conditional_t<(sizeof(T) > 2), float, std::int16_t>;
+      fill<T, Pooled>(bricks[i], slots[i]);
+      find_ends<Pooled>(slots[i]);
+    });
+    set_cube_bounds(slots[i]);
+  });
+  for (std::size_t i = 0; i < bricks.size(); ++i) {
+    occupants_[static_cast<std::size_t>(slots[i])] = bricks[i];
+    slots_[static_cast<std::size_t>(bricks[i])] = slots[i];
+  }
+  loaded_count_ += static_cast<std::int64_t>(bricks.size());
+}
+
+template <class T, class Pooled>
+void RayBricks::fill(std::int32_t brick, std::int32_t slot) {
+  // The part of it that lies in the volume.
+  const Box own = own_box(place_of(brick));
+  const Index3 first{own.lo.x - kApronBelow, own.lo.y - kApronBelow, own.lo.z - kApronBelow};
+  const Box part = intersection(
+      box_of(size_), {first, {first.x + row_, first.y + row_, first.z + row_}});
+  const Size3 held = part.size();
+  std::vector<T> read(static_cast<std::size_t>(held.voxel_count()));
+  source_.read(part, read.data());
+
+  // Pooled, the outermost samples repeated.
+  auto* to = reinterpret_cast<Pooled*>(samples_.get()) + slot * slot_samples_;
+  for (std::int64_t z = 0; z < row_; ++z) {
+    const std::int64_t from_z = std::clamp<std::int64_t>(first.z + z - part.lo.z, 0, held.z - 1);
+    for (std::int64_t y = 0; y < row_; ++y, to += row_) {
+      const std::int64_t from_y = std::clamp<std::int64_t>(first.y + y - part.lo.y, 0, held.y - 1);
+      const T* const row = read.data() + (from_z * held.y + from_y) * held.x;
+      const std::int64_t begin = part.lo.x - first.x;
+      for (std::int64_t x = 0; x < held.x; ++x) {
+        to[begin + x] = pooled_value<Pooled>(row[x], scale_);
+      }
+      std::fill(to, to + begin, to[begin]);
+      std::fill(to + begin + held.x, to + row_, to[begin + held.x - 1]);
+    }
+  }
+}
+
+template <class Pooled>
+void RayBricks::find_ends(std::int32_t slot) {
+  const auto* const samples =
+      reinterpret_cast<const Pooled*>(samples_.get()) + slot * slot_samples_;
+  const std::int64_t cubes = std::int64_t{1} << (shift_ - kCubeShift);
+  Ends* ends = cube_ends_.data() + static_cast<std::size_t>(slot) * cubes_;
+  for (std::int64_t cz = 0; cz < cubes; ++cz) {
+    for (std::int64_t cy = 0; cy < cubes; ++cy) {
+      for (std::int64_t cx = 0; cx < cubes; ++cx) {
+        // A column of the cube's samples and the next ones, row under row.
+        std::array<Pooled, kCubeSide + 1> low;
+        std::array<Pooled, kCubeSide + 1> high;
+        low.fill(std::numeric_limits<Pooled>::max());
+        high.fill(std::numeric_limits<Pooled>::lowest());
+        for (std::int64_t z = 0; z <= kCubeSide; ++z) {
+          for (std::int64_t y = 0; y <= kCubeSide; ++y) {
+            const Pooled* const row = samples +
+                                      ((cz * kCubeSide + z + kApronBelow) * row_ +
+                                       (cy * kCubeSide + y + kApronBelow)) *
+                                          row_ +
+                                      cx * kCubeSide + kApronBelow;
+            for (std::size_t x = 0; x <= kCubeSide; ++x) {
+              low[x] = std::min(low[x], row[x]);
+              high[x] = std::max(high[x], row[x]);
+            }
+          }
+        }
+        *ends++ = {static_cast<float>(*std::min_element(low.begin(), low.end())),
+                   static_cast<float>(*std::max_element(high.begin(), high.end()))};
+      }
+    }
+  }
+}
+
+void RayBricks::set_cube_bounds(std::int32_t slot) {
+  const std::size_t first = static_cast<std::size_t>(slot) * cubes_;
+  for (std::size_t i = first; i < first + cubes_; ++i) {
+    cube_bounds_[i] =
+        bound_of_(widened(cube_ends_[i].lowest, -1), widened(cube_ends_[i].highest, 1));
+  }
+}
+
+}  // namespace octavo

@@ -1,0 +1,107 @@
+// The bricks of a grid that rays have come to: as many as fit into memory.
+//
+//     +---+----------------+----+      a brick of 64^3 samples with what its neighbors hold next to
+//     | 2 |    64 samples  | 3  |      it, so that no ray looks into two bricks at once; beyond the
+//     +---+----------------+----+      volume its outermost samples are repeated
+//
+// Samples of up to 16 bits are kept as int16, others as floats between 0 and 1: pooled values.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "octavo/core/box.h"
+#include "octavo/render/rays/ray_job.h"
+#include "octavo/render/rays/sample_source.h"
+
+namespace octavo {
+
+/// pooled = (stored - offset) * scale
+struct PooledScale {
+  double offset = 0;
+  double scale = 1;
+
+  double pooled(double stored) const { return (stored - offset) * scale; }
+  double stored(double pooled) const { return pooled / scale + offset; }
+};
+
+/// The bound of a brick or cube whose pooled values are lowest .. highest: what gives nothing is
+/// not above what a ray holds.
+using BoundOf = std::function<float(float lowest, float highest)>;
+
+class RayBricks {
+ public:
+  struct Options {
+    int brick_shift = 6;                                 ///< their side is 1 << it, at least 8
+    std::uint64_t memory_bytes = std::uint64_t{1} << 30;  ///< for bricks, at most
+  };
+
+  /// `source` must outlive this.
+  /// Throws  Error{limit_exceeded} when not even one brick fits
+  RayBricks(const SampleSource& source, const Options& options);
+
+  const PooledScale& scale() const { return scale_; }
+  const Size3& size() const { return size_; }
+  /// Bounds of all pooled values.
+  SampleRange range() const;
+
+  /// Sets what can be skipped, of the bricks in memory and those to come.
+  void set_bounds(BoundOf bound_of);
+
+  /// Valid until bricks are loaded or bounds set.
+  BrickTables tables() const;
+
+  /// How many fit into memory.
+  std::size_t capacity() const { return capacity_; }
+  bool is_loaded(std::int32_t brick) const {
+    return slots_[static_cast<std::size_t>(brick)] >= 0;
+  }
+  Index3 place_of(std::int32_t brick) const;
+
+  /// Reads bricks that are not in memory, on the threads of the caller; those that were loaded
+  /// longest ago make room. Requires no more than the capacity.
+  /// Throws what the source throws; then none of them is in memory
+  void load(std::span<const std::int32_t> bricks);
+
+  /// Bricks loaded so far; one that had to go and came back counts again.
+  std::int64_t loaded_count() const { return loaded_count_; }
+
+ private:
+  struct Ends {
+    float lowest = 0;
+    float highest = 0;
+  };
+
+  std::int32_t free_slot();
+  Box own_box(const Index3& place) const;
+  template <class T, class Pooled>
+  void fill(std::int32_t brick, std::int32_t slot);
+  template <class Pooled>
+  void find_ends(std::int32_t slot);
+  void set_cube_bounds(std::int32_t slot);
+
+  const SampleSource& source_;
+  Size3 size_;
+  Size3 grid_;
+  int shift_;
+  std::int64_t row_;    // samples of a brick with its aprons along an axis
+  std::int64_t slot_samples_;
+  std::size_t cubes_;   // of a brick
+  bool is_wide_;
+  PooledScale scale_;
+  std::size_t capacity_ = 0;
+  std::unique_ptr<std::uint8_t[]> samples_;
+  std::vector<std::int32_t> slots_;      // by brick
+  std::vector<float> brick_bounds_;      // by brick
+  std::vector<std::int32_t> occupants_;  // by slot
+  std::size_t oldest_ = 0;               // the slot that goes next once all are taken
+  std::vector<Ends> cube_ends_;          // by slot and cube
+  std::vector<float> cube_bounds_;
+  BoundOf bound_of_;
+  std::int64_t loaded_count_ = 0;
+};
+
+}  // namespace octavo

@@ -1,0 +1,109 @@
+#include "octavo/render/rays/ray_caster.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <limits>
+
+#include "octavo/core/error.h"
+#include "octavo/render/rays/ray_camera.h"
+
+namespace octavo {
+
+namespace {
+
+using RayClock = std::chrono::steady_clock;
+
+double seconds_since(RayClock::time_point start) {
+  return std::chrono::duration<double>(RayClock::now() - start).count();
+}
+
+void start_tile(RayTile& tile, const RayFrame& frame, const RayField& field, std::size_t number) {
+  const std::int64_t left = static_cast<std::int64_t>(number) % field.tile_columns() * kTileSide;
+  const std::int64_t top = static_cast<std::int64_t>(number) / field.tile_columns() * kTileSide;
+  tile.u = static_cast<float>(static_cast<double>(left) + 0.5 -
+                              static_cast<double>(field.width) / 2);
+  tile.v = static_cast<float>(static_cast<double>(top) + 0.5 -
+                              static_cast<double>(field.height) / 2);
+  tile.waits_for.fill(-1);
+  if (frame.mode == RayMode::extreme) {
+    tile.gathered.fill(-std::numeric_limits<float>::infinity());
+  }
+  for (std::size_t i = 0; i < kTileRays; ++i) {
+    const bool is_outside = left + static_cast<std::int64_t>(kTileOrder.column[i]) >= field.width ||
+                            top + static_cast<std::int64_t>(kTileOrder.row[i]) >= field.height;
+    if (is_outside) tile.k[i] = kRayDone;
+  }
+}
+
+bool is_waiting(const RayTile& tile) {
+  return std::any_of(tile.waits_for.begin(), tile.waits_for.end(),
+                     [](std::int32_t brick) { return brick >= 0; });
+}
+
+/// The bricks that rays wait for, the nearest first, as many as fit.
+std::vector<std::int32_t> awaited(const RayField& field, const RayFrame& frame,
+                                  const RayBricks& bricks,
+                                  const std::vector<std::size_t>& waiting) {
+  std::vector<std::int32_t> all;
+  for (const std::size_t number : waiting) {
+    std::int32_t last = -1;
+    for (const std::int32_t brick : field.tiles[number].waits_for) {
+      if (brick >= 0 && brick != last) all.push_back(last = brick);
+    }
+  }
+  std::sort(all.begin(), all.end());
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+  std::stable_sort(all.begin(), all.end(), [&](std::int32_t a, std::int32_t b) {
+    return brick_nearness(frame, bricks.place_of(a)) < brick_nearness(frame, bricks.place_of(b));
+  });
+  if (all.size() > bricks.capacity()) all.resize(bricks.capacity());
+  return all;
+}
+
+}  // namespace
+
+std::uint64_t ray_field_bytes(std::int64_t width, std::int64_t height) {
+  const auto tiles = [](std::int64_t pixels) {
+    return static_cast<std::uint64_t>((pixels + kTileSide - 1) / kTileSide);
+  };
+  return tiles(width) * tiles(height) * sizeof(RayTile);
+}
+
+RayField cast_rays(RayBricks& bricks, RayFrame frame, std::int64_t width, std::int64_t height,
+                   FollowRays follow, const Progress& watcher) {
+  RayField field;
+  field.width = width;
+  field.height = height;
+  field.tiles.resize(ray_field_bytes(width, height) / sizeof(RayTile));
+  std::vector<std::size_t> waiting(field.tiles.size());
+  for (std::size_t i = 0; i < waiting.size(); ++i) {
+    start_tile(field.tiles[i], frame, field, i);
+    waiting[i] = i;
+  }
+
+  while (true) {
+    // Follow.
+    const RayClock::time_point began = RayClock::now();
+    frame.bricks = bricks.tables();
+    std::atomic<std::int64_t> samples = 0;
+    tbb::parallel_for(std::size_t{0}, waiting.size(), [&](std::size_t i) {
+      if (watcher.is_cancelled()) return;
+      samples += follow(frame, field.tiles[waiting[i]]);
+    });
+    if (watcher.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
+    field.samples += samples;
+    field.cast_seconds += seconds_since(began);
+
+    // Load what is waited for.
+    std::erase_if(waiting, [&](std::size_t i) { return !is_waiting(field.tiles[i]); });
+    if (waiting.empty()) return field;
+    const RayClock::time_point loading = RayClock::now();
+    bricks.load(awaited(field, frame, bricks, waiting));
+    field.load_seconds += seconds_since(loading);
+  }
+}
+
+}  // namespace octavo

@@ -1,0 +1,59 @@
+// Rays through a volume, tile by tile and from brick to brick.
+//
+//     each tile      follow its rays until each is done or waits for a brick that is not in memory
+//     all together   load bricks that rays wait for, the nearest first; again, until none waits
+//
+// A brick that no ray comes to is never read: not what is empty, not what lies behind what is
+// opaque.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "octavo/core/progress.h"
+#include "octavo/render/rays/ray_bricks.h"
+#include "octavo/render/rays/ray_job.h"
+
+namespace octavo {
+
+/// What the rays of a picture have gathered.
+struct RayField {
+  std::int64_t width = 0;
+  std::int64_t height = 0;
+  std::vector<RayTile> tiles;  ///< row by row
+  std::int64_t samples = 0;    ///< taken
+  double cast_seconds = 0;     ///< following rays
+  double load_seconds = 0;     ///< reading bricks
+
+  std::int64_t tile_columns() const { return (width + kTileSide - 1) / kTileSide; }
+
+  /// Calls visit(column, row, tile, ray) for each pixel, tile by tile.
+  template <class Visit>
+  void for_each_pixel(Visit&& visit) const;
+};
+
+/// Bytes of a field.
+std::uint64_t ray_field_bytes(std::int64_t width, std::int64_t height);
+
+/// Casts the rays of one picture on the threads of the caller's arena.
+/// frame   with camera, mode and table; the tables of bricks are those of `bricks`
+/// follow  one of follow_rays_function
+/// Throws  Error{cancelled}, and what reading bricks throws
+/// Memory  ray_field_bytes, besides bricks
+RayField cast_rays(RayBricks& bricks, RayFrame frame, std::int64_t width, std::int64_t height,
+                   FollowRays follow, const Progress& watcher);
+
+template <class Visit>
+void RayField::for_each_pixel(Visit&& visit) const {
+  for (std::size_t t = 0; t < tiles.size(); ++t) {
+    const std::int64_t left = static_cast<std::int64_t>(t) % tile_columns() * kTileSide;
+    const std::int64_t top = static_cast<std::int64_t>(t) / tile_columns() * kTileSide;
+    for (std::size_t i = 0; i < kTileRays; ++i) {
+      const std::int64_t column = left + static_cast<std::int64_t>(kTileOrder.column[i]);
+      const std::int64_t row = top + static_cast<std::int64_t>(kTileOrder.row[i]);
+      if (column < width && row < height) visit(column, row, tiles[t], i);
+    }
+  }
+}
+
+}  // namespace octavo

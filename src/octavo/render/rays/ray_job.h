@@ -1,0 +1,191 @@
+// What the functions that follow rays are given, and what they leave: plain arrays, the same for
+// the portable functions and those on vectors.
+//
+// A picture is cut into tiles of 32 x 32 rays. Ray and sample lie at
+//
+//     place(k) = origin + k * step        k = 0, 1, 2 ...; in samples of the grid
+//
+// origin  on the image plane, or in the eye
+// step    one spacing along the ray
+//
+// Invariants
+//   Where a sample lies depends on the ray alone, and what is taken there on the volume alone.
+//   What is skipped gives nothing: a brick or a cube of 8^3 samples whose bound is not above what
+//   the ray holds already.
+// Consequences
+//   Pictures depend neither on bricks, their order or how many fit into memory, nor on threads, nor
+//   on what is skipped. A ray waits at a brick that is not in memory and goes on later.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+#include <type_traits>
+
+namespace octavo {
+
+enum class RayMode {
+  volume,   ///< colors and opacities of a transfer function, front to back
+  extreme,  ///< the highest value; of values times -1 the lowest
+  mean,     ///< of all samples
+  iso,      ///< where a value is reached first, in light
+};
+
+/// Side of the cubes that are skipped, in samples.
+inline constexpr int kCubeSide = 8;
+inline constexpr int kCubeShift = 3;
+
+/// Samples that a brick holds beyond its own, at its low and at its high sides: what the two
+/// neighbors of a hit between two samples need for their gradients.
+inline constexpr int kApronBelow = 2;
+inline constexpr int kApronAbove = 3;
+
+/// The bricks of a grid, those in memory and the others.
+struct BrickTables {
+  /// int16, or float where is_wide; one after the other, x fastest, aprons included.
+  const void* samples = nullptr;
+  bool is_wide = false;
+  std::int32_t row = 0;    ///< samples from a row to the next
+  std::int32_t plane = 0;  ///< from a plane to the next
+  std::int32_t slot = 0;   ///< from a brick to the next
+  int shift = 6;           ///< the side of a brick is 1 << shift samples
+  std::array<std::int32_t, 3> size{};  ///< samples
+  std::array<std::int32_t, 3> grid{};  ///< bricks
+  const float* brick_bounds = nullptr;  ///< by brick, x fastest
+  const std::int32_t* slots = nullptr;  ///< by brick; below 0: not in memory
+  const float* cube_bounds = nullptr;   ///< by slot and cube
+};
+
+/// A table of colors and opacities by value.
+struct ColorTable {
+  const float* opacities = nullptr;        ///< of one step
+  const std::uint32_t* colors = nullptr;   ///< 0xbbggrr
+  float lowest = 0;                        ///< value where entry 0 begins
+  float entries_per_value = 1;
+  std::int32_t last = 0;                   ///< number of the last entry
+};
+
+/// The light of a picture, in its axes: to the right, up, towards the viewer.
+struct RayLight {
+  std::array<float, 3> toward_light{};
+  std::array<float, 3> halfway{};  ///< between light and viewer
+  float ambient = 0;
+  float diffuse = 0;
+  float specular = 0;
+  /// Gradients much smaller than this, in values a spacing, have no side that light falls on.
+  float soft_gradient = 0;
+};
+
+/// One picture.
+struct RayFrame {
+  RayMode mode = RayMode::volume;
+  BrickTables bricks;
+  ColorTable table;
+  RayLight light;
+  /// origin = corner + u * across + v * down, (u, v) being the place of a pixel's middle from the
+  /// middle of the picture; direction in the same way, to be divided by its length in pixels where
+  /// there is an eye.
+  std::array<float, 3> origin{};
+  std::array<float, 3> origin_across{};
+  std::array<float, 3> origin_down{};
+  std::array<float, 3> direction{};
+  std::array<float, 3> direction_across{};
+  std::array<float, 3> direction_down{};
+  float eye_pixels = 0;   ///< from the eye to the middle of the picture; 0: rays are parallel
+  float step_pixels = 1;
+  std::array<float, 3> low{};   ///< what rays cross, in samples
+  std::array<float, 3> high{};
+  /// gradient in the axes of the picture = matrix * gradient in samples; rows one after the other
+  std::array<float, 9> gradient{};
+  float sign = 1;        ///< extreme, iso: of values
+  float isovalue = 0;    ///< times the sign
+  float enough = 0.995f; ///< opacity at which a ray ends
+  float margin = 0;      ///< that a ray stays before the end of what it skips, in samples
+};
+
+inline constexpr int kTileSide = 32;
+inline constexpr std::size_t kTileRays = kTileSide * kTileSide;
+
+/// Where a ray stands that has nothing before it.
+inline constexpr float kRayDone = 4e9f;
+
+/// Shorter steps along an axis count as this.
+inline constexpr float kSmallestStep = 1e-9f;
+/// Light where no side of a surface is known.
+inline constexpr float kFlatLight = 0.75f;
+/// Samples that weigh less have that light.
+inline constexpr float kUnlitWeight = 1.0f / 1024;
+/// A highlight is the cosine squared so many times.
+inline constexpr int kShineSquares = 5;
+/// Halvings of the step in which an isosurface is hit: 1/4096 of it remains.
+inline constexpr int kHitHalvings = 12;
+/// The gradient of a cut, far above all that is soft.
+inline constexpr float kCutGradient = 1e6f;
+
+/// The rays of a tile in Z order: 4, 8 or 16 of them in a row are a small rectangle.
+struct RayTile {
+  float u = 0;  ///< of the middle of its first pixel
+  float v = 0;
+  alignas(64) std::array<float, kTileRays> k{};  ///< next sample
+  /// Colors times opacity. Where they are averaged `red` is the sum of values. Of an isosurface the
+  /// light on it, its highlight, and where it was hit as a fraction of k.
+  alignas(64) std::array<float, kTileRays> red{};
+  alignas(64) std::array<float, kTileRays> green{};
+  alignas(64) std::array<float, kTileRays> blue{};
+  /// Opacity, of an isosurface 0 or 1; number of averaged samples; the highest value.
+  alignas(64) std::array<float, kTileRays> gathered{};
+  alignas(64) std::array<std::int32_t, kTileRays> waits_for{};  ///< a brick, or below 0
+};
+
+/// Column and row of each ray in its tile.
+struct TileOrder {
+  alignas(64) std::array<float, kTileRays> column{};
+  alignas(64) std::array<float, kTileRays> row{};
+};
+
+constexpr TileOrder make_tile_order() {
+  TileOrder order;
+  for (std::size_t i = 0; i < kTileRays; ++i) {
+    std::size_t column = 0;
+    std::size_t row = 0;
+    for (std::size_t bit = 0; bit < 5; ++bit) {
+      column |= (i >> (2 * bit) & 1) << bit;
+      row |= (i >> (2 * bit + 1) & 1) << bit;
+    }
+    order.column[i] = static_cast<float>(column);
+    order.row[i] = static_cast<float>(row);
+  }
+  return order;
+}
+
+inline constexpr TileOrder kTileOrder = make_tile_order();
+
+/// Calls follow(mode, is_wide) with the two as types.
+template <class Follow>
+std::int64_t with_ray_mode(const RayFrame& frame, Follow&& follow) {
+  const auto of_type = [&](auto mode) {
+    return frame.bricks.is_wide ? follow(mode, std::true_type{}) : follow(mode, std::false_type{});
+  };
+  switch (frame.mode) {
+    case RayMode::extreme: return of_type(std::integral_constant<RayMode, RayMode::extreme>{});
+    case RayMode::mean: return of_type(std::integral_constant<RayMode, RayMode::mean>{});
+    case RayMode::iso: return of_type(std::integral_constant<RayMode, RayMode::iso>{});
+    default: return of_type(std::integral_constant<RayMode, RayMode::volume>{});
+  }
+}
+
+/// Follows the rays of a tile until each is done or waits for a brick. Returns the samples taken.
+using FollowRays = std::int64_t (*)(const RayFrame& frame, RayTile& tile);
+
+/// That of plain C++.
+std::int64_t follow_rays_portable(const RayFrame& frame, RayTile& tile);
+
+/// The best this machine has; all give the same bits.
+FollowRays follow_rays_function();
+
+/// That of a level of simd_level.h, or nothing where this machine has none.
+std::optional<FollowRays> follow_rays_function_of(std::string_view level);
+
+}  // namespace octavo

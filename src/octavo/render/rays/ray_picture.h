@@ -1,0 +1,26 @@
+// From what rays have gathered to pixels.
+#pragma once
+
+#include <vector>
+
+#include "octavo/render/picture.h"
+#include "octavo/render/rays/ray_caster.h"
+#include "octavo/render/window.h"
+
+namespace octavo {
+
+struct RayLook {
+  RayMode mode = RayMode::volume;
+  Color background = kBlack;
+  Color surface = {236, 222, 196};  ///< of an isosurface
+  Window window;                    ///< of the values that ray_values gives
+  float sign = 1;                   ///< extreme: that of the frame
+};
+
+/// Pooled values of the rays of modes extreme and mean that met a sample.
+std::vector<double> ray_values(const RayField& field, RayMode mode, float sign);
+
+/// A picture of three channels over a background.
+Picture ray_picture(const RayField& field, const RayLook& look);
+
+}  // namespace octavo

@@ -1,0 +1,357 @@
+// Rays one by one: what the functions on vectors compute, step for step.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "octavo/render/rays/ray_job.h"
+
+namespace octavo {
+
+namespace {
+
+using Place3 = std::array<float, 3>;
+using Cell3 = std::array<std::int32_t, 3>;
+
+/// Where k runs while a ray is inside.
+struct RaySpan {
+  float enter = 0;
+  float leave = 0;
+  std::size_t axis = 0;  // of the face through which it enters
+};
+
+struct PortableRay {
+  Place3 origin{};
+  Place3 step{};
+};
+
+PortableRay ray_at(const RayFrame& f, float u, float v) {
+  PortableRay ray;
+  float scale = 1;
+  if (f.eye_pixels > 0) {
+    scale = f.step_pixels / std::sqrt(u * u + v * v + f.eye_pixels * f.eye_pixels);
+  }
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    ray.origin[axis] =
+        f.origin[axis] + u * f.origin_across[axis] + v * f.origin_down[axis];
+    ray.step[axis] =
+        (f.direction[axis] + u * f.direction_across[axis] + v * f.direction_down[axis]) * scale;
+    // A ray along a plane of the grid: nothing is divided by 0.
+    if (std::abs(ray.step[axis]) < kSmallestStep) ray.step[axis] = kSmallestStep;
+  }
+  return ray;
+}
+
+RaySpan span_of(const RayFrame& f, const PortableRay& ray) {
+  RaySpan span{0, kRayDone, 2};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const float low = (f.low[axis] - ray.origin[axis]) / ray.step[axis];
+    const float high = (f.high[axis] - ray.origin[axis]) / ray.step[axis];
+    const float first = std::min(low, high);
+    if (first > span.enter) {
+      span.enter = first;
+      span.axis = axis;
+    }
+    span.leave = std::min(span.leave, std::max(low, high));
+  }
+  return span;
+}
+
+template <bool kIsWide>
+float sample_at(const BrickTables& bricks, std::int32_t at) {
+  if constexpr (kIsWide) return static_cast<const float*>(bricks.samples)[at];
+  else return static_cast<float>(static_cast<const std::int16_t*>(bricks.samples)[at]);
+}
+
+float mixed(float a, float b, float share) { return a + (b - a) * share; }
+
+/// What stands around a place: the sample before it along each axis and the shares of the next.
+struct Corner {
+  std::int32_t at = 0;
+  Place3 share{};
+};
+
+template <bool kIsWide>
+float row_value(const BrickTables& b, std::int32_t at, float share) {
+  return mixed(sample_at<kIsWide>(b, at), sample_at<kIsWide>(b, at + 1), share);
+}
+
+template <bool kIsWide>
+float row_slope(const BrickTables& b, std::int32_t at, float share) {
+  const float first = sample_at<kIsWide>(b, at + 1) - sample_at<kIsWide>(b, at - 1);
+  const float second = sample_at<kIsWide>(b, at + 2) - sample_at<kIsWide>(b, at);
+  return mixed(first, second, share);
+}
+
+template <bool kIsWide>
+float value_at(const BrickTables& b, const Corner& c) {
+  const auto row = [&](std::int32_t at) { return row_value<kIsWide>(b, at, c.share[0]); };
+  const float near = mixed(row(c.at), row(c.at + b.row), c.share[1]);
+  const float far = mixed(row(c.at + b.plane), row(c.at + b.plane + b.row), c.share[1]);
+  return mixed(near, far, c.share[2]);
+}
+
+/// Of the values between samples, by central differences a sample wide.
+template <bool kIsWide>
+Place3 gradient_at(const BrickTables& b, const Corner& c) {
+  const auto row = [&](std::int32_t y, std::int32_t z) {
+    return row_value<kIsWide>(b, c.at + y * b.row + z * b.plane, c.share[0]);
+  };
+  const auto slope = [&](std::int32_t y, std::int32_t z) {
+    return row_slope<kIsWide>(b, c.at + y * b.row + z * b.plane, c.share[0]);
+  };
+  const float r00 = row(0, 0);
+  const float r10 = row(1, 0);
+  const float r01 = row(0, 1);
+  const float r11 = row(1, 1);
+  const float x = mixed(mixed(slope(0, 0), slope(1, 0), c.share[1]),
+                        mixed(slope(0, 1), slope(1, 1), c.share[1]), c.share[2]);
+  const float y = mixed(mixed(r10 - row(-1, 0), row(2, 0) - r00, c.share[1]),
+                        mixed(r11 - row(-1, 1), row(2, 1) - r01, c.share[1]), c.share[2]);
+  const float z = mixed(mixed(r01 - row(0, -1), row(0, 2) - r00, c.share[2]),
+                        mixed(r11 - row(1, -1), row(1, 2) - r10, c.share[2]), c.share[1]);
+  return {x, y, z};
+}
+
+/// Light and highlight on a surface across a gradient; the side that is seen is the outer one.
+struct PortableLight {
+  float light = 0;
+  float highlight = 0;
+};
+
+PortableLight light_on(const RayFrame& f, const Place3& gradient) {
+  const RayLight& light = f.light;
+  Place3 seen;
+  for (std::size_t i = 0; i < 3; ++i) {
+    seen[i] = f.gradient[3 * i] * gradient[0] + f.gradient[3 * i + 1] * gradient[1] +
+              f.gradient[3 * i + 2] * gradient[2];
+  }
+  const float length = std::sqrt(seen[0] * seen[0] + seen[1] * seen[1] + seen[2] * seen[2]);
+  float scale = 1 / std::max(length, kSmallestStep);
+  if (seen[2] < 0) scale = 0 - scale;
+  const auto along = [&](const Place3& direction) {
+    const float sum =
+        seen[0] * direction[0] + seen[1] * direction[1] + seen[2] * direction[2];
+    return std::max(sum * scale, 0.0f);
+  };
+  const float strength = length / (length + light.soft_gradient + kSmallestStep);
+  const float lit = light.ambient + light.diffuse * along(light.toward_light);
+  float shine = along(light.halfway);
+  for (int i = 0; i < kShineSquares; ++i) shine = shine * shine;
+  return {kFlatLight + (lit - kFlatLight) * strength, light.specular * shine * strength};
+}
+
+template <RayMode kMode, bool kIsWide>
+class PortableFollower {
+ public:
+  PortableFollower(const RayFrame& frame, RayTile& tile, std::size_t number)
+      : f_(frame),
+        tile_(tile),
+        number_(number),
+        ray_(ray_at(frame, tile.u + kTileOrder.column[number], tile.v + kTileOrder.row[number])),
+        span_(span_of(frame, ray_)) {}
+
+  std::int64_t follow() {
+    std::int64_t taken = 0;
+    float k = std::max(tile_.k[number_], std::ceil(span_.enter));
+    tile_.waits_for[number_] = -1;
+    while (k <= span_.leave) {
+      const Place3 place = place_at(k);
+      const Cell3 before = cell_of(place);
+      Cell3 inside;
+      Cell3 brick;
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        inside[axis] = std::clamp(before[axis], 0, f_.bricks.size[axis] - 1);
+        brick[axis] = inside[axis] >> f_.bricks.shift;
+      }
+      const std::int32_t number =
+          (brick[2] * f_.bricks.grid[1] + brick[1]) * f_.bricks.grid[0] + brick[0];
+      if (!(f_.bricks.brick_bounds[number] > held())) {
+        k = skipped(k, inside, f_.bricks.shift);
+        continue;
+      }
+      const std::int32_t slot = f_.bricks.slots[number];
+      if (slot < 0) {
+        tile_.waits_for[number_] = number;
+        break;
+      }
+      if (!(f_.bricks.cube_bounds[cube_of(slot, inside, brick)] > held())) {
+        k = skipped(k, inside, kCubeShift);
+        continue;
+      }
+      ++taken;
+      if (take(k, place, before, corner_of(slot, place, before, brick))) {
+        k = kRayDone;
+        break;
+      }
+      k += 1;
+    }
+    tile_.k[number_] = tile_.waits_for[number_] < 0 ? kRayDone : k;
+    return taken;
+  }
+
+ private:
+  /// What a bound has to be above.
+  float held() const { return kMode == RayMode::extreme ? tile_.gathered[number_] : 0; }
+
+  Place3 place_at(float k) const {
+    Place3 place;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      place[axis] = ray_.origin[axis] + k * ray_.step[axis];
+    }
+    return place;
+  }
+
+  Cell3 cell_of(const Place3& place) const {
+    Cell3 cell;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      cell[axis] = std::clamp(static_cast<std::int32_t>(std::floor(place[axis])), -1,
+                              f_.bricks.size[axis] - 1);
+    }
+    return cell;
+  }
+
+  std::size_t cube_of(std::int32_t slot, const Cell3& inside, const Cell3& brick) const {
+    const int cubes = f_.bricks.shift - kCubeShift;
+    Cell3 cube;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      cube[axis] = (inside[axis] >> kCubeShift) - (brick[axis] << cubes);
+    }
+    return static_cast<std::size_t>(
+        (((((slot << cubes) + cube[2]) << cubes) + cube[1]) << cubes) + cube[0]);
+  }
+
+  Corner corner_of(std::int32_t slot, const Place3& place, const Cell3& before,
+                   const Cell3& brick) const {
+    const BrickTables& b = f_.bricks;
+    Cell3 local;
+    Corner corner;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      local[axis] = before[axis] - (brick[axis] << b.shift) + kApronBelow;
+      corner.share[axis] = place[axis] - static_cast<float>(before[axis]);
+    }
+    corner.at = slot * b.slot + (local[2] * b.plane + local[1] * b.row + local[0]);
+    return corner;
+  }
+
+  /// The first sample behind the brick or cube of side 1 << shift around `inside`.
+  float skipped(float k, const Cell3& inside, int shift) const {
+    float nearest = kRayDone;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const bool rises = ray_.step[axis] > 0;
+      const std::int32_t begin = inside[axis] >> shift << shift;
+      const float end = static_cast<float>(rises ? begin + (1 << shift) : begin);
+      const float stop = rises ? end - f_.margin : end + f_.margin;
+      nearest = std::min(nearest, (stop - ray_.origin[axis]) / ray_.step[axis]);
+    }
+    return std::max(k + 1, std::ceil(nearest));
+  }
+
+  /// Takes a sample; true when the ray ends there.
+  bool take(float k, const Place3& place, const Cell3& before, const Corner& corner) {
+    const float value = value_at<kIsWide>(f_.bricks, corner);
+    if constexpr (kMode == RayMode::extreme) {
+      tile_.gathered[number_] = std::max(tile_.gathered[number_], value * f_.sign);
+      return false;
+    } else if constexpr (kMode == RayMode::mean) {
+      tile_.red[number_] += value;
+      tile_.gathered[number_] += 1;
+      return false;
+    } else if constexpr (kMode == RayMode::volume) {
+      return composite(value, corner);
+    } else {
+      static_cast<void>(place);
+      if (!(value * f_.sign >= f_.isovalue)) return false;
+      hit(k, before, corner);
+      return true;
+    }
+  }
+
+  bool composite(float value, const Corner& corner) {
+    const ColorTable& table = f_.table;
+    const float entry = std::clamp((value - table.lowest) * table.entries_per_value, 0.0f,
+                                   static_cast<float>(table.last));
+    const auto number = static_cast<std::size_t>(entry);
+    const float opacity = table.opacities[number];
+    if (!(opacity > 0)) return false;
+    const float weight = opacity * (1 - tile_.gathered[number_]);
+    PortableLight light{kFlatLight, 0};
+    if (weight > kUnlitWeight) light = light_on(f_, gradient_at<kIsWide>(f_.bricks, corner));
+    const std::uint32_t color = table.colors[number];
+    const float lit = weight * light.light * (1 / 255.0f);
+    const float shine = weight * light.highlight;
+    const auto channel = [&](int bits) { return static_cast<float>(color >> bits & 255); };
+    tile_.red[number_] += channel(0) * lit + shine;
+    tile_.green[number_] += channel(8) * lit + shine;
+    tile_.blue[number_] += channel(16) * lit + shine;
+    tile_.gathered[number_] += weight;
+    return tile_.gathered[number_] >= f_.enough;
+  }
+
+  /// Between the sample at k, which lies inside, and the one before it.
+  void hit(float k, const Cell3& before, const Corner& corner) {
+    const bool is_at_face = span_.enter > k - 1;
+    float outside = std::max(k - 1, span_.enter);
+    float inside = k;
+    const auto corner_at = [&](float at) {
+      Corner moved = corner;
+      const Place3 place = place_at(at);
+      std::array<std::int32_t, 3> by;
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const auto floor = static_cast<std::int32_t>(std::floor(place[axis]));
+        const std::int32_t cell = std::clamp(floor, before[axis] - 1, before[axis] + 1);
+        by[axis] = cell - before[axis];
+        moved.share[axis] = place[axis] - static_cast<float>(cell);
+      }
+      moved.at += by[2] * f_.bricks.plane + by[1] * f_.bricks.row + by[0];
+      return moved;
+    };
+    const auto is_inside = [&](float at) {
+      return value_at<kIsWide>(f_.bricks, corner_at(at)) * f_.sign >= f_.isovalue;
+    };
+    const bool is_cut = is_at_face && is_inside(outside);
+    if (is_cut) inside = outside;
+    for (int i = 0; i < kHitHalvings; ++i) {
+      const float middle = (outside + inside) * 0.5f;
+      if (is_inside(middle)) inside = middle;
+      else outside = middle;
+    }
+    Place3 gradient = gradient_at<kIsWide>(f_.bricks, corner_at(inside));
+    if (is_cut) {
+      // A cut has the side of the face, whatever lies behind.
+      gradient = {};
+      gradient[span_.axis] = kCutGradient;
+    }
+    const PortableLight light = light_on(f_, gradient);
+    tile_.red[number_] = light.light;
+    tile_.green[number_] = light.highlight;
+    tile_.blue[number_] = inside;
+    tile_.gathered[number_] = 1;
+  }
+
+  const RayFrame& f_;
+  RayTile& tile_;
+  std::size_t number_;
+  PortableRay ray_;
+  RaySpan span_;
+};
+
+template <RayMode kMode, bool kIsWide>
+std::int64_t follow_tile(const RayFrame& frame, RayTile& tile) {
+  std::int64_t taken = 0;
+  for (std::size_t i = 0; i < kTileRays; ++i) {
+    if (tile.k[i] < kRayDone) taken += PortableFollower<kMode, kIsWide>(frame, tile, i).follow();
+  }
+  return taken;
+}
+
+}  // namespace
+
+std::int64_t follow_rays_portable(const RayFrame& frame, RayTile& tile) {
+  return with_ray_mode(frame, [&](auto mode, auto is_wide) {
+    return follow_tile<decltype(mode)::value, decltype(is_wide)::value>(frame, tile);
+  });
+}
+
+}  // namespace octavo

@@ -1,0 +1,80 @@
+// What values look like in light: a color and an opacity for each, straight between points.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "octavo/core/volume.h"
+#include "octavo/render/picture.h"
+#include "octavo/render/rays/ray_bricks.h"
+#include "octavo/render/rays/ray_job.h"
+#include "octavo/render/window.h"
+
+namespace octavo {
+
+struct TransferPoint {
+  double value = 0;
+  Color color{};
+  double opacity = 0;  ///< of a layer, 0 .. 1
+
+  bool operator==(const TransferPoint&) const = default;
+};
+
+struct TransferFunction {
+  /// At least one; values never fall. Two of one value are a step. Below the first and above the
+  /// last nothing changes.
+  std::vector<TransferPoint> points;
+  /// Thickness of a layer, mm; by default the finest spacing of the volume.
+  std::optional<double> layer_mm;
+  /// Values 0 .. 1 are those of a window of the volume, others lie beside it; real values if not.
+  bool is_relative = false;
+
+  bool operator==(const TransferFunction&) const = default;
+
+  Color color_at(double value) const;
+  double opacity_at(double value) const;
+};
+
+struct TransferPreset {
+  std::string_view name;
+  bool is_in_hu = false;
+};
+
+/// bone, skin, vessels and lung in HU; mr and lightsheet for values of any unit.
+std::span<const TransferPreset> transfer_presets();
+
+std::optional<TransferFunction> find_transfer_preset(std::string_view name);
+
+/// One that suits values of which nothing is known: what lies low in the window is not seen.
+TransferFunction usual_transfer_function();
+
+/// The same with real values in place of shares of a window.
+TransferFunction in_real_values(const TransferFunction& transfer, const Window& window);
+
+/// A transfer function for pooled values, by table.
+class TransferTable {
+ public:
+  static constexpr std::size_t kEntries = 4096;
+
+  /// transfer     of real values
+  /// layer_share  a step as a share of a layer
+  TransferTable(const TransferFunction& transfer, const Rescale& rescale, const PooledScale& scale,
+                const SampleRange& pooled, double layer_share);
+
+  ColorTable table() const;
+  /// Whether values between two have an opacity.
+  bool is_seen(float lowest, float highest) const;
+
+ private:
+  std::int32_t entry_of(float value) const;
+
+  float lowest_ = 0;
+  float entries_per_value_ = 1;
+  std::vector<float> opacities_;
+  std::vector<std::uint32_t> colors_;
+  std::vector<std::int32_t> seen_before_;  // entries before each that have an opacity
+};
+
+}  // namespace octavo

@@ -1,0 +1,338 @@
+#include "octavo/render/rays/ray_caster.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "octavo/core/error.h"
+#include "octavo/core/vectors.h"
+#include "unit/render/rays/ray_scenes.h"
+
+namespace octavo {
+namespace {
+
+using testing::CastScene;
+using testing::cast_scene;
+using testing::gathered;
+using testing::noisy_ball;
+using testing::place_of_hit;
+using testing::ray_volume;
+using testing::RaySetup;
+using testing::RayVolume;
+
+constexpr RayMode kAllModes[] = {RayMode::volume, RayMode::extreme, RayMode::mean, RayMode::iso};
+
+const RayTile& tile_at(const RayField& field, std::int64_t column, std::int64_t row,
+                       std::size_t& ray) {
+  std::size_t tile = 0;
+  field.for_each_pixel([&](auto x, auto y, const RayTile& one, std::size_t i) {
+    if (x != column || y != row) return;
+    tile = static_cast<std::size_t>(&one - field.tiles.data());
+    ray = i;
+  });
+  return field.tiles[tile];
+}
+
+TEST(RayCaster, AConstantCubeHasTheOpacityOfItsThickness) {
+  const auto cube =
+      ray_volume<std::uint8_t>({40, 40, 40}, [](auto, auto, auto) { return 100; });
+  RaySetup setup;
+  setup.viewpoint = *find_viewpoint("front");
+  for (const double opacity : {0.002, 0.02, 0.1}) {
+    setup.transfer = {{{100, {255, 255, 255}, opacity}}, {}, false};
+    const CastScene scene = cast_scene(cube, setup);
+    std::size_t ray = 0;
+    const RayTile& tile = tile_at(scene.field, 48, 40, ray);
+    EXPECT_NEAR(tile.gathered[ray], 1 - std::pow(1 - opacity, 40), 1 / 255.0) << opacity;
+    EXPECT_NEAR(tile.red[ray], kFlatLight * tile.gathered[ray], 1 / 255.0) << opacity;
+  }
+}
+
+TEST(RayCaster, WhatIsSkippedChangesNoBit) {
+  const auto ball = noisy_ball(70);
+  for (const RayMode mode : kAllModes) {
+    RaySetup setup;
+    setup.mode = mode;
+    const CastScene skipping = cast_scene(ball, setup);
+    setup.skips = false;
+    const CastScene taking = cast_scene(ball, setup);
+    EXPECT_EQ(gathered(skipping.field), gathered(taking.field)) << static_cast<int>(mode);
+    if (mode == RayMode::volume || mode == RayMode::iso) {
+      EXPECT_LT(skipping.field.samples, taking.field.samples);
+    }
+  }
+}
+
+TEST(RayCaster, BricksThreadsAndMemoryChangeNoBit) {
+  const auto ball = noisy_ball(70);
+  for (const RayMode mode : kAllModes) {
+    for (const double angle : {0.0, 50.0}) {
+      RaySetup setup;
+      setup.mode = mode;
+      setup.angle_degrees = angle;
+      const CastScene first = cast_scene(ball, setup);
+      setup.threads = 4;
+      setup.brick_shift = 4;
+      const CastScene small = cast_scene(ball, setup);
+      setup.memory_bytes = 200'000;
+      const CastScene few = cast_scene(ball, setup);
+      EXPECT_EQ(gathered(first.field), gathered(small.field)) << static_cast<int>(mode);
+      EXPECT_EQ(gathered(first.field), gathered(few.field)) << static_cast<int>(mode);
+      EXPECT_EQ(first.field.samples, few.field.samples);
+      EXPECT_GE(few.loaded, small.loaded);
+    }
+  }
+}
+
+template <class T>
+void expect_levels_alike(const RayVolume<T>& volume, float sign) {
+  for (const RayMode mode : kAllModes) {
+    for (const double angle : {0.0, 40.0}) {
+      RaySetup setup;
+      setup.mode = mode;
+      setup.sign = sign;
+      setup.angle_degrees = angle;
+      setup.frame = {50, 41, 1, {}};
+      setup.isovalue = 225.25;
+      setup.follow = follow_rays_portable;
+      const CastScene portable = cast_scene(volume, setup);
+      for (const char* level : {"ssse3", "sse4", "avx2", "avx512", "neon"}) {
+        const auto follow = follow_rays_function_of(level);
+        if (!follow) continue;
+        setup.follow = *follow;
+        const CastScene other = cast_scene(volume, setup);
+        EXPECT_EQ(gathered(portable.field), gathered(other.field))
+            << level << ' ' << static_cast<int>(mode) << ' ' << angle;
+        EXPECT_EQ(portable.field.samples, other.field.samples);
+      }
+    }
+  }
+}
+
+TEST(RayCaster, AllInstructionSetsGiveTheSameBits) {
+  const auto ball = noisy_ball(40);
+  expect_levels_alike(ball, 1);
+  expect_levels_alike(ball, -1);
+  RayVolume<float> wide{ball.size, {{}, {1, 2, 0.7}, {0.8, 0, 0.6, 0, 1, 0, 0.6, 0, -0.8}}, {}};
+  wide.samples.assign(ball.samples.begin(), ball.samples.end());
+  expect_levels_alike(wide, 1);
+}
+
+TEST(RayCaster, ARayThatEndsEarlyMissesLessThanTwoOf255) {
+  const auto ball = noisy_ball(70);
+  RaySetup setup;
+  const Picture early = ray_picture(cast_scene(ball, setup).field, {});
+  setup.enough = 2;
+  const Picture late = ray_picture(cast_scene(ball, setup).field, {});
+  ASSERT_NE(early.pixels, late.pixels);
+  for (std::size_t i = 0; i < early.pixels.size(); ++i) {
+    ASSERT_LE(std::abs(early.pixels[i] - late.pixels[i]), 2);
+  }
+}
+
+TEST(RayCaster, APlaneIsHitWithinAThousandthOfAVoxel) {
+  const auto slope = ray_volume<float>({40, 40, 40}, [](auto x, auto y, auto z) {
+    return 2 * static_cast<double>(x) - static_cast<double>(y) + 0.5 * static_cast<double>(z);
+  });
+  RaySetup setup;
+  setup.mode = RayMode::iso;
+  setup.isovalue = 30.3;
+  setup.viewpoint = viewpoint_at(-70, 20);
+  const CastScene scene = cast_scene(slope, setup);
+  std::int64_t hits = 0;
+  scene.field.for_each_pixel([&](auto column, auto row, const RayTile& tile, std::size_t ray) {
+    const Point3 p = place_of_hit(scene, column, row, tile.blue[ray]);
+    const double margin = std::min({p[0], p[1], p[2], 39 - p[0], 39 - p[1], 39 - p[2]});
+    if (tile.gathered[ray] == 0 || margin < 1) return;
+    ++hits;
+    const double off = 2 * p[0] - p[1] + 0.5 * p[2] - setup.isovalue;
+    ASSERT_LT(std::abs(off) / std::sqrt(5.25), 1e-3);
+  });
+  EXPECT_GT(hits, 500);
+}
+
+TEST(RayCaster, ASphereIsHitWithinAThousandthOfAVoxel) {
+  // Distances between samples are straight to 1 / (8 * radius) of a voxel along each axis.
+  constexpr double kRadius = 300;
+  const Point3 middle = {-260, 18, 18};
+  const auto sphere = ray_volume<float>({60, 36, 36}, [&](auto x, auto y, auto z) {
+    return kRadius - std::hypot(static_cast<double>(x) - middle[0],
+                                static_cast<double>(y) - middle[1],
+                                static_cast<double>(z) - middle[2]);
+  });
+  RaySetup setup;
+  setup.mode = RayMode::iso;
+  setup.isovalue = 0;
+  setup.viewpoint = viewpoint_at(90, 0);
+  const CastScene scene = cast_scene(sphere, setup);
+  std::int64_t hits = 0;
+  scene.field.for_each_pixel([&](auto column, auto row, const RayTile& tile, std::size_t ray) {
+    const Point3 p = place_of_hit(scene, column, row, tile.blue[ray]);
+    const double margin = std::min({p[1], p[2], 35 - p[1], 35 - p[2]});
+    if (tile.gathered[ray] == 0 || margin < 1) return;
+    ++hits;
+    const Point3 off = difference(p, middle);
+    ASSERT_NEAR(std::sqrt(dot(off, off)), kRadius, 1e-3);
+  });
+  EXPECT_GT(hits, 500);
+}
+
+struct GridCase {
+  const char* name;
+  Geometry geometry;
+};
+
+/// A mark stands where it stands in the patient, whatever the axes of the grid.
+TEST(RayCaster, GridsOfAllKindsShowAMarkAtItsPlace) {
+  const double s = std::sqrt(0.5);
+  const GridCase cases[] = {
+      {"straight", {{}, {1, 1, 1}, {1, 0, 0, 0, 1, 0, 0, 0, 1}}},
+      {"anisotropic", {{5, -3, 9}, {0.5, 1, 2.5}, {1, 0, 0, 0, 1, 0, 0, 0, 1}}},
+      {"left-handed", {{}, {1, 1, 1}, {1, 0, 0, 0, 1, 0, 0, 0, -1}}},
+      {"oblique", {{}, {1, 0.8, 1.5}, {s, -s, 0, s, s, 0, 0, 0, 1}}},
+      {"permuted", {{1, 2, 3}, {1, 1, 2}, {0, 1, 0, 0, 0, 1, 1, 0, 0}}}};
+  const Index3 mark{26, 9, 17};
+  auto volume = ray_volume<std::uint8_t>({36, 30, 28}, [&](auto x, auto y, auto z) {
+    return std::max({std::abs(x - mark.x), std::abs(y - mark.y), std::abs(z - mark.z)}) <= 1 ? 200
+                                                                                            : 0;
+  });
+  for (const GridCase& one : cases) {
+    volume.geometry = one.geometry;
+    for (const char* side : {"front", "left", "top", "left-front-top"}) {
+      RaySetup setup;
+      setup.mode = RayMode::iso;
+      setup.isovalue = 100;
+      setup.viewpoint = *find_viewpoint(side);
+      const CastScene scene = cast_scene(volume, setup);
+      double x = 0;
+      double y = 0;
+      double hits = 0;
+      scene.field.for_each_pixel([&](auto column, auto row, const RayTile& tile, std::size_t ray) {
+        if (tile.gathered[ray] == 0) return;
+        x += static_cast<double>(column) + 0.5;
+        y += static_cast<double>(row) + 0.5;
+        ++hits;
+      });
+      ASSERT_GT(hits, 0) << one.name << ' ' << side;
+      const Point3 off = difference(one.geometry.to_world({26, 9, 17}),
+                                    one.geometry.to_world({17.5, 14.5, 13.5}));
+      EXPECT_NEAR(x / hits, 48 + dot(off, scene.view.right) / scene.view.pixel_mm, 1)
+          << one.name << ' ' << side;
+      EXPECT_NEAR(y / hits, 40 - dot(off, scene.view.up) / scene.view.pixel_mm, 1)
+          << one.name << ' ' << side;
+    }
+  }
+}
+
+TEST(RayCaster, LightFallsAlikeOnAMirroredGrid) {
+  auto ball = noisy_ball(48);
+  RaySetup setup;
+  setup.mode = RayMode::iso;
+  RayLook look;
+  look.mode = RayMode::iso;
+  const Picture straight = ray_picture(cast_scene(ball, setup).field, look);
+  // The same ball with its planes from the other end.
+  const auto plane = static_cast<std::ptrdiff_t>(ball.size.x * ball.size.y);
+  for (std::ptrdiff_t low = 0, high = 47; low < high; ++low, --high) {
+    std::swap_ranges(ball.samples.begin() + low * plane, ball.samples.begin() + (low + 1) * plane,
+                     ball.samples.begin() + high * plane);
+  }
+  ball.geometry.direction = {1, 0, 0, 0, 1, 0, 0, 0, -1};
+  const Picture mirrored = ray_picture(cast_scene(ball, setup).field, look);
+  std::size_t differing = 0;
+  for (std::size_t i = 0; i < straight.pixels.size(); ++i) {
+    if (std::abs(straight.pixels[i] - mirrored.pixels[i]) > 2) ++differing;
+  }
+  EXPECT_LT(differing, straight.pixels.size() / 200);
+}
+
+TEST(RayCaster, NearThingsAreLargerThroughAnEye) {
+  const auto two = ray_volume<std::uint8_t>({40, 40, 40}, [](auto x, auto y, auto z) {
+    const bool is_row = std::abs(z - 20) <= 2 && std::abs(x - (y < 20 ? 10 : 30)) <= 2;
+    return is_row && (std::abs(y - 5) <= 2 || std::abs(y - 35) <= 2) ? 200 : 0;
+  });
+  RaySetup setup;
+  setup.mode = RayMode::iso;
+  setup.isovalue = 100;
+  setup.viewpoint = *find_viewpoint("front");
+  const auto halves = [&] {
+    std::array<int, 2> hits{};
+    const CastScene scene = cast_scene(two, setup);
+    scene.field.for_each_pixel([&](auto column, auto, const RayTile& tile, std::size_t ray) {
+      if (tile.gathered[ray] > 0) ++hits[column < 48 ? 0 : 1];
+    });
+    return hits;
+  };
+  const auto parallel = halves();
+  EXPECT_NEAR(parallel[0], parallel[1], 0.1 * parallel[0]);
+  setup.angle_degrees = 60;
+  const auto seen = halves();
+  EXPECT_GT(seen[0], 1.5 * seen[1]);
+}
+
+TEST(RayCaster, BricksThatNoRayComesToAreNotLoaded) {
+  // A wall before noise, and nothing beside it.
+  const auto wall = ray_volume<std::int16_t>({128, 128, 64}, [](auto x, auto y, auto z) {
+    if (x >= 64) return std::int64_t{0};
+    return y < 16 ? std::int64_t{1000} : (x + y + z) % 7 * 100;
+  });
+  RaySetup setup;
+  setup.transfer = {{{100, {255, 255, 255}, 0}, {900, {255, 255, 255}, 0.9}}, {}, false};
+  setup.viewpoint = *find_viewpoint("front");
+  setup.brick_shift = 5;
+  const CastScene scene = cast_scene(wall, setup);
+  // 2 x 2 bricks of the wall; others give the samples between it and what is beside it.
+  EXPECT_LE(scene.loaded, 4 * 2);
+  EXPECT_GE(scene.loaded, 4);
+}
+
+TEST(RayCaster, HighestLowestAndMeanAreThoseOfTheSamples) {
+  const auto ramp = ray_volume<std::uint16_t>(
+      {20, 20, 20}, [](auto, auto y, auto) { return 40000 + 100 * y; });
+  RaySetup setup;
+  setup.viewpoint = *find_viewpoint("front");
+  const auto value = [&] {
+    const CastScene scene = cast_scene(ramp, setup);
+    std::size_t ray = 0;
+    const RayTile& tile = tile_at(scene.field, 48, 40, ray);
+    const double pooled = setup.mode == RayMode::mean ? tile.red[ray] / tile.gathered[ray]
+                                                      : tile.gathered[ray] * setup.sign;
+    return scene.scale.stored(pooled);
+  };
+  setup.mode = RayMode::extreme;
+  EXPECT_NEAR(value(), 41900, 1);
+  setup.sign = -1;
+  EXPECT_NEAR(value(), 40000, 1);
+  setup.mode = RayMode::mean;
+  EXPECT_NEAR(value(), 40950, 1);
+}
+
+TEST(RayCaster, FloatsThatAreNotFiniteCountAsTheLowestOrHighest) {
+  auto volume = ray_volume<float>({16, 16, 16}, [](auto x, auto, auto) { return x; });
+  volume.samples[700] = std::numeric_limits<float>::quiet_NaN();
+  volume.samples[900] = std::numeric_limits<float>::infinity();
+  for (const RayMode mode : kAllModes) {
+    RaySetup setup;
+    setup.mode = mode;
+    setup.isovalue = 7;
+    for (const float one : gathered(cast_scene(volume, setup).field)) ASSERT_FALSE(std::isnan(one));
+  }
+}
+
+TEST(RayCaster, MemoryForNotEvenOneBrickIsRejected) {
+  const auto ball = noisy_ball(70);
+  RaySetup setup;
+  setup.memory_bytes = 100'000;
+  try {
+    cast_scene(ball, setup);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::limit_exceeded);
+    EXPECT_NE(std::string(error.what()).find("100000 bytes"), std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace octavo

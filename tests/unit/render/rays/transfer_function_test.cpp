@@ -1,0 +1,67 @@
+#include "octavo/render/rays/transfer_function.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace octavo {
+namespace {
+
+TEST(TransferFunction, ValuesBetweenPointsAreMixed) {
+  const TransferFunction transfer{
+      {{0, {0, 100, 200}, 0}, {10, {100, 200, 0}, 0.5}, {10, {1, 2, 3}, 1}}, {}, false};
+  EXPECT_EQ(transfer.color_at(5), (Color{50, 150, 100}));
+  EXPECT_EQ(transfer.opacity_at(5), 0.25);
+  EXPECT_EQ(transfer.opacity_at(-100), 0);
+  EXPECT_EQ(transfer.opacity_at(10), 1);
+  EXPECT_EQ(transfer.color_at(1000), (Color{1, 2, 3}));
+}
+
+TEST(TransferFunction, PresetsRiseAndBeginUnseen) {
+  for (const TransferPreset& preset : transfer_presets()) {
+    const auto transfer = find_transfer_preset(preset.name);
+    ASSERT_TRUE(transfer) << preset.name;
+    EXPECT_EQ(transfer->is_relative, !preset.is_in_hu);
+    EXPECT_EQ(transfer->points.front().opacity, 0) << preset.name;
+    EXPECT_TRUE(std::is_sorted(
+        transfer->points.begin(), transfer->points.end(),
+        [](const TransferPoint& a, const TransferPoint& b) { return a.value < b.value; }));
+  }
+  EXPECT_FALSE(find_transfer_preset("Bone"));
+}
+
+TEST(TransferFunction, SharesOfAWindowBecomeRealValues) {
+  const TransferFunction shares{{{0, {}, 0}, {1, {}, 1}}, {}, true};
+  const TransferFunction real = in_real_values(shares, {100, 50});
+  EXPECT_EQ(real.points[0].value, 75);
+  EXPECT_EQ(real.points[1].value, 125);
+  EXPECT_FALSE(real.is_relative);
+  EXPECT_EQ(in_real_values(real, {0, 1}), real);
+}
+
+TEST(TransferTable, StepsOfAnyLengthComposeToOneLayer) {
+  const TransferFunction transfer{{{0, {}, 0.4}, {100, {}, 0.4}}, {}, false};
+  for (const double share : {0.25, 1.0, 2.0}) {
+    const TransferTable table(transfer, {}, {}, {0, 100}, share);
+    EXPECT_NEAR(std::pow(1 - table.table().opacities[7], 1 / share), 0.6, 1e-6);
+  }
+}
+
+TEST(TransferTable, WhatHasNoOpacityIsNotSeen) {
+  const TransferFunction transfer{{{100, {}, 0}, {200, {}, 0}, {300, {}, 1}}, {}, false};
+  const TransferTable table(transfer, {}, {}, {-1000, 1000}, 1);
+  EXPECT_FALSE(table.is_seen(-900, 199));
+  EXPECT_TRUE(table.is_seen(-900, 201));
+  EXPECT_TRUE(table.is_seen(500, 600));
+}
+
+TEST(TransferTable, AFallingScaleTurnsValuesRound) {
+  const TransferFunction transfer{{{-50, {}, 0}, {-10, {255, 0, 0}, 1}}, {}, false};
+  const TransferTable table(transfer, {-1, 0}, {}, {0, 1000}, 1);
+  EXPECT_TRUE(table.is_seen(0, 5));
+  EXPECT_FALSE(table.is_seen(60, 900));
+}
+
+}  // namespace
+}  // namespace octavo
