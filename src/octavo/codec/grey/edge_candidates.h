@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstring>
 
@@ -77,15 +78,13 @@ class Background {
   }
 
   RowMask of(std::int64_t y, std::int64_t z) const { return masks_.row(y, z); }
-  /// That of the means before and after along an axis; beyond the last one it is the last again.
-  RowMask before(int axis, std::int64_t y, std::int64_t z) const {
-    if (axis == 0) return of(y, z) << 1 | (of(y, z) & 1);
-    return axis == 1 ? of(std::max<std::int64_t>(y - 1, 0), z)
-                     : of(y, std::max<std::int64_t>(z - 1, 0));
-  }
-  RowMask after(int axis, std::int64_t y, std::int64_t z) const {
-    if (axis == 0) return of(y, z) >> 1 | (of(y, z) & RowMask{1} << (size_.x - 1));
-    return axis == 1 ? of(std::min(y + 1, size_.y - 1), z) : of(y, std::min(z + 1, size_.z - 1));
+  /// That of the means before and after along each axis; beyond the last one it is the last again.
+  using Beside = std::array<std::array<RowMask, 2>, 3>;
+  Beside beside(std::int64_t y, std::int64_t z) const {
+    const RowMask own = of(y, z);
+    return {{{own << 1 | (own & 1), own >> 1 | (own & RowMask{1} << (size_.x - 1))},
+             {y > 0 ? of(y - 1, z) : own, y + 1 < size_.y ? of(y + 1, z) : own},
+             {z > 0 ? of(y, z - 1) : own, z + 1 < size_.z ? of(y, z + 1) : own}}};
   }
 
  private:
@@ -235,13 +234,10 @@ class EdgePasses {
   }
 
   EdgeMasks masks_of(std::int64_t y, std::int64_t z) {
-    const int axis = stage_.axis;
-    const int across1 = axis == 0 ? 1 : 0;
-    const int across2 = axis == 2 ? 1 : 2;
-    const RowMask across[] = {background_.before(across1, y, z), background_.after(across1, y, z),
-                              background_.before(across2, y, z), background_.after(across2, y, z)};
-    const RowMask before = background_.before(axis, y, z);
-    const RowMask after = background_.after(axis, y, z);
+    const auto beside = background_.beside(y, z);
+    const auto [before, after] = beside[static_cast<std::size_t>(stage_.axis)];
+    const auto across1 = beside[stage_.axis == 0 ? 1 : 0];
+    const auto across2 = beside[stage_.axis == 2 ? 1 : 2];
     // Edges of the rows above and behind
     PairMasks& firsts = work_.edges.firsts;
     PairMasks& seconds = work_.edges.seconds;
@@ -250,15 +246,15 @@ class EdgePasses {
     const RowMask seconds_up = y > 0 ? seconds.row(y - 1, z) : 0;
     const RowMask seconds_back = z > 0 ? seconds.row(y, z - 1) : 0;
     EdgeMasks masks;
-    masks.any = before | after | across[0] | across[1] | across[2] | across[3] | firsts_up |
+    masks.any = before | after | across1[0] | across1[1] | across2[0] | across2[1] | firsts_up |
                 firsts_back | seconds_up | seconds_back;
     masks.along1 = before ^ after;
     masks.along2 = before & after;
     // Sums of bits, all pairs at once
-    const RowMask one = across[0] ^ across[1];
-    const RowMask two = across[0] & across[1];
-    const RowMask other_one = across[2] ^ across[3];
-    const RowMask other_two = across[2] & across[3];
+    const RowMask one = across1[0] ^ across1[1];
+    const RowMask two = across1[0] & across1[1];
+    const RowMask other_one = across2[0] ^ across2[1];
+    const RowMask other_two = across2[0] & across2[1];
     masks.across1 = (one ^ other_one) | (two & other_two);
     masks.across2 = two | other_two | (one & other_one);
     const RowMask first1 = firsts_up ^ firsts_back;

@@ -148,7 +148,11 @@ struct WaveBuffers {
   alignas(64) std::int32_t edges[kLength];
   alignas(64) std::int32_t residuals[kLength];
   alignas(64) std::int32_t means[kLength];
-  const ValueGaps::Details* details[kLength];  ///< where values have gaps
+  // Where values have gaps: details, their highest number, and the number that a residual has
+  // beyond the nearer end
+  const ValueGaps::Details* details[kLength];
+  alignas(64) std::int32_t last[kLength];
+  alignas(64) std::int32_t beyond[kLength];
 };
 
 /// What is between `first` and `last` of four rows; both are multiples of 4.
@@ -183,34 +187,60 @@ inline void weave(const WaveRow* rows, int first, int last, WaveBuffers& woven) 
 inline void weave_gaps(const ValueGaps& gaps, int first, int last, WaveBuffers& woven) {
   const Quad most = hn::Set(kQuad, 2 * ValueGaps::kReach);
   for (int at = 4 * first; at < 4 * last; at += 4) {
-    const Quad residual = hn::Load(kQuad, woven.residuals + at);
-    hn::Store(hn::Min(hn::Max(residual, hn::Neg(most)), most), kQuad, woven.residuals + at);
-    for (int k = at; k < at + 4; ++k) woven.details[k] = &gaps.of(woven.means[k]);
+    for (int k = at; k < at + 4; ++k) {
+      woven.details[k] = &gaps.of(woven.means[k]);
+      woven.last[k] = woven.details[k]->last;
+    }
+    const Quad residual = brought_within(hn::Load(kQuad, woven.residuals + at), most);
+    hn::Store(residual, kQuad, woven.residuals + at);
+    const Quad left = hn::Add(hn::ShiftLeft<1>(hn::Abs(residual)), hn::BroadcastSignBit(residual));
+    const Quad beyond = hn::Sub(hn::Load(kQuad, woven.last + at), left);
+    hn::Store(hn::Max(beyond, hn::Zero(kQuad)), kQuad, woven.beyond + at);
   }
 }
 
-/// Of four pairs where values have gaps: predictions and residuals to details, or predictions and
-/// details to residuals.
-template <bool kIsEncoding>
-HWY_INLINE Quad four_through_gaps(const ValueGaps::Details* const* details, Quad prediction,
-                             Quad given) {
-  alignas(16) std::int32_t predictions[4];
-  alignas(16) std::int32_t numbers[4];
-  hn::Store(prediction, kQuad, predictions);
-  hn::Store(given, kQuad, numbers);
-  // All of them fit in 16 bits; a narrow store before a wide load would stall.
-  std::uint64_t found = 0;
+/// A number of 16 bits for each of four pairs; a narrow store before a wide load would stall.
+template <class NumberOf>
+HWY_INLINE Quad four_of(NumberOf&& number_of) {
+  std::uint64_t all = 0;
   for (int k = 0; k < 4; ++k) {
-    const ValueGaps::Details& possible = *details[k];
-    const int nearest = possible.nearest(predictions[k]);
-    const int one = kIsEncoding
-                        ? folded(possible.nearest(numbers[k]), nearest, possible.last)
-                        : possible.detail(unfolded<int>(numbers[k], nearest, possible.last));
-    found |= std::uint64_t{static_cast<std::uint16_t>(one)} << 16 * k;
+    all |= std::uint64_t{static_cast<std::uint16_t>(number_of(k))} << 16 * k;
   }
   const hn::FixedTag<std::int16_t, 4> shorts;
-  return hn::PromoteTo(
-      kQuad, hn::BitCast(shorts, hn::Set(hn::FixedTag<std::uint64_t, 1>(), found)));
+  return hn::PromoteTo(kQuad,
+                       hn::BitCast(shorts, hn::Set(hn::FixedTag<std::uint64_t, 1>(), all)));
+}
+
+/// Of four pairs where values have gaps: predictions and residuals to details.
+HWY_INLINE Quad four_through_gaps(const WaveBuffers& woven, int at, Quad prediction,
+                                  Quad residual) {
+  const ValueGaps::Details* const* const details = woven.details + at;
+  const Quad reach = hn::Set(kQuad, ValueGaps::kReach);
+  alignas(16) std::int32_t places[4];
+  hn::Store(hn::Add(brought_within(prediction, reach), reach), kQuad, places);
+  const Quad nearest = four_of([&](int k) { return details[k]->numbers[places[k]]; });
+  // unfolded
+  const Quad last = hn::Load(kQuad, woven.last + at);
+  const Quad other = hn::Sub(last, nearest);
+  const auto is_low = hn::Lt(nearest, other);
+  const Quad inside = hn::Add(hn::Max(nearest, other), residual);
+  const auto is_beyond = hn::Gt(hn::Abs(residual), hn::Min(nearest, other));
+  const Quad number =
+      hn::IfThenElse(is_beyond, hn::Load(kQuad, woven.beyond + at), inside);
+  hn::Store(hn::IfThenElse(is_low, hn::Sub(last, number), number), kQuad, places);
+  return four_of([&](int k) { return details[k]->values[places[k]]; });
+}
+
+/// Predictions and details to residuals.
+HWY_INLINE Quad four_into_gaps(const WaveBuffers& woven, int at, Quad prediction, Quad detail) {
+  alignas(16) std::int32_t predictions[4];
+  alignas(16) std::int32_t given[4];
+  hn::Store(prediction, kQuad, predictions);
+  hn::Store(detail, kQuad, given);
+  return four_of([&](int k) {
+    const ValueGaps::Details& possible = *woven.details[at + k];
+    return folded(possible.nearest(given[k]), possible.nearest(predictions[k]), possible.last);
+  });
 }
 
 template <int kAxis>
@@ -307,10 +337,12 @@ void run_waves(const std::int16_t* weights, const Stage& stage, const WaveRow* r
     if (!kIsEncoding && !has_room) {
       detail = hn::Zero(kQuad);
     } else if constexpr (kHasGaps) {
-      const Quad found = four_through_gaps<kIsEncoding>(
-          woven.details + 4 * x, hn::Add(known, brought_within(prediction, limit)), detail);
-      if constexpr (kIsEncoding) hn::Store(found, kQuad, woven.residuals + 4 * x);
-      else detail = found;
+      const Quad expected = hn::Add(known, brought_within(prediction, limit));
+      if constexpr (kIsEncoding) {
+        hn::Store(four_into_gaps(woven, 4 * x, expected, detail), kQuad, woven.residuals + 4 * x);
+      } else {
+        detail = four_through_gaps(woven, 4 * x, expected, detail);
+      }
       detail = brought_within(hn::Sub(detail, known), limit);
     } else if constexpr (kIsEncoding) {
       detail = hn::Sub(detail, known);

@@ -291,7 +291,12 @@ ValueGaps::ValueGaps(std::int64_t lowest, std::span<const std::uint8_t> used, in
     for (int k = 0; k < number; ++k) {
       const int end = k == row.last ? 2 * kReach + 1
                                     : ((row.values[k] + row.values[k + 1]) >> 1) + kReach + 1;
-      std::fill(row.numbers + next, row.numbers + end, static_cast<std::uint16_t>(k));
+      // Most have few places: what is written too far the next one overwrites.
+      std::uint16_t together[kTogether];
+      std::fill_n(together, kTogether, static_cast<std::uint16_t>(k));
+      for (; next < end; next += kTogether) {
+        std::copy_n(together, kTogether, row.numbers + next);
+      }
       next = end;
     }
   }

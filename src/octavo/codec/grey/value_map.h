@@ -82,12 +82,14 @@ BrickMap take_brick_map(const ValueMap& map, const ValueRange& range, ByteSpan& 
 class ValueGaps {
  public:
   static constexpr int kReach = static_cast<int>(kMaxMappedCodes) - 1;
+  static constexpr int kTogether = 4;
 
   /// The details of one mean. The rows of a table stand in different places of the cache.
   struct alignas(64) Details {
-    std::uint16_t numbers[2 * kReach + 2];  ///< of the detail nearest to i - kReach
-    std::int16_t values[2 * kReach + 2];    ///< rising
-    std::int32_t last;                      ///< the highest number; a mean without details has a 0
+    std::int32_t last;  ///< the highest number; a mean without details has a 0
+    /// Of the detail nearest to i - kReach; room for four that are written together.
+    std::uint16_t numbers[2 * kReach + 1 + kTogether];
+    std::int16_t values[2 * kReach + 2];  ///< rising
 
     /// The number of the detail nearest to one within +-kReach; the smaller of two.
     int nearest(std::int64_t detail) const {
