@@ -40,9 +40,13 @@ struct ReducedSurface {
   std::vector<std::uint32_t> nearest;  // of each point of the full surface: its triangle
 };
 
-/// The triangles of all parts, one part after the other.
+/// Where the cube of a part lies: z, y, x.
+using PartPlace = std::array<std::int32_t, 3>;
+
+/// The triangles of all parts, one part after the other, ascending by their places.
 struct PartTriangles {
   std::vector<std::uint32_t> order;
+  std::vector<PartPlace> places;
   std::vector<std::size_t> ends;      // behind the triangles of each part
   std::vector<std::uint8_t> is_seam;  // points that several parts have
 
@@ -56,6 +60,7 @@ struct PartTriangles {
 struct ReducedPart {
   std::vector<MeshTriangle> triangles;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> attached;  // point, place in triangles
+  std::size_t full_count = 0;  // of triangles that it had
 };
 
 /// What was proven of the reduced surface of a round.
@@ -203,6 +208,9 @@ class Decimation {
   void reduce_first() {
     stop_if_cancelled();
     if (first_parts_.ends.empty()) prepare_first();
+    for (std::size_t i = 0; i < is_stale_.size(); ++i) {
+      if (is_stale_[i] != 0) touch(i);
+    }
     tbb::parallel_for(std::size_t{0}, first_parts_.ends.size(), [&](std::size_t i) {
       if (is_stale_[i] == 0 || progress_.is_cancelled()) return;
       is_stale_[i] = 0;
@@ -216,6 +224,13 @@ class Decimation {
     progress_.advance(1);
   }
 
+  /// Remembers the points of a part that is reduced again.
+  void touch(std::size_t part) {
+    for (const std::uint32_t triangle : first_parts_.of(part)) {
+      for (const std::uint32_t point : start_.mesh.triangles[triangle]) is_touched_[point] = 1;
+    }
+  }
+
   void prepare_first() {
     first_ = start_;
     first_parts_ = cut(start_.mesh, 0);
@@ -223,6 +238,7 @@ class Decimation {
     const std::size_t count = first_parts_.ends.size();
     first_reduced_.resize(count);
     is_stale_.assign(count, 1);
+    is_touched_.resize(full_.points.size());
     part_of_.resize(full_.points.size());
     for (std::size_t part = 0; part < count; ++part) {
       for (const std::uint32_t triangle : first_parts_.of(part)) {
@@ -234,10 +250,11 @@ class Decimation {
     }
   }
 
-  /// The second pass, its cubes shifted by half their side.
+  /// The second pass, its cubes shifted by half their side, over the parts that are others than in
+  /// the round before.
   ReducedSurface reduce_second() {
     stop_if_cancelled();
-    const PartTriangles parts = cut(first_.mesh, 0.5);
+    PartTriangles parts = cut(first_.mesh, 0.5);
     const AttachedPoints attached = attached_points(first_);
     std::vector<ReducedPart> reduced(parts.ends.size());
     ReducedSurface surface;
@@ -245,21 +262,51 @@ class Decimation {
     surface.nearest.resize(first_.nearest.size());
     tbb::parallel_for(std::size_t{0}, parts.ends.size(), [&](std::size_t i) {
       if (progress_.is_cancelled()) return;
+      if (take_unchanged(parts, i, surface.mesh, reduced[i])) return;
       PartSpace& space = spaces_.local();
       load(first_, parts, i, attached, space);
       space.part.run(tolerance_);
       store(first_, parts, space, surface, reduced[i]);
+      reduced[i].full_count = parts.of(i).size();
     });
     stop_if_cancelled();
     join(reduced, surface);
+    second_reduced_ = std::move(reduced);
+    second_places_ = std::move(parts.places);
+    is_touched_.assign(is_touched_.size(), 0);
     progress_.advance(1);
     return surface;
   }
 
+  /// What became of a part of the second pass in the round before, where it has the triangles that
+  /// it had then, none of which has a point of a part that was reduced again. False for other parts.
+  bool take_unchanged(const PartTriangles& parts, std::size_t number, TriangleMesh& mesh,
+                      ReducedPart& reduced) {
+    const auto before =
+        std::lower_bound(second_places_.begin(), second_places_.end(), parts.places[number]);
+    if (before == second_places_.end() || *before != parts.places[number]) return false;
+    ReducedPart& earlier =
+        second_reduced_[static_cast<std::size_t>(before - second_places_.begin())];
+    const std::span<const std::uint32_t> triangles = parts.of(number);
+    if (earlier.full_count != triangles.size()) return false;
+    for (const std::uint32_t triangle : triangles) {
+      for (const std::uint32_t point : first_.mesh.triangles[triangle]) {
+        if (is_touched_[point] != 0) return false;
+      }
+    }
+    reduced = std::move(earlier);
+    for (const MeshTriangle& t : reduced.triangles) {
+      for (const std::uint32_t point : t) {
+        // Points on seams are where they were, and other parts may have them.
+        if (parts.is_seam[point] == 0) mesh.points[point] = proven_->surface.mesh.points[point];
+      }
+    }
+    return true;
+  }
+
   /// The triangles by the cubes that their middles lie in.
   PartTriangles cut(const TriangleMesh& mesh, double shift) const {
-    std::vector<std::pair<std::array<std::int32_t, 3>, std::uint32_t>> placed(
-        mesh.triangles.size());
+    std::vector<std::pair<PartPlace, std::uint32_t>> placed(mesh.triangles.size());
     tbb::parallel_for(std::size_t{0}, placed.size(), [&](std::size_t i) {
       const TrianglePlaces places = places_of(mesh, mesh.triangles[i]);
       const Point3 middle = geometry_.to_index(
@@ -277,6 +324,7 @@ class Decimation {
     std::vector<std::uint32_t> part_of(mesh.points.size(), kNone);
     for (std::size_t i = 0; i < placed.size(); ++i) {
       if (i > 0 && placed[i].first != placed[i - 1].first) parts.ends.push_back(i);
+      if (parts.places.size() == parts.ends.size()) parts.places.push_back(placed[i].first);
       parts.order[i] = placed[i].second;
       const auto part = static_cast<std::uint32_t>(parts.ends.size());
       for (const std::uint32_t point : mesh.triangles[placed[i].second]) {
@@ -512,6 +560,9 @@ class Decimation {
   std::vector<ReducedPart> first_reduced_;
   std::vector<std::uint8_t> is_stale_;    // first parts that are to be reduced again
   std::vector<std::uint32_t> part_of_;    // of points: the first part they are attached to
+  std::vector<std::uint8_t> is_touched_;  // points of parts that are reduced again in this round
+  std::vector<PartPlace> second_places_;     // of the round before
+  std::vector<ReducedPart> second_reduced_;  // of them
   ReducedSurface first_;                  // behind the first pass
   std::optional<ProvenRound> proven_;      // the last one
   std::vector<std::uint8_t> is_full_proven_;  // triangles of the full surface, by their hints alone
