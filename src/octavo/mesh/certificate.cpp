@@ -109,7 +109,8 @@ class Certificate {
 
 constexpr int kDepth = 14;
 
-/// Searches the tree, near the corners of small parts only where these do not do.
+/// Searches the tree, near the corners of small parts only where these do not do. Remembers what it
+/// found.
 class TreeFinder {
  public:
   TreeFinder(const TriangleTree& tree, double distance) : tree_(tree), distance_(distance) {}
@@ -124,18 +125,29 @@ class TreeFinder {
       if (is_found(found)) return true;
     }
     found.nearest = tree_.nearest(place, distance_);
+    used_.push_back(found.nearest.triangle);
     return is_found(found);
   }
 
   /// Whether the triangle with these corners is proven; those that have no triangle near enough
   /// are given one.
   bool proves(NearCorners corners) const {
+    used_.clear();
     for (NearCorner& corner : corners) {
-      if (is_found(corner) && corner.nearest.distance <= kNearEnough * distance_) continue;
-      corner.nearest = tree_.nearest(corner.place, distance_);
+      if (!is_found(corner) || corner.nearest.distance > kNearEnough * distance_) {
+        corner.nearest = tree_.nearest(corner.place, distance_);
+      }
       if (!is_found(corner)) return false;
+      used_.push_back(corner.nearest.triangle);
     }
     return Certificate(tree_.mesh(), distance_, *this).proves(corners, kDepth);
+  }
+
+  /// The triangles that the last one was proven by, ascending.
+  std::span<const std::uint32_t> used() const {
+    std::sort(used_.begin(), used_.end());
+    used_.erase(std::unique(used_.begin(), used_.end()), used_.end());
+    return used_;
   }
 
  private:
@@ -149,6 +161,7 @@ class TreeFinder {
 
   const TriangleTree& tree_;
   double distance_;
+  mutable std::vector<std::uint32_t> used_;
 };
 
 /// The nearest of the triangles of corners at less than `limit`, which is the distance where there
@@ -337,6 +350,12 @@ std::vector<std::uint32_t> joined(const FoundTriangles& found) {
   return all;
 }
 
+void add_proof(SearchedProofs& proofs, std::uint32_t triangle, std::span<const std::uint32_t> by) {
+  proofs.proven.push_back(triangle);
+  proofs.by.insert(proofs.by.end(), by.begin(), by.end());
+  proofs.ends.push_back(proofs.by.size());
+}
+
 /// Of points of some triangles of a mesh the triangle of the other surface that their hints name,
 /// where that is near enough.
 std::vector<TriangleTree::Nearest> hinted(const TriangleMesh& mesh,
@@ -363,33 +382,42 @@ std::vector<TriangleTree::Nearest> hinted(const TriangleMesh& mesh,
 std::vector<std::uint32_t> unproven_triangles(const TriangleMesh& mesh, const TriangleTree& tree,
                                               double distance, const Progress& progress,
                                               std::span<const std::uint32_t> hints,
-                                              std::span<std::uint8_t> is_by_hints) {
+                                              std::span<std::uint8_t> is_known,
+                                              SearchedProofs* searched) {
   std::vector<std::uint8_t> none;
-  if (is_by_hints.empty()) {
+  if (is_known.empty()) {
     none.resize(mesh.triangles.size());
-    is_by_hints = none;
+    is_known = none;
   }
   std::vector<TriangleTree::Nearest> near;
-  if (!hints.empty()) near = hinted(mesh, is_by_hints, tree.mesh(), hints, distance);
+  if (!hints.empty()) near = hinted(mesh, is_known, tree.mesh(), hints, distance);
   const CornerFinder known(tree.mesh(), distance);
   const Certificate by_hints(tree.mesh(), distance, known);
-  const TreeFinder searching(tree, distance);
+  tbb::enumerable_thread_specific<TreeFinder> finders(tree, distance);
+  tbb::enumerable_thread_specific<SearchedProofs> proofs;
   FoundTriangles found;
   tbb::parallel_for(std::uint32_t{0}, static_cast<std::uint32_t>(mesh.triangles.size()),
                     [&](std::uint32_t number) {
     stop_now_and_then(number, progress);
-    if (is_by_hints[number] != 0) return;
+    if (is_known[number] != 0) return;
     NearCorners corners = unknown(places_of(mesh, mesh.triangles[number]));
     if (!near.empty()) {
       for (std::size_t k = 0; k < 3; ++k) corners[k].nearest = near[mesh.triangles[number][k]];
       if (std::all_of(corners.begin(), corners.end(), is_found) &&
           by_hints.proves(corners, CornerFinder::kDepth)) {
-        is_by_hints[number] = 1;
+        is_known[number] = 1;
         return;
       }
     }
+    const TreeFinder& searching = finders.local();
     if (!searching.proves(corners)) found.local().push_back(number);
+    else if (searched != nullptr) add_proof(proofs.local(), number, searching.used());
   });
+  for (const SearchedProofs& some : proofs) {
+    for (std::size_t i = 0; i < some.proven.size(); ++i) {
+      add_proof(*searched, some.proven[i], some.of(i));
+    }
+  }
   return joined(found);
 }
 

@@ -21,18 +21,33 @@
 
 namespace octavo {
 
+/// Triangles that were proven by a search, each by triangles of the tree: as long as these are the
+/// same, they prove it.
+struct SearchedProofs {
+  std::vector<std::uint32_t> proven;
+  std::vector<std::size_t> ends;  ///< in `by`, behind those of each
+  std::vector<std::uint32_t> by;
+
+  std::span<const std::uint32_t> of(std::size_t number) const {
+    const std::size_t first = number == 0 ? 0 : ends[number - 1];
+    return {by.data() + first, ends[number] - first};
+  }
+};
+
 /// Triangles of `mesh` that are not proven to lie within `distance` of the surface of `tree`,
 /// ascending. Uses the threads of the calling task arena.
 /// hints     of each point of the mesh: a triangle of the tree that may be near, or
 ///           TriangleTree::kNone; empty: none
-/// is_by_hints  of each triangle, or empty: where not 0 it is known to be proven; set to 1 where
-///              nothing but the triangles that its hints name proved it
+/// is_known  of each triangle, or empty: where not 0 it is known to be proven; set to 1 where
+///           nothing but the triangles that its hints name proved it
+/// searched  takes the others that are proven; or nullptr
 /// progress  is asked whether to stop, and told nothing
 /// Throws  Error{cancelled}
 std::vector<std::uint32_t> unproven_triangles(const TriangleMesh& mesh, const TriangleTree& tree,
                                               double distance, const Progress& progress,
                                               std::span<const std::uint32_t> hints = {},
-                                              std::span<std::uint8_t> is_by_hints = {});
+                                              std::span<std::uint8_t> is_known = {},
+                                              SearchedProofs* searched = nullptr);
 
 /// Points of the other surface that lie near triangles of a mesh, as lists.
 struct AttachedPoints {

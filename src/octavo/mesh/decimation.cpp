@@ -434,8 +434,13 @@ class Decimation {
     // What of the full surface is near
     if (is_full_proven_.empty()) is_full_proven_.resize(full_.triangles.size());
     else forget_moved(reduced, earlier);
+    SearchedProofs searched = still_searched(earlier);
+    for (const std::uint32_t triangle : searched.proven) is_full_proven_[triangle] = 1;
+    const std::size_t known_count = searched.proven.size();
     failures.full = unproven_triangles(full_, tree, deviation_, progress_, reduced.nearest,
-                                       is_full_proven_);
+                                       is_full_proven_, &searched);
+    for (std::size_t i = 0; i < known_count; ++i) is_full_proven_[searched.proven[i]] = 0;
+    searched_ = std::move(searched);
     progress_.advance(1);
 
     // What of the reduced surface is near, and what crosses
@@ -469,6 +474,27 @@ class Decimation {
       numbers[i] = proven_->number_of(mesh, mesh.triangles[i]);
     });
     return numbers;
+  }
+
+  /// What was proven by a search in the round before and is by the same triangles now.
+  SearchedProofs still_searched(const std::vector<std::uint32_t>& earlier) const {
+    SearchedProofs still;
+    if (!proven_) return still;
+    std::vector<std::uint32_t> later(proven_->surface.mesh.triangles.size(), kNone);
+    for (std::uint32_t i = 0; i < earlier.size(); ++i) {
+      if (earlier[i] != kNone) later[earlier[i]] = i;
+    }
+    for (std::size_t i = 0; i < searched_.proven.size(); ++i) {
+      const std::span<const std::uint32_t> by = searched_.of(i);
+      const bool is_same = std::all_of(by.begin(), by.end(), [&](std::uint32_t triangle) {
+        return later[triangle] != kNone;
+      });
+      if (!is_same) continue;
+      still.proven.push_back(searched_.proven[i]);
+      for (const std::uint32_t triangle : by) still.by.push_back(later[triangle]);
+      still.ends.push_back(still.by.size());
+    }
+    return still;
   }
 
   /// A triangle of the full surface that its hints proved stays proven while these are the same.
@@ -566,6 +592,7 @@ class Decimation {
   ReducedSurface first_;                  // behind the first pass
   std::optional<ProvenRound> proven_;      // the last one
   std::vector<std::uint8_t> is_full_proven_;  // triangles of the full surface, by their hints alone
+  SearchedProofs searched_;                   // others of them that are proven
   tbb::enumerable_thread_specific<PartSpace> spaces_;
   std::vector<float> tolerances_;  // of points of the full surface, as shares
   std::vector<bool> is_frozen_;    // points that stay as they are
