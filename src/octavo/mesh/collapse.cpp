@@ -212,7 +212,7 @@ bool CollapsePart::keeps_shapes(int keep, int gone, const Point3& place) {
 /// Finds a new triangle for a point; false where none is near enough.
 /// own  the place in star_ of the triangle it is attached to now; -1: that one is lost
 bool CollapsePart::take_point(int point, int own) {
-  constexpr double kNearEnough = 0.16;  // of the squared tolerance: no nearer one is looked for
+  constexpr double kNearEnough = 0.64;  // of the squared tolerance: no nearer one is looked for
   const AttachedPoint& p = item(points, point);
   double best = std::numeric_limits<double>::infinity();
   int best_place = -1;

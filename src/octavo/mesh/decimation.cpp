@@ -2,7 +2,6 @@
 
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
-#include <tbb/parallel_sort.h>
 
 #include <algorithm>
 #include <bit>
@@ -17,6 +16,7 @@
 #include "octavo/core/error.h"
 #include "octavo/mesh/certificate.h"
 #include "octavo/mesh/collapse.h"
+#include "octavo/mesh/mesh_parts.h"
 #include "octavo/mesh/mesh_pieces.h"
 #include "octavo/mesh/point_distance.h"
 #include "octavo/mesh/point_triangles.h"
@@ -27,7 +27,6 @@ namespace octavo {
 namespace {
 
 constexpr std::uint32_t kNone = TriangleTree::kNone;
-constexpr double kPartSide = 32;             // voxels
 constexpr double kToleranceShare = 0.5;      // of the deviation, for attached points
 constexpr double kTightened = 0.4;           // of the tolerance where a proof failed
 constexpr int kLockingRound = 2;             // from which points are locked instead
@@ -38,22 +37,6 @@ struct ReducedSurface {
   TriangleMesh mesh;
   std::vector<Quadric> quadrics;       // of points, about the origin
   std::vector<std::uint32_t> nearest;  // of each point of the full surface: its triangle
-};
-
-/// Where the cube of a part lies: z, y, x.
-using PartPlace = std::array<std::int32_t, 3>;
-
-/// The triangles of all parts, one part after the other, ascending by their places.
-struct PartTriangles {
-  std::vector<std::uint32_t> order;
-  std::vector<PartPlace> places;
-  std::vector<std::size_t> ends;      // behind the triangles of each part
-  std::vector<std::uint8_t> is_seam;  // points that several parts have
-
-  std::span<const std::uint32_t> of(std::size_t part) const {
-    const std::size_t first = part == 0 ? 0 : ends[part - 1];
-    return {order.data() + first, ends[part] - first};
-  }
 };
 
 /// What becomes of a part.
@@ -233,7 +216,7 @@ class Decimation {
 
   void prepare_first() {
     first_ = start_;
-    first_parts_ = cut(start_.mesh, 0);
+    first_parts_ = cut_in_parts(start_.mesh, geometry_, 0);
     start_attached_ = attached_points(start_);
     const std::size_t count = first_parts_.ends.size();
     first_reduced_.resize(count);
@@ -254,7 +237,7 @@ class Decimation {
   /// the round before.
   ReducedSurface reduce_second() {
     stop_if_cancelled();
-    PartTriangles parts = cut(first_.mesh, 0.5);
+    PartTriangles parts = cut_in_parts(first_.mesh, geometry_, 0.5);
     const AttachedPoints attached = attached_points(first_);
     std::vector<ReducedPart> reduced(parts.ends.size());
     ReducedSurface surface;
@@ -278,8 +261,8 @@ class Decimation {
     return surface;
   }
 
-  /// What became of a part of the second pass in the round before, where it has the triangles that
-  /// it had then, none of which has a point of a part that was reduced again. False for other parts.
+  /// Takes what became of a part of the second pass in the round before, where it has the triangles
+  /// that it had then, none with a point of a part that was reduced again. False for other parts.
   bool take_unchanged(const PartTriangles& parts, std::size_t number, TriangleMesh& mesh,
                       ReducedPart& reduced) {
     const auto before =
@@ -302,38 +285,6 @@ class Decimation {
       }
     }
     return true;
-  }
-
-  /// The triangles by the cubes that their middles lie in.
-  PartTriangles cut(const TriangleMesh& mesh, double shift) const {
-    std::vector<std::pair<PartPlace, std::uint32_t>> placed(mesh.triangles.size());
-    tbb::parallel_for(std::size_t{0}, placed.size(), [&](std::size_t i) {
-      const TrianglePlaces places = places_of(mesh, mesh.triangles[i]);
-      const Point3 middle = geometry_.to_index(
-          scaled(sum(sum(places[0], places[1]), places[2]), 1.0 / 3));
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        placed[i].first[2 - axis] =
-            static_cast<std::int32_t>(std::floor((middle[axis] + 1) / kPartSide + shift));
-      }
-      placed[i].second = static_cast<std::uint32_t>(i);
-    });
-    tbb::parallel_sort(placed.begin(), placed.end());
-    PartTriangles parts;
-    parts.order.resize(placed.size());
-    parts.is_seam.resize(mesh.points.size());
-    std::vector<std::uint32_t> part_of(mesh.points.size(), kNone);
-    for (std::size_t i = 0; i < placed.size(); ++i) {
-      if (i > 0 && placed[i].first != placed[i - 1].first) parts.ends.push_back(i);
-      if (parts.places.size() == parts.ends.size()) parts.places.push_back(placed[i].first);
-      parts.order[i] = placed[i].second;
-      const auto part = static_cast<std::uint32_t>(parts.ends.size());
-      for (const std::uint32_t point : mesh.triangles[placed[i].second]) {
-        if (part_of[point] == kNone) part_of[point] = part;
-        else if (part_of[point] != part) parts.is_seam[point] = 1;
-      }
-    }
-    parts.ends.push_back(placed.size());
-    return parts;
   }
 
   static AttachedPoints attached_points(const ReducedSurface& surface) {

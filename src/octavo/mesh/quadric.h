@@ -50,13 +50,13 @@ class Quadric {
     const double aa = b * c - yz * yz;
     const double ab = xz * yz - xy * c;
     const double ac = xy * yz - xz * b;
-    const double determinant = a * aa + xy * ab + xz * ac;
+    const double share = 1 / (a * aa + xy * ab + xz * ac);
     const double bb = a * c - xz * xz;
     const double bc = xy * xz - a * yz;
     const double cc = a * b - xy * xy;
-    return {(aa * target[0] + ab * target[1] + ac * target[2]) / determinant,
-            (ab * target[0] + bb * target[1] + bc * target[2]) / determinant,
-            (ac * target[0] + bc * target[1] + cc * target[2]) / determinant};
+    return {(aa * target[0] + ab * target[1] + ac * target[2]) * share,
+            (ab * target[0] + bb * target[1] + bc * target[2]) * share,
+            (ac * target[0] + bc * target[1] + cc * target[2]) * share};
   }
 
  private:

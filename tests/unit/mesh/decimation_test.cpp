@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "octavo/core/error.h"
+#include "octavo/mesh/certificate.h"
 #include "octavo/mesh/extraction.h"
 #include "octavo/mesh/mesh_check.h"
 #include "octavo/mesh/point_distance.h"
@@ -116,6 +117,45 @@ TEST_F(Bodies, DoNotDependOnThreads) {
   const TriangleMesh one = with(1);
   EXPECT_EQ(with(2), one);
   EXPECT_EQ(with(7), one);
+}
+
+// Thin sheets with holes, close to each other: proofs fail at first, and later rounds keep what
+// they can of earlier ones.
+TEST_F(Bodies, AreProvenAfterSeveralRounds) {
+  testing::Volume volume;
+  const Size3 size = {48, 40, 16};
+  volume.description.size = size;
+  volume.description.type = VoxelType::uint8;
+  volume.description.kind = VolumeKind::labels;
+  std::uint32_t state = 1;
+  for (std::int64_t z = 0; z < size.z; ++z) {
+    for (std::int64_t y = 0; y < size.y; ++y) {
+      for (std::int64_t x = 0; x < size.x; ++x) {
+        state = state * 1664525 + 1013904223;
+        const bool is_sheet = (z + x / 5 + y / 7) % 4 == 0;
+        volume.voxels.push_back(std::byte{is_sheet && (state >> 28) != 0});
+      }
+    }
+  }
+  testing::build_volume(volume, folder_.file("sheets.8vo"), 1);
+  const auto reader = testing::open_file(folder_.file("sheets.8vo"));
+  MeshCollector collector;
+  extract_surface(*reader, 0, SurfaceField::of_labels({}), collector, progress_);
+  const TriangleMesh full = collector.take();
+  const Decimated reduced = decimate(full, {0.6, volume.description.geometry}, progress_);
+  EXPECT_GE(reduced.rounds, 3);
+  EXPECT_LT(reduced.mesh.triangles.size(), full.triangles.size() / 2);
+  EXPECT_EQ(reduced.crossing_triangles, 0u);
+  const TriangleTree full_tree(full);
+  const TriangleTree reduced_tree(reduced.mesh);
+  EXPECT_TRUE(crossing_triangles(reduced_tree, progress_).empty());
+  EXPECT_TRUE(unproven_triangles(full, reduced_tree, 0.6, progress_).empty());
+  EXPECT_TRUE(unproven_triangles(reduced.mesh, full_tree, 0.6, progress_).empty());
+  const MeshCheck before = check_mesh(full);
+  const MeshCheck after = check_mesh(reduced.mesh);
+  EXPECT_EQ(after.is_closed(), before.is_closed());
+  EXPECT_EQ(after.components, before.components);
+  EXPECT_EQ(after.euler_number, before.euler_number);
 }
 
 TEST_F(Bodies, AreNotTurnedInsideOut) {
