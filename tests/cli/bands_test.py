@@ -63,7 +63,7 @@ class SharedGroups(parts_test.InParts):
     def test_a_part_made_twice_or_in_less_memory_has_the_same_bytes(self):
         first = self.bytes_of(self.name(3))
         self.assertIn("is there already", self.part(0, "--part", "3", "-o", "parts").stdout)
-        self.part(0, "--part", "3", "-o", "parts", "--force", "--max-memory", "250M", "-j", "1")
+        self.part(0, "--part", "3", "-o", "parts", "--force", "--max-memory", "256M", "-j", "1")
         self.assertEqual(self.bytes_of(self.name(3)), first)
         self.assertIn("needs about",
                       self.part(6, "--part", "3", "-o", "parts", "--force", "--max-memory",
