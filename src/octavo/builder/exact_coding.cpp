@@ -317,4 +317,11 @@ void count_clipped(const SampleCoding& coding, std::span<const float> voxels,
   }
 }
 
+void add_clipped(const ClippedVoxels& more, ClippedVoxels& clipped) {
+  if (more.count == 0) return;
+  clipped.count += more.count;
+  clipped.limit = more.limit;
+  if (std::abs(more.farthest) > std::abs(clipped.farthest)) clipped.farthest = more.farthest;
+}
+
 }  // namespace octavo

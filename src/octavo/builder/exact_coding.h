@@ -57,4 +57,7 @@ using ClippedListener = std::function<void(const ClippedVoxels&)>;
 void count_clipped(const SampleCoding& coding, std::span<const float> voxels,
                    ClippedVoxels& clipped);
 
+/// Adds those of later planes of the same volume.
+void add_clipped(const ClippedVoxels& more, ClippedVoxels& clipped);
+
 }  // namespace octavo

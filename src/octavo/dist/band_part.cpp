@@ -133,7 +133,7 @@ void build_band(const BuildPlan& plan, PlaneSource& source, const PartPlace& pla
   BandEncoder encoder(outline, workers, sink, storage, folder_of(path), progress);
   encoder.encode(bands, model);
   writer.end_band(block.crc, bands->share_digests());
-  clipped_of(outline, work.on_clipped);
+  writer.set_clipped(clipped_of(outline, work.on_clipped));
   // What was changed while it was read is in no part.
   require_unchanged(files);
   writer.finish();

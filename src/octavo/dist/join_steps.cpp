@@ -11,6 +11,7 @@
 #include "octavo/core/json_members.h"
 #include "octavo/core/json_reader.h"
 #include "octavo/core/text.h"
+#include "octavo/dist/clipped_bytes.h"
 #include "octavo/file/storage/temporary.h"
 
 namespace octavo {
@@ -19,6 +20,7 @@ namespace {
 
 constexpr int kLayoutVersion = 2;
 constexpr std::uint64_t kMostLayoutBytes = std::uint64_t{1} << 30;
+constexpr std::uint64_t kMostMarkBytes = 256;
 constexpr std::uint64_t kMostLineBytes = 160;  // of a run, or of what stands before the runs
 constexpr const char* kLayoutEnding = "-layout";
 constexpr const char* kCopiedEnding = "-copied-";
@@ -153,7 +155,21 @@ std::string end_of(Storage& storage, const std::string& path) {
 bool is_marked(Storage& storage, const std::string& mark, const std::string& path) {
   if (!storage.exists(mark) || !storage.exists(path)) return false;
   const std::string end = end_of(storage, path);
-  return !end.empty() && file_text(storage, mark, kTrailerBytes) == end;
+  return !end.empty() && file_text(storage, mark, kMostMarkBytes).starts_with(end);
+}
+
+/// What a mark is to hold of the file at `path`.
+std::string mark_of(Storage& storage, const std::string& path, const ClippedVoxels& clipped) {
+  const Bytes counts = clipped_bytes(clipped);
+  return end_of(storage, path) + std::string(counts.begin(), counts.end());
+}
+
+/// Requires a mark that is_marked.
+ClippedVoxels clipped_of_mark(Storage& storage, const std::string& mark) {
+  const std::string text = file_text(storage, mark, kMostMarkBytes);
+  ByteSpan bytes(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
+  bytes = bytes.subspan(kTrailerBytes);
+  return take_clipped(bytes, "the mark of a join");
 }
 
 void prove_all(const std::vector<std::shared_ptr<PartFile>>& parts, Progress& progress) {
@@ -217,7 +233,7 @@ std::uint64_t name_joined(const BuildPlan& plan, Storage& storage, const std::st
   }
   check_target(storage, path, overwrite);
   const std::string growing = joined_name(path);
-  put_file(storage, sealed_name(path, plan), end_of(storage, growing));
+  put_file(storage, sealed_name(path, plan), mark_of(storage, growing, layout->clipped));
   if (overwrite) storage.rename(growing, path);
   else storage.rename_new(growing, path);
   storage.sync_folder(folder_of(path));
@@ -233,6 +249,18 @@ std::uint64_t number_of(JsonReader& in) {
     fail_layout("has a number that is none");
   }
   return static_cast<std::uint64_t>(*in.integer());
+}
+
+/// Of a list of bytes.
+ClippedVoxels clipped_of_list(std::string_view json) {
+  JsonReader in(json);
+  if (in.next() != JsonToken::begin_list) fail_layout("has no clipped voxels");
+  Bytes list;
+  while (in.next() == JsonToken::integer && in.integer()) {
+    list.push_back(static_cast<std::uint8_t>(*in.integer()));
+  }
+  ByteSpan bytes = list;
+  return take_clipped(bytes, "the layout of the join");
 }
 
 CopiedRun run_of(std::string_view line, std::uint64_t plan) {
@@ -310,6 +338,8 @@ std::string layout_text(const JoinLayout& layout) {
   object.set("octavo_join", kLayoutVersion);
   object.set("plan", std::to_string(layout.plan));
   object.set("bytes", static_cast<std::int64_t>(layout.file_bytes));
+  const Bytes clipped = clipped_bytes(layout.clipped);
+  object.set("clipped", std::vector<int>(clipped.begin(), clipped.end()));
   object.sort_by_name();
   const std::uint32_t check = text_crc(object.text() + runs);
   object.set("check", static_cast<std::int64_t>(check));
@@ -340,6 +370,7 @@ JoinLayout parse_layout(std::string_view text) {
   }
   JsonReader bytes(object.json_of("bytes"));
   layout.file_bytes = number_of(bytes);
+  layout.clipped = clipped_of_list(object.json_of("clipped"));
   while (!rest.empty()) layout.runs.push_back(run_of(take(), layout.plan));
 
   // Runs follow each other within the file; what was changed gives another text.
@@ -383,7 +414,7 @@ JoinLayout lay_out_join(const BuildPlan& plan, const std::vector<std::shared_ptr
     require_none_of_others(plan, storage, path);
     discard_join(storage, path);
   }
-  JoinLayout layout{plan.id, 0, {}};
+  JoinLayout layout{plan.id, 0, {}, {}};
   const BuildResult result = about(path, [&] {
     // What somebody else has laid out meanwhile may hold parts already: it stays.
     return lay_out_parts(plan, parts, storage, joined_name(path), false, work, progress,
@@ -394,6 +425,7 @@ JoinLayout lay_out_join(const BuildPlan& plan, const std::vector<std::shared_ptr
                          });
   });
   layout.file_bytes = result.file_bytes;
+  layout.clipped = result.clipped;
   put_file(storage, layout_name(path), layout_text(layout));
   return layout;
 }
@@ -458,7 +490,9 @@ std::uint64_t seal_join(const BuildPlan& plan, Storage& storage, const std::stri
   }
   const std::uint64_t bytes = name_joined(plan, storage, path, overwrite);
   const std::string done = done_name(path, plan);
-  if (!is_marked(storage, done, path)) put_file(storage, done, end_of(storage, path));
+  if (!is_marked(storage, done, path)) {
+    put_file(storage, done, file_text(storage, sealed_name(path, plan), kMostMarkBytes));
+  }
   std::vector<std::string> older = storage.list(join_prefix(path) + kDoneEnding);
   std::erase(older, done);
   remove_all(storage, older);
@@ -468,8 +502,10 @@ std::uint64_t seal_join(const BuildPlan& plan, Storage& storage, const std::stri
 
 std::uint64_t consume_parts(const BuildPlan& plan, const std::vector<std::string>& paths,
                             Storage& storage, const std::string& path, bool overwrite,
-                            const PartWork& work, Progress& progress) {
+                            const PartWork& work, Progress& progress,
+                            ClippedVoxels* clipped) {
   if (is_sealed(plan, storage, path)) {
+    if (clipped != nullptr) *clipped = clipped_of_mark(storage, sealed_name(path, plan));
     discard_steps(plan, storage, path);
     return storage.open_read(path)->size();
   }
@@ -481,6 +517,7 @@ std::uint64_t consume_parts(const BuildPlan& plan, const std::vector<std::string
   const bool goes_on = find_layout(plan, storage, path).has_value();
   prove_all(parts, progress);
   const JoinLayout layout = lay_out_join(plan, parts, storage, path, overwrite, work, progress);
+  if (clipped != nullptr) *clipped = layout.clipped;
   auto left = parts;
   std::erase_if(left, [&](const auto& part) {
     return storage.exists(copied_name(path, part->place()));

@@ -11,7 +11,8 @@
 //   .NAME.join-copied-A-B      for each part, groups A .. B, whose bytes are on disk; of a band
 //                              A-B-C-D, bricks C .. D
 //   .NAME.join-sealed-PLAN     once the file is whole, until nothing else of this is left: the
-//                              trailer of the file, which holds a checksum of all its bytes
+//                              trailer of the file, which holds a checksum of all its bytes, and
+//                              how many floats only its level 0 holds
 //   .NAME.join-done-PLAN       the same, from then on: so that a step that is done again knows
 //                              the file of its plan; not of a join that consumes its parts
 //
@@ -46,6 +47,7 @@ struct JoinLayout {
   std::uint64_t plan = 0;        ///< BuildPlan::id
   std::uint64_t file_bytes = 0;
   std::vector<CopiedRun> runs;   ///< in the order of the file
+  ClippedVoxels clipped;         ///< of all parts
 };
 
 /// The parts of a layout in their order.
@@ -54,8 +56,9 @@ std::vector<PartPlace> parts_of(const JoinLayout& layout);
 /// The bytes of the file that are no part's.
 std::vector<Section> own_bytes_of(const JoinLayout& layout);
 
-/// Lines of JSON: an object of the plan, the length and a checksum of all, then for each run
-/// [A,B,C,D,PART OFFSET,FILE OFFSET,LENGTH,CRC] of groups A .. B, of a band bricks C .. D.
+/// Lines of JSON: an object of the plan, the length, the clipped voxels and a checksum of all, then
+/// for each run [A,B,C,D,PART OFFSET,FILE OFFSET,LENGTH,CRC] of groups A .. B, of a band bricks
+/// C .. D.
 std::string layout_text(const JoinLayout& layout);
 
 /// Throws Error{corrupt} for what is no layout, Error{unsupported_version}
@@ -112,9 +115,11 @@ std::uint64_t seal_join(const BuildPlan& plan, Storage& storage, const std::stri
 /// that are left.
 /// paths  of the parts, of which some may be gone after an earlier join
 /// Throws as the steps; Error{io} before anything is removed where the disk is too small
+/// clipped  gets the clipped voxels of all parts, those that are gone among them
 /// Returns the length of the file
 std::uint64_t consume_parts(const BuildPlan& plan, const std::vector<std::string>& paths,
                             Storage& storage, const std::string& path, bool overwrite,
-                            const PartWork& work, Progress& progress);
+                            const PartWork& work, Progress& progress,
+                            ClippedVoxels* clipped = nullptr);
 
 }  // namespace octavo

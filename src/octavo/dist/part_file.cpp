@@ -8,6 +8,7 @@
 #include "octavo/core/crc32c.h"
 #include "octavo/core/error.h"
 #include "octavo/core/unset_bytes.h"
+#include "octavo/dist/clipped_bytes.h"
 #include "octavo/file/byte_codec.h"
 #include "octavo/file/storage/temporary.h"
 #include "octavo/file/write/interrupted.h"
@@ -107,6 +108,8 @@ Bytes PartWriter::tail() const {
     out.put_varint(errors_[i].size());
     for (const double squared : errors_[i]) out.put_u64(std::bit_cast<std::uint64_t>(squared));
   }
+  const Bytes clipped = clipped_bytes(clipped_);
+  bytes.insert(bytes.end(), clipped.begin(), clipped.end());
   return bytes;
 }
 
@@ -209,7 +212,9 @@ void PartFile::read_tail(ByteSpan bytes, std::uint64_t tail_offset) {
       squares.push_back(std::bit_cast<double>(in.u64()));
     }
   }
-  in.expect_end();
+  ByteSpan rest = in.take(in.left());
+  clipped_ = take_clipped(rest, kTail);
+  if (!rest.empty()) in.fail("bytes behind its end");
   if (place_.first_brick < 0 || place_.end_brick < 0 ||
       place_.first_brick > place_.end_brick ||
       (place_.is_band() && place_.first_brick == place_.end_brick)) {

@@ -5,7 +5,7 @@
 //            first brick, u64 end brick; at byte 508 the CRC of the bytes before
 //   streams  those of a run or a band (run_writer.h), one behind the other, level 0 first
 //   tail     length and CRC of each stream; the groups as in a journal, and the squared errors of
-//            their bricks where details are left out
+//            their bricks where details are left out; floats that only level 0 holds
 //
 // Invariants
 //   A part depends on the plan and on the planes of its groups; made twice it has the same bytes.
@@ -21,6 +21,7 @@
 #include <utility>
 #include <vector>
 
+#include "octavo/builder/exact_coding.h"
 #include "octavo/core/levels.h"
 #include "octavo/core/progress.h"
 #include "octavo/dist/part_place.h"
@@ -34,7 +35,7 @@
 
 namespace octavo {
 
-inline constexpr std::uint32_t kPartVersion = 1;
+inline constexpr std::uint32_t kPartVersion = 2;
 inline constexpr std::uint32_t kBandVersion = 2;  ///< of parts that hold a band
 
 /// Writes the bricks of a part. Destroyed before finish() it leaves nothing.
@@ -57,6 +58,8 @@ class PartWriter final : public BrickSink {
   /// digests  of its hashed_planes
   void end_band(std::uint32_t voxels_crc, std::vector<Sha256Digest> digests);
 
+  void set_clipped(const ClippedVoxels& clipped) { clipped_ = clipped; }
+
   /// Writes the rest, syncs, and gives the file its name in place of whatever has it.
   void finish();
 
@@ -75,6 +78,7 @@ class PartWriter final : public BrickSink {
   std::vector<JournalGroup> groups_;
   std::vector<std::vector<double>> errors_;  ///< of the bricks of each group, and of the next one
   std::vector<Section> streams_;
+  ClippedVoxels clipped_;
 };
 
 /// A part that is read. Its streams are proven as they are copied. Between two calls the file is
@@ -87,6 +91,7 @@ class PartFile final : public EncodedRun {
 
   const std::string& path() const { return path_; }
   const PartPlace& place() const { return place_; }
+  const ClippedVoxels& clipped() const { return clipped_; }
 
   /// Proves that its groups, or the bricks of its band, are those of a volume of these levels, from
   /// `first_layer` on.
@@ -134,6 +139,7 @@ class PartFile final : public EncodedRun {
   std::vector<Section> streams_;
   std::vector<JournalGroup> groups_;
   std::vector<std::vector<double>> errors_;
+  ClippedVoxels clipped_;
 };
 
 /// Has parts watched while it lives.

@@ -219,7 +219,7 @@ void build_part(const BuildPlan& plan, PlaneSource& source, std::int64_t first_g
                          storage, folder_of(path), progress};
   if (band_bytes > 0) encode_groups_in_bands(groups, first_group, end_group, band_bytes);
   else encode_groups(groups, first_group, end_group);
-  clipped_of(outline, work.on_clipped);
+  writer.set_clipped(clipped_of(outline, work.on_clipped));
   // What was changed while it was read is in no part.
   require_unchanged(files);
   writer.finish();
@@ -269,6 +269,8 @@ BuildResult lay_out_parts(const BuildPlan& plan, std::vector<std::shared_ptr<Par
   for (const auto& part : parts) {
     part->require_groups(levels, first_layer_of(plan, levels, part->place().first_group));
     squared_error = part->add_errors(squared_error);
+    // Each band of a group counts those of the whole group.
+    if (part->place().first_brick == 0) add_clipped(part->clipped(), result.clipped);
   }
   const FileHeader header = header_of(plan, outline);
   writing.runs = runs_of(parts, header, levels);

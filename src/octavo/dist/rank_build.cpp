@@ -15,6 +15,7 @@
 #include "octavo/builder/group_trainer.h"
 #include "octavo/core/checked.h"
 #include "octavo/core/error.h"
+#include "octavo/dist/clipped_bytes.h"
 #include "octavo/dist/proven_source.h"
 #include "octavo/dist/rank_seal.h"
 #include "octavo/file/write/writer.h"
@@ -183,7 +184,7 @@ BuildResult build(const BuildPlan& plan, PlaneSource& source, Communicator& rank
     groups = rounds.run();
     result.read_seconds = rounds.read_seconds();
   }
-  clipped_of(outline, options.work.on_clipped);
+  const ClippedVoxels clipped = clipped_of(outline, options.work.on_clipped);
   // What was changed while it was read is in no file.
   require_unchanged(files_read);
   groups.merge(files.groups);
@@ -194,6 +195,10 @@ BuildResult build(const BuildPlan& plan, PlaneSource& source, Communicator& rank
   // The file has its name once rank 0 says so
   share.processor_seconds = processor_seconds();
   const std::vector<RankShare> shares = collect_shares(ranks, share);
+  for (const Bytes& of_rank : ranks.collect(clipped_bytes(clipped))) {
+    ByteSpan bytes = of_rank;
+    add_clipped(take_clipped(bytes, "the clipped voxels of a rank"), result.clipped);
+  }
   if (report != nullptr) *report = report_of(outline.levels, options.gather, shares);
   ranks.barrier();
   result.raw_bytes = checked_mul(static_cast<std::uint64_t>(plan.source.size.z),

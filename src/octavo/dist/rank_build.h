@@ -40,7 +40,8 @@ struct RankBuildOptions {
 /// source   of this rank; read at its groups alone
 /// storage  in which all ranks see the same files
 /// report   when given, gets at rank 0 what the ranks sent, held and did
-/// Returns  at rank 0 as build_file; at the others without what they do not know
+/// Returns  at rank 0 as build_file, with the clipped voxels of the planes that this job read; at
+///          the others without what they do not know
 /// Throws   as build_part and FileWriter, and Error{io} where ranks do not share the folder of the
 ///          file or another job works on it; nothing stands under `path` then, and what is whole is
 ///          kept for the next job

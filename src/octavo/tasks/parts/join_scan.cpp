@@ -39,7 +39,8 @@ BuiltVolume consume_planned(const BuildPlan& plan, const std::vector<std::string
   BuildResult& build = joined.build;
   build.file_bytes =
       consume_parts(plan, paths, local_storage(), output.path, output.overwrite,
-                    {context.threads, context.max_memory_bytes}, context.watcher());
+                    {context.threads, context.max_memory_bytes}, context.watcher(),
+                    &build.clipped);
   const auto file = open_volume(output.path, context);
   const std::optional<CodingNote>& coding = file->description().metadata.facts().coding;
   build.raw_bytes = plane_bytes(plan.source) * static_cast<std::uint64_t>(plan.source.size.z);
