@@ -4,6 +4,7 @@
 
 #include "octavo/file/pieces.h"
 #include "octavo/file/verify.h"
+#include "support/goal_cases.h"
 #include "support/sample_file.h"
 
 namespace octavo {
@@ -54,11 +55,14 @@ std::vector<Damaged> small_files() {
           {"two tiers", make_sample({66, 2, 3}, VoxelType::uint8, Pattern::gradient)}};
 }
 
+// In the everyday run every bit of the smallest files, one of each byte of the others.
 TEST(Damage, EveryFlippedBitIsFoundByVerifyAndGivesNoWrongVoxel) {
   for (Damaged& file : small_files()) {
     std::vector<std::uint8_t> bytes = sample_file_bytes(file.volume);
     ASSERT_FALSE(is_noticed_by_verify(bytes)) << file.name;
-    for (std::size_t bit = 0; bit < 8 * bytes.size(); ++bit) {
+    // A step of 9 takes a bit of every byte but few, each time another one.
+    const std::size_t step = is_full_form() || bytes.size() < 1000 ? 1 : 9;
+    for (std::size_t bit = 0; bit < 8 * bytes.size(); bit += step) {
       const auto mask = static_cast<std::uint8_t>(1 << bit % 8);
       bytes[bit / 8] ^= mask;
       ASSERT_TRUE(is_noticed_by_verify(bytes)) << file.name << " bit " << bit;

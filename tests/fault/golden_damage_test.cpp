@@ -119,7 +119,7 @@ TEST(GoldenDamage, EveryFlippedBitOfTheSmallFilesIsFound) {
 }
 
 TEST(GoldenDamage, FlippedBitsOfTheOtherFilesAreFound) {
-  const std::uint64_t most = case_count(120, 300'000);
+  const std::uint64_t most = case_count(30, 300'000);
   std::uint64_t all = 0;
   for (const Golden& golden : goldens()) all += std::min(most, 8 * golden.bytes.size());
   GoalCases goal("B1", "flipped bits found", all);
@@ -140,7 +140,7 @@ TEST(GoldenDamage, FlippedBitsOfTheOtherFilesAreFound) {
 }
 
 TEST(GoldenDamage, EveryLengthButTheWholeIsRejected) {
-  const std::uint64_t cases = case_count(2000, 30'000);
+  const std::uint64_t cases = case_count(400, 30'000);
   const auto step_of = [&](const Golden& golden) {
     return std::max<std::size_t>(1, golden.bytes.size() / cases);
   };
@@ -271,7 +271,7 @@ constexpr Sort kSorts[] = {{"bytes set", set_run},
                            {"stretch copied", double_stretch}};
 
 TEST(GoldenDamage, DamageOfEverySortIsFound) {
-  const std::uint64_t cases = case_count(12, 600);
+  const std::uint64_t cases = case_count(4, 600);
   GoalCases goal("B3", "damages of nine sorts found",
                  std::size(kSorts) * goldens().size() * cases);
   std::uint64_t changed_nothing = 0;
@@ -328,7 +328,7 @@ void expect_equal_outside(const Golden& golden, const BrickPiece& place, int lev
 }
 
 TEST(GoldenDamage, VerifyNamesTheBrickAndTheOthersAreSalvaged) {
-  const std::uint64_t cases = case_count(12, 600);
+  const std::uint64_t cases = case_count(4, 600);
   std::uint64_t count = 0;
   for (const Golden& golden : goldens()) {
     count += std::min(cases, pieces_of(*golden.reader).size());
@@ -394,12 +394,12 @@ bool is_guesswork(const Golden& golden, std::uint64_t at) {
 }
 
 TEST(GoldenDamage, ANamedFlippedBitIsTurnedBackOrRejected) {
-  const int cases = 30;
+  const std::uint64_t cases = case_count(8, 30);
   Random random(29);
   NoProgress progress;
-  int rejected = 0;
+  std::uint64_t rejected = 0;
   for (const Golden& golden : goldens()) {
-    for (int i = 0; i < cases; ++i) {
+    for (std::uint64_t i = 0; i < cases; ++i) {
       const std::size_t at = random() % golden.bytes.size();
       MemoryStorage storage;
       storage.files["bad.8vo"] = std::make_shared<FileContent>(golden.bytes);

@@ -82,7 +82,7 @@ class ScanDamage : public ::testing::Test {
 };
 
 TEST_F(ScanDamage, EveryFlippedBitIsFound) {
-  GoalCases goal("B1", "flipped bits of the CT head found", case_count(500, 1'000'000));
+  GoalCases goal("B1", "flipped bits of the CT head found", case_count(150, 1'000'000));
   while (goal.next()) {
     const std::uint64_t bit = random_() % (8 * bytes_.size());
     flip(bit);
@@ -98,7 +98,7 @@ TEST_F(ScanDamage, ABrickWithAFlippedBitIsRejectedAndAllOthersAreRead) {
   const auto box_of_brick = [&](const BrickPiece& stored) {
     return brick_box_at(whole->levels(), stored.level, stored.entry.brick);
   };
-  GoalCases goal("B1", "partial reads of a flipped bit rejected", case_count(50, 100'000));
+  GoalCases goal("B1", "partial reads of a flipped bit rejected", case_count(20, 100'000));
   while (goal.next()) {
     const BrickPiece& hit = pieces[random_() % pieces.size()];
     const BrickPiece& other = pieces[random_() % pieces.size()];

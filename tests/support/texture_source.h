@@ -12,8 +12,8 @@
 
 namespace octavo::testing {
 
-/// Planes of zeros, of which a corner holds a texture that is another in every group of 64 planes;
-/// or eight bricks of each hold one that is alike in all.
+/// Planes of zeros, of which a corner, or what there is of it, holds a texture that is another in
+/// every group of 64 planes; or eight bricks of each hold one that is alike in all.
 /// Throws Error{source_rejected} at `failing_plane`.
 class TextureSource final : public PlaneSource {
  public:
@@ -24,12 +24,14 @@ class TextureSource final : public PlaneSource {
   explicit TextureSource(VolumeDescription description, std::int64_t failing_plane = -1)
       : description_(std::move(description)), failing_plane_(failing_plane) {}
 
+  /// size  of planes smaller than kThreeGroups: three groups under SmallGroups(1)
   static VolumeDescription three_groups(VoxelType type = VoxelType::int16,
-                                        VolumeKind kind = VolumeKind::grey) {
+                                        VolumeKind kind = VolumeKind::grey,
+                                        Size3 size = kThreeGroups) {
     VolumeDescription description;
     description.type = type;
     description.kind = kind;
-    description.size = kThreeGroups;
+    description.size = size;
     return description;
   }
 
@@ -40,8 +42,9 @@ class TextureSource final : public PlaneSource {
     std::fill(plane.begin(), plane.end(), std::byte{0});
     with_voxel_type(description_.type, [&](auto tag) {
       using T = typename decltype(tag)::type;
-      for (std::int64_t y = 0; y < (is_alike ? 128 : 50); ++y) {
-        for (std::int64_t x = 0; x < (is_alike ? 256 : 60); ++x) {
+      const Size3& size = description_.size;
+      for (std::int64_t y = 0; y < std::min<std::int64_t>(size.y, is_alike ? 128 : 50); ++y) {
+        for (std::int64_t x = 0; x < std::min<std::int64_t>(size.x, is_alike ? 256 : 60); ++x) {
           state_ = state_ * 1664525u + 1013904223u;
           const bool is_quiet = z_ < kGroupPlanes || is_alike;
           const std::uint32_t noise = state_ >> (is_quiet ? 29 : 27);

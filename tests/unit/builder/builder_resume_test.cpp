@@ -5,6 +5,7 @@
 #include <map>
 
 #include "octavo/builder/builder.h"
+#include "octavo/builder/group_reader.h"
 #include "octavo/core/error.h"
 #include "support/built_file.h"
 #include "support/hints.h"
@@ -29,7 +30,9 @@ struct Kind {
 };
 
 TextureSource source_of(const Kind& kind, std::int64_t failing_plane = -1) {
-  TextureSource source(TextureSource::three_groups(kind.type, kind.kind), failing_plane);
+  // Alike groups have six bricks each, others one.
+  const Size3 size = kind.is_alike ? Size3{136, 72, 150} : Size3{40, 30, 150};
+  TextureSource source(TextureSource::three_groups(kind.type, kind.kind, size), failing_plane);
   source.is_alike = kind.is_alike;
   return source;
 }
@@ -95,7 +98,11 @@ const std::map<std::string, octavo::testing::FileBytes>& interrupted_grey() {
   return files;
 }
 
-TEST(ResumedBuild, IsNotOfferedWhereNoJournalIsWanted) {
+class ResumedBuild : public ::testing::Test {
+  SmallGroups groups_{1};
+};
+
+TEST_F(ResumedBuild, IsNotOfferedWhereNoJournalIsWanted) {
   BuildOptions options = options_of(kGrey, Interrupted::reject);
   options.is_resumable = false;
   MemoryStorage whole;
@@ -119,7 +126,9 @@ TEST(ResumedBuild, IsNotOfferedWhereNoJournalIsWanted) {
   EXPECT_EQ(storage.files.size(), 1u);
 }
 
-class ResumedBuildOf : public ::testing::TestWithParam<Kind> {};
+class ResumedBuildOf : public ::testing::TestWithParam<Kind> {
+  SmallGroups groups_{1};
+};
 
 TEST_P(ResumedBuildOf, HasTheBytesOfABuildWithoutABreak) {
   const Kind& kind = GetParam();
@@ -156,7 +165,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Kind{"lossy_float", VoxelType::float32, VolumeKind::grey, 0.25}),
     [](const auto& of) { return std::string(of.param.name); });
 
-TEST(ResumedBuild, HasTheThumbnailOfABuildWithoutABreak) {
+TEST_F(ResumedBuild, HasTheThumbnailOfABuildWithoutABreak) {
   BuildOptions options = options_of(kGrey, Interrupted::resume);
   options.has_thumbnail = true;
   TextureSource whole = source_of(kGrey);
@@ -170,7 +179,7 @@ TEST(ResumedBuild, HasTheThumbnailOfABuildWithoutABreak) {
   EXPECT_TRUE(*storage.files.at("a.8vo") == *unbroken.files.at("a.8vo"));
 }
 
-TEST(ResumedBuild, NamesThePlanesThatChanged) {
+TEST_F(ResumedBuild, NamesThePlanesThatChanged) {
   const auto files = interrupted_grey();
   const struct {
     std::int64_t plane;
@@ -193,7 +202,7 @@ TEST(ResumedBuild, NamesThePlanesThatChanged) {
   EXPECT_EQ(build(source, storage, options_of(kGrey, Interrupted::resume)).resumed_planes, 128);
 }
 
-TEST(ResumedBuild, NamesTheSettingThatChanged) {
+TEST_F(ResumedBuild, NamesTheSettingThatChanged) {
   const auto files = interrupted_grey();
   const auto reject = [&](PlaneSource& source, const BuildOptions& options,
                           const std::string& words) {
@@ -230,7 +239,7 @@ TEST(ResumedBuild, NamesTheSettingThatChanged) {
   reject(moved, options_of(kGrey, Interrupted::resume), "another origin: 0 0 0 there, 5 0 0 now");
 }
 
-TEST(ResumedBuild, NamesAnotherReplacementOfNaN) {
+TEST_F(ResumedBuild, NamesAnotherReplacementOfNaN) {
   const Kind floats = {"float", VoxelType::float32};
   MemoryStorage storage;
   storage.files = interrupted(floats);
@@ -245,7 +254,7 @@ TEST(ResumedBuild, NamesAnotherReplacementOfNaN) {
       << message;
 }
 
-TEST(ResumedBuild, IsRejectedOrDiscardedWhereNobodyAskedForIt) {
+TEST_F(ResumedBuild, IsRejectedOrDiscardedWhereNobodyAskedForIt) {
   const auto files = interrupted_grey();
   MemoryStorage storage;
   storage.files = copied(files);
@@ -260,7 +269,7 @@ TEST(ResumedBuild, IsRejectedOrDiscardedWhereNobodyAskedForIt) {
   EXPECT_EQ(storage.files.size(), 1u);
 }
 
-TEST(ResumedBuild, NothingIsRejectedForTheSakeOfGroupsThatAreNotWhole) {
+TEST_F(ResumedBuild, NothingIsRejectedForTheSakeOfGroupsThatAreNotWhole) {
   MemoryStorage storage;
   storage.files = copied(interrupted_grey());
   for (const auto& [name, bytes] : storage.files) {
@@ -271,7 +280,7 @@ TEST(ResumedBuild, NothingIsRejectedForTheSakeOfGroupsThatAreNotWhole) {
   EXPECT_EQ(storage.files.size(), 1u);
 }
 
-TEST(ResumedBuild, NothingIsKeptOfABuildThatDidNotAskForIt) {
+TEST_F(ResumedBuild, NothingIsKeptOfABuildThatDidNotAskForIt) {
   TextureSource source = source_of(kGrey, 140);
   MemoryStorage storage;
   const std::string message = failure_of(source, storage, options_of(kGrey, Interrupted::reject),

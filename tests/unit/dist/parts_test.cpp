@@ -5,6 +5,7 @@
 
 #include <functional>
 
+#include "octavo/builder/group_reader.h"
 #include "octavo/core/error.h"
 #include "octavo/planes/between/isotropic_source.h"
 #include "octavo/planes/memory_source.h"
@@ -35,9 +36,13 @@ const Runs kEach = {{0, 1}, {1, 2}, {2, 3}};
 const Runs kBackwards = {{2, 3}, {0, 2}};
 const Runs kOne = {{0, 3}};
 
+constexpr Size3 kOneBrickAGroup = {40, 30, 150};
+
 Open texture(VoxelType type, VolumeKind kind = VolumeKind::grey, bool is_alike = false) {
   return [=] {
-    auto source = std::make_unique<TextureSource>(TextureSource::three_groups(type, kind));
+    // Alike groups have six bricks each, others one.
+    const Size3 size = is_alike ? Size3{136, 72, 150} : kOneBrickAGroup;
+    auto source = std::make_unique<TextureSource>(TextureSource::three_groups(type, kind, size));
     source->is_alike = is_alike;
     return source;
   };
@@ -97,48 +102,52 @@ void expect_same_file(const Case& row) {
   }
 }
 
-TEST(Parts, GreyVolumesAreTheSameInAnyParts) {
+class Parts : public ::testing::Test {
+  SmallGroups groups_{1};
+};
+
+TEST_F(Parts, GreyVolumesAreTheSameInAnyParts) {
   expect_same_file({"fast", texture(VoxelType::int16), options_of(Preset::fast),
                     {kEach, kBackwards, kOne, {{0, 1}, {1, 3}}}});
   expect_same_file({"small", texture(VoxelType::uint16, VolumeKind::grey, true),
                     options_of(Preset::small), {kEach}});
 }
 
-TEST(Parts, VolumesWithAMaxErrorAreTheSame) {
+TEST_F(Parts, VolumesWithAMaxErrorAreTheSame) {
   expect_same_file({"max error", texture(VoxelType::int16), options_of(Preset::fast, 4),
                     {kEach, kBackwards}});
 }
 
-TEST(Parts, VolumesWithoutDetailsAreTheSameUpToTheErrorsInTheirMetadata) {
+TEST_F(Parts, VolumesWithoutDetailsAreTheSameUpToTheErrorsInTheirMetadata) {
   BuildOptions options = options_of(Preset::fast);
   options.keep_details = 1;
   expect_same_file({"keep details", texture(VoxelType::int16), options, {kEach, kOne}});
 }
 
-TEST(Parts, LabelsAreTheSame) {
+TEST_F(Parts, LabelsAreTheSame) {
   BuildOptions options = options_of(Preset::small);
   options.kind = VolumeKind::labels;
   expect_same_file({"labels", texture(VoxelType::uint16, VolumeKind::labels), options,
                     {kEach, kBackwards}});
 }
 
-TEST(Parts, FloatsAreTheSameBitByBitAndWithinAMaxError) {
+TEST_F(Parts, FloatsAreTheSameBitByBitAndWithinAMaxError) {
   expect_same_file({"exact", texture(VoxelType::float32), options_of(Preset::fast),
                     {{{1, 2}, {0, 1}, {2, 3}}}});
   expect_same_file({"within", texture(VoxelType::float32), options_of(Preset::fast, 0.3),
                     {{{0, 1}, {1, 3}}}});
 }
 
-TEST(Parts, ThumbnailsAreTheSame) {
+TEST_F(Parts, ThumbnailsAreTheSame) {
   BuildOptions options = options_of(Preset::fast);
   options.has_thumbnail = true;
   expect_same_file({"thumbnail", texture(VoxelType::int16), options, {kBackwards}});
 }
 
-TEST(Parts, IsotropicVolumesAreTheSame) {
+TEST_F(Parts, IsotropicVolumesAreTheSame) {
   const Open open = [] {
     PhantomOptions phantom;
-    phantom.size = {512, 512, 61};
+    phantom.size = {90, 80, 61};
     phantom.spacing_mm = {1, 1, 2.4};
     phantom.noise_sigma = 4;
     auto source = make_phantom(phantom);
@@ -148,7 +157,7 @@ TEST(Parts, IsotropicVolumesAreTheSame) {
   expect_same_file({"isotropic", open, options_of(Preset::fast), {kEach}});
 }
 
-TEST(Parts, APartMadeTwiceHasTheSameBytes) {
+TEST_F(Parts, APartMadeTwiceHasTheSameBytes) {
   const Case row{"twice", texture(VoxelType::int16), options_of(Preset::fast), {}};
   const BuildPlan plan = plan_of(row);
   EXPECT_EQ(plan_of(row).id, plan.id);
@@ -161,7 +170,7 @@ TEST(Parts, APartMadeTwiceHasTheSameBytes) {
   EXPECT_EQ(other.files.size(), 1u);
 }
 
-TEST(Parts, WrongPartsAreRejectedByName) {
+TEST_F(Parts, WrongPartsAreRejectedByName) {
   const Case row{"wrong", texture(VoxelType::int16), options_of(Preset::fast), {}};
   const BuildPlan plan = plan_of(row);
   MemoryStorage storage;
@@ -180,7 +189,7 @@ TEST(Parts, WrongPartsAreRejectedByName) {
   EXPECT_EQ(storage.files.size(), 3u);
 }
 
-TEST(Parts, OtherSourcesThanThePlannedOneAreRejected) {
+TEST_F(Parts, OtherSourcesThanThePlannedOneAreRejected) {
   const Case row{"other", texture(VoxelType::int16), options_of(Preset::fast), {}};
   const BuildPlan plan = plan_of(row);
   MemoryStorage storage;
@@ -188,7 +197,8 @@ TEST(Parts, OtherSourcesThanThePlannedOneAreRejected) {
                           ErrorKind::source_rejected),
                {"voxel type", "plan again"});
   const Open changed = [] {
-    auto source = std::make_unique<TextureSource>(TextureSource::three_groups());
+    auto source = std::make_unique<TextureSource>(TextureSource::three_groups(
+        VoxelType::int16, VolumeKind::grey, kOneBrickAGroup));
     source->changed_plane = 10;
     return source;
   };
@@ -199,7 +209,7 @@ TEST(Parts, OtherSourcesThanThePlannedOneAreRejected) {
 }
 
 // Every byte is proven by a checksum or, in the head, means nothing.
-TEST(Parts, DamagedPartsAreRejected) {
+TEST_F(Parts, DamagedPartsAreRejected) {
   const Case row{"damaged", texture(VoxelType::int16), options_of(Preset::fast), {}};
   const BuildPlan plan = plan_of(row);
   MemoryStorage storage;
@@ -231,7 +241,7 @@ TEST(Parts, DamagedPartsAreRejected) {
 }
 
 // Whatever call fails, no name holds half a part.
-TEST(Parts, AFailingDiskLeavesNoPart) {
+TEST_F(Parts, AFailingDiskLeavesNoPart) {
   const Case row{"disk", texture(VoxelType::int16), options_of(Preset::fast), {}};
   const BuildPlan plan = plan_of(row);
   MemoryStorage sound;

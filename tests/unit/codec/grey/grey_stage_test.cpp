@@ -12,6 +12,7 @@
 #include "octavo/codec/grey/edge_pairs.h"
 #include "octavo/codec/grey/grey_stage.h"
 #include "octavo/codec/grey/octant_transform.h"
+#include "support/goal_cases.h"
 
 namespace octavo::grey {
 namespace {
@@ -270,15 +271,23 @@ void expect_as_portable(RandomSplit& split, bool has_cells) {
 
 class StagesOf : public ::testing::TestWithParam<std::string> {};
 
+/// In the everyday run one of five combinations is tried. Five divides no number of choices, so
+/// that every choice meets every other one.
+bool is_turn_of(int& combination) {
+  return octavo::testing::is_full_form() || combination++ % 5 == 0;
+}
+
 TEST(StagesOfEverySet, GiveWhatThePortableOnesGive) {
   std::mt19937 random(21);
   const Size3 sizes[] = {{64, 64, 64}, {63, 5, 7},   {2, 2, 2},
                          {33, 64, 9},  {48, 21, 64}, {8, 3, 40}};
+  int combination = 0;
   for (const Size3& fine : sizes) {
     for (int axis = 0; axis < 3; ++axis) {
       for (const Predictor predictor : {Predictor::neighbors, Predictor::means}) {
         for (const int bits : {1, 5, 12, 16}) {
           for (const bool has_cells : {false, true}) {
+            if (!is_turn_of(combination)) continue;
             SCOPED_TRACE(::testing::Message()
                          << fine.x << "x" << fine.y << "x" << fine.z << " axis " << axis
                          << " predictor " << static_cast<int>(predictor) << " bits " << bits
@@ -294,11 +303,13 @@ TEST(StagesOfEverySet, GiveWhatThePortableOnesGive) {
 
 TEST(StagesOfEverySet, GiveTheSameAroundEdgesAndGaps) {
   std::mt19937 random(22);
+  int combination = 0;
   for (const Size3& fine : {Size3{33, 64, 9}, Size3{63, 5, 7}, Size3{2, 2, 2}}) {
     for (int axis = 0; axis < 3; ++axis) {
       for (const Predictor predictor : {Predictor::neighbors, Predictor::means}) {
         for (const Samples kind : {Samples::sparse, Samples::gapped, Samples::both}) {
           for (const bool has_cells : {false, true}) {
+            if (!is_turn_of(combination)) continue;
             SCOPED_TRACE(::testing::Message()
                          << fine.x << "x" << fine.y << "x" << fine.z << " axis " << axis
                          << " predictor " << static_cast<int>(predictor) << " samples "
@@ -316,9 +327,11 @@ TEST(StagesOfEverySet, GiveTheSameAroundEdgesAndGaps) {
 
 TEST(StagesOfEverySet, GiveTheSameAroundEdgesAndGapsInRowsOfEveryLength) {
   std::mt19937 random(24);
+  int combination = 0;
   for (std::int64_t length = 2; length <= kBrickSide; ++length) {
     for (const Predictor predictor : {Predictor::neighbors, Predictor::means}) {
       for (const Samples kind : {Samples::sparse, Samples::gapped, Samples::both}) {
+        if (!is_turn_of(combination)) continue;
         SCOPED_TRACE(::testing::Message() << length << " predictor " << static_cast<int>(predictor)
                                           << " samples " << static_cast<int>(kind));
         const int axis = static_cast<int>(length % 3);
@@ -422,7 +435,8 @@ TEST_P(StagesOf, DecodeTwoPartsAtOnceToWhatEachHolds) {
   std::mt19937 random(27);
   const Size3 sizes[] = {{64, 32, 32}, {64, 32, 7}, {33, 5, 32}, {2, 1, 2}, {16, 40, 9}};
   Workspace<std::int16_t> works[2];
-  for (int round = 0; round < 60; ++round) {
+  // Seven divides no number of choices either.
+  for (int round = 0; round < 60; round += octavo::testing::is_full_form() ? 1 : 7) {
     SCOPED_TRACE(round);
     const int axis = round % 3;
     const auto predictor = round % 4 == 0 ? Predictor::neighbors : Predictor::means;
