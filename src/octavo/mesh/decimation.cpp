@@ -16,6 +16,7 @@
 #include "octavo/core/error.h"
 #include "octavo/mesh/certificate.h"
 #include "octavo/mesh/collapse.h"
+#include "octavo/mesh/enclosed_volumes.h"
 #include "octavo/mesh/mesh_parts.h"
 #include "octavo/mesh/mesh_pieces.h"
 #include "octavo/mesh/point_distance.h"
@@ -162,15 +163,11 @@ class Decimation {
     }
   }
 
-  /// What each piece of the full surface encloses, times six; negative around a hollow.
+  /// What each piece of the full surface encloses; negative around a hollow.
   std::vector<double> piece_volumes(const TriangleMesh& mesh) const {
-    std::vector<double> volumes(pieces_.count);
-    for (const MeshTriangle& t : mesh.triangles) {
-      volumes[pieces_.of_point[t[0]]] +=
-          dot(place(mesh.points[t[0]]),
-              cross(place(mesh.points[t[1]]), place(mesh.points[t[2]])));
-    }
-    return volumes;
+    return volumes_of_groups(mesh, pieces_.count, [&](std::size_t i) {
+      return pieces_.of_point[mesh.triangles[i][0]];
+    });
   }
 
   /// The triangles of pieces that are turned inside out: a large deviation lets a piece pass

@@ -86,6 +86,10 @@ int orientation_of(const Point3& a, const Point3& b, const Point3& c, const Poin
                       std::abs(p[2]) * (std::abs(qr2) + std::abs(rq2));
   if (determinant > kPlaneBound * size) return 1;
   if (-determinant > kPlaneBound * size) return -1;
+  // Sides of voxels lie in planes across an axis.
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (a[axis] == d[axis] && b[axis] == d[axis] && c[axis] == d[axis]) return 0;
+  }
   return exact_orientation(a, b, c, d);
 }
 
@@ -98,6 +102,8 @@ int turn_of(const Point3& a, const Point3& b, const Point3& c, int u, int v) {
   const double bound = kLineBound * (std::abs(left) + std::abs(right));
   if (determinant > bound) return 1;
   if (-determinant > bound) return -1;
+  if (a[i] == c[i] && b[i] == c[i]) return 0;
+  if (a[j] == c[j] && b[j] == c[j]) return 0;
   Expansion sum;
   sum.add_product(1, a[i], b[j], 1);
   sum.add_product(-1, a[j], b[i], 1);

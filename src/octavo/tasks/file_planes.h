@@ -5,14 +5,13 @@
 #include <vector>
 
 #include "octavo/file/reader.h"
-#include "octavo/planes/plane_cursor.h"
-#include "octavo/planes/plane_source.h"
+#include "octavo/planes/slab_planes.h"
 
 namespace octavo {
 
 /// Decodes one brick layer at a time with `threads` threads and hands out its planes.
 /// Memory  one layer of bricks of the level (64 planes or fewer), besides the reader's cache
-class FilePlanes final : public PlaneSource {
+class FilePlanes final : public SlabPlanes {
  public:
   FilePlanes(std::shared_ptr<const FileReader> reader, int level, int threads,
              bool keep_identity = false);
@@ -22,14 +21,12 @@ class FilePlanes final : public PlaneSource {
   const VolumeDescription& description() const override { return description_; }
   const std::vector<Warning>& warnings() const override { return warnings_; }
   /// A layer of bricks.
-  std::uint64_t resident_bytes() const override;
+  std::uint64_t resident_bytes() const override { return slab_bytes(); }
   /// The .8vo file, unless it stands behind a URL.
   const PlaneFiles& files() const override { return files_; }
-  void read_plane(std::span<std::byte> plane) override;
-  void seek(std::int64_t first, std::int64_t end) override { cursor_.seek(first, end); }
 
  private:
-  void read_layer_of(std::int64_t z);
+  void fill_slab(std::int64_t begin, std::int64_t end, std::span<std::byte> slab) override;
 
   std::shared_ptr<const FileReader> reader_;
   int level_;
@@ -37,11 +34,6 @@ class FilePlanes final : public PlaneSource {
   VolumeDescription description_;
   std::vector<Warning> warnings_;
   PlaneFiles files_;
-  std::int64_t layer_planes_;  // of one brick at this level
-  PlaneCursor cursor_{0};
-  std::int64_t layer_z_ = 0;
-  std::int64_t layer_end_ = 0;
-  std::vector<std::byte> layer_;
 };
 
 }  // namespace octavo

@@ -91,12 +91,14 @@ void require_room_for(const VolumeDescription& volume, const BuildOptions& optio
 ClippedListener clipped_listener(const std::string& path, const TaskContext& context) {
   return [path, context](const ClippedVoxels& clipped) {
     const bool is_one = clipped.count == 1;
+    const auto [farthest, limit] =
+        unlike_texts(clipped.farthest, std::copysign(clipped.limit, clipped.farthest));
     context.warn(fmt::format("{}: {} beyond what coarse levels hold, {}at {}: there {} as {}; "
                              "level 0 has {}",
                              path, counted_text(clipped.count, "voxel lies", "voxels lie"),
-                             is_one ? "" : "the farthest ", number_text(clipped.farthest),
+                             is_one ? "" : "the farthest ", farthest,
                              is_one ? "it counts" : "they count",
-                             number_text(std::copysign(clipped.limit, clipped.farthest)),
+                             limit,
                              is_one ? "it as it is" : "them as they are"));
   };
 }

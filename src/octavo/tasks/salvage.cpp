@@ -8,6 +8,7 @@
 
 #include "octavo/core/error.h"
 #include "octavo/core/text.h"
+#include "octavo/tasks/range_words.h"
 #include "octavo/tasks/volume_facts.h"
 
 namespace octavo {
@@ -34,10 +35,10 @@ double stored_value(const FileReader& reader, double real) {
   const double a = d.rescale.to_real(minimum);
   const double b = d.rescale.to_real(maximum);
   const std::string unit = unit_of(d);
+  const OutsideWords words = outside_words(real, std::min(a, b), std::max(a, b));
   throw Error(ErrorKind::invalid_argument,
-              fmt::format("cannot be filled with {}: its voxels can be {} to {}{}",
-                          number_text(real), number_text(std::min(a, b)),
-                          number_text(std::max(a, b)), unit.empty() ? "" : " " + unit),
+              fmt::format("cannot be filled with {}: its voxels can be {} to {}{}", words.value,
+                          words.lowest, words.highest, unit.empty() ? "" : " " + unit),
               reader.source().name());
 }
 

@@ -19,6 +19,7 @@
 #include "octavo/mesh/mesh_normals.h"
 #include "octavo/mesh/surface_piece.h"
 #include "octavo/tasks/inputs.h"
+#include "octavo/tasks/range_words.h"
 #include "octavo/tasks/surfaces/surface_file.h"
 #include "octavo/tasks/surfaces/surface_report.h"
 #include "octavo/tasks/value_ranges.h"
@@ -106,7 +107,7 @@ std::string inside_words(const SurfaceOptions& options, const VolumeDescription&
     return options.labels.is_empty() ? "a label" : "a label that was asked for";
   }
   const std::string unit = options.is_stored ? "" : unit_of(volume);
-  return number_text(*options.isovalue) + (unit.empty() ? "" : " " + unit) + " or more";
+  return exact_text(*options.isovalue) + (unit.empty() ? "" : " " + unit) + " or more";
 }
 
 /// Proves by the range of the whole volume that something lies inside.
@@ -127,12 +128,12 @@ void check_range(const FileReader& reader, const SurfaceField& field,
   const Rescale rescale = options.is_stored ? Rescale{} : volume.rescale;
   const double smallest = std::min(rescale.to_real(lowest), rescale.to_real(highest));
   const double largest = std::max(rescale.to_real(lowest), rescale.to_real(highest));
-  const auto [asked, end] = unlike_texts(*options.isovalue, largest);
+  const OutsideWords words = outside_words(*options.isovalue, smallest, largest);
   const std::string unit_name = options.is_stored ? "" : unit_of(volume);
   const std::string unit = unit_name.empty() ? "" : " " + unit_name;
   reject_mesh(fmt::format("has no surface: no voxel has {}{} or more; its values run from {}{} to "
                           "{}{}",
-                          asked, unit, number_text(smallest), unit, end, unit),
+                          words.value, unit, words.lowest, unit, words.highest, unit),
               options.input, "isovalue.range");
 }
 

@@ -17,6 +17,7 @@
 #include "octavo/tasks/geometry_words.h"
 #include "octavo/tasks/inputs.h"
 #include "octavo/tasks/masks.h"
+#include "octavo/tasks/range_words.h"
 #include "octavo/tasks/volume_facts.h"
 
 namespace octavo {
@@ -169,10 +170,11 @@ double Planner::stored_fill(const std::optional<double>& asked) const {
   }
   const auto ends = std::minmax({rescale.to_real(static_cast<double>(range.min)),
                                  rescale.to_real(static_cast<double>(range.max))});
+  const OutsideWords words = outside_words(real, ends.first, ends.second);
   reject(fmt::format("fill value {}: is no value of this volume; {} voxels hold {} to {} in steps "
                      "of {}",
-                     number_text(real), voxel_type_name(volume_.type), number_text(ends.first),
-                     number_text(ends.second), number_text(std::abs(rescale.slope))),
+                     words.value, voxel_type_name(volume_.type), words.lowest, words.highest,
+                     number_text(std::abs(rescale.slope))),
          path_, "step.fill");
 }
 

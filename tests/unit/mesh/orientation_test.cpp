@@ -55,5 +55,24 @@ TEST(Orientation, IsZeroInAPlaneThroughTheOriginOnly) {
             -turn_of(a, b, c, 0, 1));
 }
 
+TEST(Orientation, IsZeroAcrossAnAxisFarFromTheOrigin) {
+  const auto place = [](std::size_t axis, double u, double v) {
+    Point3 point;
+    point[axis] = 12345.678;
+    point[(axis + 1) % 3] = u;
+    point[(axis + 2) % 3] = v;
+    return point;
+  };
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    EXPECT_EQ(orientation_of(place(axis, 1e6, 0.1), place(axis, -0.3, 7e5), place(axis, 1e-7, -2),
+                             place(axis, 3.3, 1e-6)),
+              0);
+    const int u = static_cast<int>((axis + 1) % 3);
+    EXPECT_EQ(turn_of(place(axis, 1e6, 0.1), place(axis, -0.3, 7e5), place(axis, 3, 4),
+                      static_cast<int>(axis), u),
+              0);
+  }
+}
+
 }  // namespace
 }  // namespace octavo

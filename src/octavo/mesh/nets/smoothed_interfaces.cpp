@@ -5,8 +5,7 @@
 #include <cstddef>
 #include <set>
 
-#include "octavo/core/vectors.h"
-#include "octavo/mesh/point_distance.h"
+#include "octavo/mesh/enclosed_volumes.h"
 
 namespace octavo {
 
@@ -30,16 +29,9 @@ std::set<std::int64_t> changed_labels(const std::map<std::int64_t, double>& volu
 }  // namespace
 
 std::map<std::int64_t, double> enclosed_volumes(const InterfaceMesh& interfaces) {
-  std::vector<double> of_pair(interfaces.pairs.size());
-  const TriangleMesh& mesh = interfaces.mesh;
-  const Point3 origin = mesh.points.empty() ? Point3{} : place_of_point(mesh.points.front());
-  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-    const MeshTriangle& t = mesh.triangles[i];
-    const Point3 a = difference(place_of_point(mesh.points[t[0]]), origin);
-    const Point3 b = difference(place_of_point(mesh.points[t[1]]), origin);
-    const Point3 c = difference(place_of_point(mesh.points[t[2]]), origin);
-    of_pair[interfaces.pair_of[i]] += dot(a, cross(b, c)) / 6;
-  }
+  const std::vector<double> of_pair =
+      volumes_of_groups(interfaces.mesh, interfaces.pairs.size(),
+                        [&](std::size_t i) { return interfaces.pair_of[i]; });
   std::map<std::int64_t, double> volumes;
   for (std::size_t i = 0; i < of_pair.size(); ++i) {
     volumes[interfaces.pairs[i][0]] += of_pair[i];

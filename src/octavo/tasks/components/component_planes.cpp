@@ -4,7 +4,6 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <cstring>
 #include <utility>
 
 #include "octavo/builder/build_memory.h"
@@ -87,14 +86,14 @@ std::uint64_t MaskOfPart::memory_bytes() const {
 ComponentPlanes::ComponentPlanes(std::shared_ptr<const FileReader> reader,
                                  VolumeDescription description, ComponentNumbers numbers,
                                  std::string path, const TaskContext& context)
-    : reader_(std::move(reader)),
+    : SlabPlanes(kSlabPlanes, description.size.z, reader->source().name()),
+      reader_(std::move(reader)),
       description_(std::move(description)),
       numbers_(std::move(numbers)),
       path_(std::move(path)),
       context_(context),
       max_bytes_(left_of_limit(description_, held_bytes(), context)),
-      files_(files_of_volume({reader_->source().name(), path_})),
-      cursor_(description_.size.z) {}
+      files_(files_of_volume({reader_->source().name(), path_})) {}
 
 std::uint64_t ComponentPlanes::held_bytes() const {
   const Size3& size = description_.size;
@@ -108,23 +107,7 @@ std::uint64_t ComponentPlanes::resident_bytes() const {
   return held_bytes() + std::max(max_bytes_, open_ ? open_->memory_bytes() : 0);
 }
 
-void ComponentPlanes::read_plane(std::span<std::byte> plane) {
-  const Size3& size = description_.size;
-  const auto bytes = static_cast<std::size_t>(size.x * size.y * bytes_per_voxel(description_.type));
-  if (plane.size() != bytes || cursor_.is_done()) {
-    throw Error(ErrorKind::internal, "a plane of the wrong size or beyond the last was asked for",
-                reader_->source().name());
-  }
-  const std::int64_t z = cursor_.next();
-  if (z < part_begin_ || z >= part_end_) open_part_of(z);
-  if (z < slab_begin_ || z >= slab_end_) fill_slab_of(z);
-  std::memcpy(plane.data(), slab_.data() + static_cast<std::size_t>(z - slab_begin_) * bytes,
-              bytes);
-  cursor_.take();
-}
-
 void ComponentPlanes::open_part_of(std::int64_t z) {
-  slab_end_ = slab_begin_;
   std::swap(open_, kept_);
   const std::int64_t kept_before = std::exchange(kept_part_, part_);
   const auto count = static_cast<std::int64_t>(numbers_.labels.size());
@@ -167,29 +150,26 @@ std::unique_ptr<const MaskOfPart> ComponentPlanes::opened(const WorkPart& part) 
   return within(max_bytes_);
 }
 
-void ComponentPlanes::fill_slab_of(std::int64_t z) {
+void ComponentPlanes::fill_slab(std::int64_t begin, std::int64_t end, std::span<std::byte> slab) {
+  if (begin < part_begin_ || begin >= part_end_) open_part_of(begin);
   const Size3& size = description_.size;
-  slab_begin_ = z - z % kSlabPlanes;
-  slab_end_ = std::min(slab_begin_ + kSlabPlanes, size.z);
-  slab_.resize(static_cast<std::size_t>(size.x * size.y * kSlabPlanes *
-                                        bytes_per_voxel(description_.type)));
   tbb::enumerable_thread_specific<std::vector<std::uint32_t>> labels_of_threads;
   context_.on_threads([&] {
     tbb::parallel_for(std::int64_t{0}, (size.y + kBandRows - 1) / kBandRows, [&](std::int64_t i) {
-      const Box rows{{0, i * kBandRows, slab_begin_},
-                     {size.x, std::min((i + 1) * kBandRows, size.y), slab_end_}};
+      const Box rows{{0, i * kBandRows, begin},
+                     {size.x, std::min((i + 1) * kBandRows, size.y), end}};
       std::vector<std::uint32_t>& labels = labels_of_threads.local();
       labels.resize(static_cast<std::size_t>(rows.size().voxel_count()));
       open_->components().fill_labels(rows, labels.data());
-      fill_rows(rows, labels);
+      fill_rows(rows, labels, slab.data());
     });
   });
 }
 
-void ComponentPlanes::fill_rows(const Box& rows, const std::vector<std::uint32_t>& labels) {
+void ComponentPlanes::fill_rows(const Box& rows, const std::vector<std::uint32_t>& labels,
+                                std::byte* slab) const {
   const std::vector<std::uint32_t>& numbers = numbers_.labels[static_cast<std::size_t>(part_)];
   const Size3& size = description_.size;
-  std::byte* const slab = slab_.data();
   switch (description_.type) {
     case VoxelType::uint8:
       copy_labels(labels, numbers, rows, size, reinterpret_cast<std::uint8_t*>(slab));

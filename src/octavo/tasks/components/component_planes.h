@@ -8,8 +8,7 @@
 
 #include "octavo/file/reader.h"
 #include "octavo/ops/mask/components.h"
-#include "octavo/planes/plane_cursor.h"
-#include "octavo/planes/plane_source.h"
+#include "octavo/planes/slab_planes.h"
 #include "octavo/tasks/components/component_numbers.h"
 #include "octavo/tasks/task_context.h"
 
@@ -33,7 +32,9 @@ class MaskOfPart {
 
 /// Within a memory limit the masks of two parts are kept where both fit: a build in bands reads the
 /// planes of a group several times, and those may lie in two parts.
-class ComponentPlanes final : public PlaneSource {
+/// Reading throws  as MaskOfPart; Error{corrupt} where the part has other components than are
+///                 numbered
+class ComponentPlanes final : public SlabPlanes {
  public:
   /// description  of the label map
   /// numbers      read for the mask of `reader`, from the file at `path`
@@ -49,16 +50,13 @@ class ComponentPlanes final : public PlaneSource {
   /// How often the mask of a part was read and its components were found.
   std::int64_t opened_parts() const { return opened_parts_; }
   const PlaneFiles& files() const override { return files_; }
-  /// Throws  as MaskOfPart; Error{corrupt} where the part has other components than are numbered
-  void read_plane(std::span<std::byte> plane) override;
-  void seek(std::int64_t first, std::int64_t end) override { cursor_.seek(first, end); }
 
  private:
   std::uint64_t held_bytes() const;
   void open_part_of(std::int64_t z);
   std::unique_ptr<const MaskOfPart> opened(const WorkPart& part);
-  void fill_slab_of(std::int64_t z);
-  void fill_rows(const Box& rows, const std::vector<std::uint32_t>& labels);
+  void fill_slab(std::int64_t begin, std::int64_t end, std::span<std::byte> slab) override;
+  void fill_rows(const Box& rows, const std::vector<std::uint32_t>& labels, std::byte* slab) const;
 
   std::shared_ptr<const FileReader> reader_;
   VolumeDescription description_;
@@ -68,7 +66,6 @@ class ComponentPlanes final : public PlaneSource {
   std::uint64_t max_bytes_ = 0;  // of the mask of a part; 0: no limit
   std::vector<Warning> warnings_;
   PlaneFiles files_;
-  PlaneCursor cursor_;
   std::int64_t part_ = -1;  // that is open, and its planes
   std::int64_t part_begin_ = 0;
   std::int64_t part_end_ = 0;
@@ -77,9 +74,6 @@ class ComponentPlanes final : public PlaneSource {
   std::unique_ptr<const MaskOfPart> kept_;
   bool do_two_fit_ = true;
   std::int64_t opened_parts_ = 0;
-  std::vector<std::byte> slab_;  // a few planes, as the file has them
-  std::int64_t slab_begin_ = 0;
-  std::int64_t slab_end_ = 0;
 };
 
 }  // namespace octavo

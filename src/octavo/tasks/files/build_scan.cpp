@@ -1,22 +1,11 @@
 #include "octavo/tasks/files/build_scan.h"
 
-#include <filesystem>
-
 #include "octavo/core/error.h"
 #include "octavo/tasks/inputs.h"
 
 namespace octavo {
 
 namespace {
-
-/// A build never replaces what it reads.
-void require_no_source(const std::string& output, const std::vector<std::string>& inputs) {
-  std::error_code none;
-  for (const std::string& input : inputs) {
-    if (!std::filesystem::equivalent(output, input, none)) continue;
-    throw Error(ErrorKind::invalid_argument, "is the source itself; name another output", output);
-  }
-}
 
 /// Says that a volume of two values is mostly a mask.
 void note_mask(const std::string& name, const std::pair<std::int64_t, std::int64_t>& values,
@@ -34,12 +23,14 @@ void require_scan_output(const BuildScanOptions& options) {
         .with_field("output.format");
   }
   require_free(options.output);
-  require_no_source(options.output.path, options.inputs);
+  require_no_input(options.output.path, options.inputs);
 }
 
 BuiltVolume build_scan(const BuildScanOptions& options, const TaskContext& context) {
   require_scan_output(options);
   const ScanPlanes scan = open_scan_planes(options, context);
+  // Headers name further files.
+  require_no_input(options.output.path, scan.planes->files().paths);
   const std::string& name = options.inputs.front();
   try {
     BuiltVolume built = build_planes(*scan.planes, build_options_of(options, scan.kind),

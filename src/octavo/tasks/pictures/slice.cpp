@@ -15,6 +15,7 @@
 #include "octavo/tasks/inputs.h"
 #include "octavo/tasks/masks.h"
 #include "octavo/tasks/pictures/picture_files.h"
+#include "octavo/tasks/range_words.h"
 #include "octavo/tasks/volume_facts.h"
 #include "octavo/tasks/volume_parts.h"
 
@@ -104,10 +105,12 @@ std::int64_t index_at_mm(const FileReader& reader, const SliceOptions& options, 
   if (index >= 0 && index < static_cast<double>(size[axis])) {
     return static_cast<std::int64_t>(index);
   }
+  OutsideWords words =
+      outside_words(*options.position_mm, std::min(first, last), std::max(first, last));
+  if (last < first) std::swap(words.lowest, words.highest);
   throw Error(ErrorKind::invalid_argument,
               fmt::format("no slice lies at {} mm; slices across {} run from {} to {} mm",
-                          number_text(*options.position_mm), "xyz"[axis], number_text(first),
-                          number_text(last)))
+                          words.value, "xyz"[axis], words.lowest, words.highest))
       .with_field("position_mm");
 }
 

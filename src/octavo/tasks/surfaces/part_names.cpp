@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <map>
+#include <string_view>
 
 #include "octavo/core/utf8.h"
 
@@ -21,6 +22,17 @@ bool is_safe(char c) {
 
 std::string numbered(std::int64_t label) { return "label_" + std::to_string(label); }
 
+/// What Windows takes for a device, whatever stands behind a dot.
+bool is_device(std::string_view name) {
+  std::string stem(name.substr(0, name.find('.')));
+  for (char& c : stem) c = lower(c);
+  for (const char* const device : {"con", "prn", "aux", "nul"}) {
+    if (stem == device) return true;
+  }
+  const bool has_port = stem.starts_with("com") || stem.starts_with("lpt");
+  return has_port && stem.size() == 4 && stem[3] >= '0' && stem[3] <= '9';
+}
+
 std::string name_of_part(std::int64_t label, const LabelNames& names) {
   const std::string text = as_utf8(names.name_of(label));
   std::string name(cut_utf8(text, kMaxPartNameBytes));
@@ -29,6 +41,9 @@ std::string name_of_part(std::int64_t label, const LabelNames& names) {
   }
   // A dot would hide the file, a dash make it an option.
   if (!name.empty() && (name.front() == '.' || name.front() == '-')) name.front() = '_';
+  // Windows drops dots at the end of a name.
+  if (!name.empty() && name.back() == '.') name.back() = '_';
+  if (is_device(name)) name.insert(0, "_");
   return name.find_first_not_of("_.-") == std::string::npos ? numbered(label) : name;
 }
 

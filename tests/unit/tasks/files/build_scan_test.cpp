@@ -41,6 +41,22 @@ TEST_F(BuildScan, KeepsEveryVoxel) {
   EXPECT_TRUE(notes_.empty());
 }
 
+TEST_F(BuildScan, NeverReplacesAFileThatAHeaderNames) {
+  const std::string voxels = write_raw("voxels.8vo", voxels_);
+  const Size3& size = scan_.source.raw->size;
+  options_.inputs = {write_text(
+      "scan.mhd", "ObjectType = Image\nNDims = 3\nDimSize = " + std::to_string(size.x) + " " +
+                      std::to_string(size.y) + " " + std::to_string(size.z) +
+                      "\nElementSpacing = 1 1 1\nElementType = MET_SHORT\n"
+                      "ElementByteOrderMSB = False\nElementDataFile = voxels.8vo\n")};
+  options_.scan = {};
+  options_.output = {voxels, true};
+  EXPECT_EQ(failure().kind, ErrorKind::invalid_argument);
+  EXPECT_EQ(testing::bytes_of_file(voxels).size(), 2 * voxels_.size());
+  options_.output.path = folder_.file("out.8vo");
+  EXPECT_EQ(build_scan(options_, context_).build.raw_bytes, voxels_.size() * 2);
+}
+
 TEST_F(BuildScan, ANameOfLabelsIsNotedWithItsField) {
   std::vector<std::int16_t> labels(voxels_.size(), 3);
   options_.inputs = {write_raw("brain_mask.raw", labels)};

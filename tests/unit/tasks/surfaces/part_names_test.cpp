@@ -35,6 +35,18 @@ TEST(PartNames, StayInTheirFolderAndInSight) {
   EXPECT_EQ(found[5].size(), 200u);
 }
 
+TEST(PartNames, AreFilesOnWindowsToo) {
+  LabelNames names;
+  names.set(1, {"CON", {}});
+  names.set(2, {"aux.left", {}});
+  names.set(3, {"Com7", {}});
+  names.set(4, {"Liver...", {}});
+  names.set(5, {"console", {}});
+  names.set(6, {"com10", {}});
+  EXPECT_EQ(part_names({1, 2, 3, 4, 5, 6}, names),
+            (Names{"_CON", "_aux.left", "_Com7", "Liver.._", "console", "com10"}));
+}
+
 TEST(PartNames, AreAllDifferentInEitherCase) {
   LabelNames names;
   names.set(1, {"rib", {}});
