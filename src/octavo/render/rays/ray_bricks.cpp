@@ -51,7 +51,7 @@ RayBricks::RayBricks(const SampleSource& source, const Options& options)
       shift_(options.brick_shift),
       row_((std::int64_t{1} << options.brick_shift) + kApronBelow + kApronAbove),
       slot_samples_(row_ * row_ * row_),
-      cubes_(std::size_t{1} << 3 * (options.brick_shift - kCubeShift)),
+      cubes_(std::size_t{1} << 3 * (options.brick_shift - kSkipShift)),
       is_wide_(is_pooled_wide(source.type())),
       scale_(scale_of(source.type(), source.range())) {
   for (int axis = 0; axis < 3; ++axis) {
@@ -197,24 +197,24 @@ template <class Pooled>
 void RayBricks::find_ends(std::int32_t slot) {
   const auto* const samples =
       reinterpret_cast<const Pooled*>(samples_.get()) + slot * slot_samples_;
-  const std::int64_t cubes = std::int64_t{1} << (shift_ - kCubeShift);
+  const std::int64_t cubes = std::int64_t{1} << (shift_ - kSkipShift);
   Ends* ends = cube_ends_.data() + static_cast<std::size_t>(slot) * cubes_;
   for (std::int64_t cz = 0; cz < cubes; ++cz) {
     for (std::int64_t cy = 0; cy < cubes; ++cy) {
       for (std::int64_t cx = 0; cx < cubes; ++cx) {
         // A column of the cube's samples and the next ones, row under row.
-        std::array<Pooled, kCubeSide + 1> low;
-        std::array<Pooled, kCubeSide + 1> high;
+        std::array<Pooled, kSkipSide + 1> low;
+        std::array<Pooled, kSkipSide + 1> high;
         low.fill(std::numeric_limits<Pooled>::max());
         high.fill(std::numeric_limits<Pooled>::lowest());
-        for (std::int64_t z = 0; z <= kCubeSide; ++z) {
-          for (std::int64_t y = 0; y <= kCubeSide; ++y) {
+        for (std::int64_t z = 0; z <= kSkipSide; ++z) {
+          for (std::int64_t y = 0; y <= kSkipSide; ++y) {
             const Pooled* const row = samples +
-                                      ((cz * kCubeSide + z + kApronBelow) * row_ +
-                                       (cy * kCubeSide + y + kApronBelow)) *
+                                      ((cz * kSkipSide + z + kApronBelow) * row_ +
+                                       (cy * kSkipSide + y + kApronBelow)) *
                                           row_ +
-                                      cx * kCubeSide + kApronBelow;
-            for (std::size_t x = 0; x <= kCubeSide; ++x) {
+                                      cx * kSkipSide + kApronBelow;
+            for (std::size_t x = 0; x <= kSkipSide; ++x) {
               low[x] = std::min(low[x], row[x]);
               high[x] = std::max(high[x], row[x]);
             }

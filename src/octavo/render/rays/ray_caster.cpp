@@ -21,8 +21,8 @@ double seconds_since(RayClock::time_point start) {
 }
 
 void start_tile(RayTile& tile, const RayFrame& frame, const RayField& field, std::size_t number) {
-  const std::int64_t left = static_cast<std::int64_t>(number) % field.tile_columns() * kTileSide;
-  const std::int64_t top = static_cast<std::int64_t>(number) / field.tile_columns() * kTileSide;
+  const std::int64_t left = static_cast<std::int64_t>(number) % field.tile_columns() * kRayTileSide;
+  const std::int64_t top = static_cast<std::int64_t>(number) / field.tile_columns() * kRayTileSide;
   tile.u = static_cast<float>(static_cast<double>(left) + 0.5 -
                               static_cast<double>(field.width) / 2);
   tile.v = static_cast<float>(static_cast<double>(top) + 0.5 -
@@ -67,7 +67,7 @@ std::vector<std::int32_t> awaited(const RayField& field, const RayFrame& frame,
 
 std::uint64_t ray_field_bytes(std::int64_t width, std::int64_t height) {
   const auto tiles = [](std::int64_t pixels) {
-    return static_cast<std::uint64_t>((pixels + kTileSide - 1) / kTileSide);
+    return static_cast<std::uint64_t>((pixels + kRayTileSide - 1) / kRayTileSide);
   };
   return tiles(width) * tiles(height) * sizeof(RayTile);
 }

@@ -25,7 +25,7 @@ struct RayField {
   double cast_seconds = 0;     ///< following rays
   double load_seconds = 0;     ///< reading bricks
 
-  std::int64_t tile_columns() const { return (width + kTileSide - 1) / kTileSide; }
+  std::int64_t tile_columns() const { return (width + kRayTileSide - 1) / kRayTileSide; }
 
   /// Calls visit(column, row, tile, ray) for each pixel, tile by tile.
   template <class Visit>
@@ -46,8 +46,8 @@ RayField cast_rays(RayBricks& bricks, RayFrame frame, std::int64_t width, std::i
 template <class Visit>
 void RayField::for_each_pixel(Visit&& visit) const {
   for (std::size_t t = 0; t < tiles.size(); ++t) {
-    const std::int64_t left = static_cast<std::int64_t>(t) % tile_columns() * kTileSide;
-    const std::int64_t top = static_cast<std::int64_t>(t) / tile_columns() * kTileSide;
+    const std::int64_t left = static_cast<std::int64_t>(t) % tile_columns() * kRayTileSide;
+    const std::int64_t top = static_cast<std::int64_t>(t) / tile_columns() * kRayTileSide;
     for (std::size_t i = 0; i < kTileRays; ++i) {
       const std::int64_t column = left + static_cast<std::int64_t>(kTileOrder.column[i]);
       const std::int64_t row = top + static_cast<std::int64_t>(kTileOrder.row[i]);

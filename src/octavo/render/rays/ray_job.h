@@ -34,8 +34,8 @@ enum class RayMode {
 };
 
 /// Side of the cubes that are skipped, in samples.
-inline constexpr int kCubeSide = 8;
-inline constexpr int kCubeShift = 3;
+inline constexpr int kSkipSide = 8;
+inline constexpr int kSkipShift = 3;
 
 /// Samples that a brick holds beyond its own, at its low and at its high sides: what the two
 /// neighbors of a hit between two samples need for their gradients.
@@ -105,8 +105,8 @@ struct RayFrame {
   float margin = 0;      ///< that a ray stays before the end of what it skips, in samples
 };
 
-inline constexpr int kTileSide = 32;
-inline constexpr std::size_t kTileRays = kTileSide * kTileSide;
+inline constexpr int kRayTileSide = 32;
+inline constexpr std::size_t kTileRays = kRayTileSide * kRayTileSide;
 
 /// Where a ray stands that has nothing before it.
 inline constexpr float kRayDone = 4e9f;

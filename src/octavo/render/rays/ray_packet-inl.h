@@ -279,9 +279,9 @@ class Packet {
   }
 
   HWY_INLINE Wholes cube_number() const {
-    const int cubes = f_.bricks.shift - kCubeShift;
+    const int cubes = f_.bricks.shift - kSkipShift;
     const auto cube = [&](std::size_t axis) HWY_ATTR {
-      return hn::ShiftRight<kCubeShift>(hn::Sub(inside_[axis], brick_begin_[axis]));
+      return hn::ShiftRight<kSkipShift>(hn::Sub(inside_[axis], brick_begin_[axis]));
     };
     const Wholes z = hn::Add(hn::ShiftLeftSame(slot_, cubes), cube(2));
     const Wholes y = hn::Add(hn::ShiftLeftSame(z, cubes), cube(1));
@@ -293,9 +293,9 @@ class Packet {
     const auto is_cube = of_wholes(in_brick);
     Reals nearest = real(kRayDone);
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const Wholes cube = hn::ShiftLeft<kCubeShift>(hn::ShiftRight<kCubeShift>(inside_[axis]));
+      const Wholes cube = hn::ShiftLeft<kSkipShift>(hn::ShiftRight<kSkipShift>(inside_[axis]));
       const Wholes begin = hn::IfThenElse(is_cube, cube, brick_begin_[axis]);
-      const Wholes side = hn::IfThenElse(is_cube, whole(kCubeSide), whole(1 << f_.bricks.shift));
+      const Wholes side = hn::IfThenElse(is_cube, whole(kSkipSide), whole(1 << f_.bricks.shift));
       const RayMask rises = hn::Gt(step_[axis], hn::Zero(kRays));
       const Reals end = hn::ConvertTo(
           kRays, hn::Add(begin, hn::IfThenElseZero(of_wholes(rises), side)));

@@ -11,8 +11,8 @@ namespace octavo {
 
 namespace {
 
-using Place3 = std::array<float, 3>;
-using Cell3 = std::array<std::int32_t, 3>;
+using RayPlace = std::array<float, 3>;
+using RayCell = std::array<std::int32_t, 3>;
 
 /// Where k runs while a ray is inside.
 struct RaySpan {
@@ -22,8 +22,8 @@ struct RaySpan {
 };
 
 struct PortableRay {
-  Place3 origin{};
-  Place3 step{};
+  RayPlace origin{};
+  RayPlace step{};
 };
 
 PortableRay ray_at(const RayFrame& f, float u, float v) {
@@ -64,37 +64,37 @@ float sample_at(const BrickTables& bricks, std::int32_t at) {
   else return static_cast<float>(static_cast<const std::int16_t*>(bricks.samples)[at]);
 }
 
-float mixed(float a, float b, float share) { return a + (b - a) * share; }
+float ray_mixed(float a, float b, float share) { return a + (b - a) * share; }
 
 /// What stands around a place: the sample before it along each axis and the shares of the next.
-struct Corner {
+struct SampleCorner {
   std::int32_t at = 0;
-  Place3 share{};
+  RayPlace share{};
 };
 
 template <bool kIsWide>
 float row_value(const BrickTables& b, std::int32_t at, float share) {
-  return mixed(sample_at<kIsWide>(b, at), sample_at<kIsWide>(b, at + 1), share);
+  return ray_mixed(sample_at<kIsWide>(b, at), sample_at<kIsWide>(b, at + 1), share);
 }
 
 template <bool kIsWide>
 float row_slope(const BrickTables& b, std::int32_t at, float share) {
   const float first = sample_at<kIsWide>(b, at + 1) - sample_at<kIsWide>(b, at - 1);
   const float second = sample_at<kIsWide>(b, at + 2) - sample_at<kIsWide>(b, at);
-  return mixed(first, second, share);
+  return ray_mixed(first, second, share);
 }
 
 template <bool kIsWide>
-float value_at(const BrickTables& b, const Corner& c) {
+float value_at(const BrickTables& b, const SampleCorner& c) {
   const auto row = [&](std::int32_t at) { return row_value<kIsWide>(b, at, c.share[0]); };
-  const float near = mixed(row(c.at), row(c.at + b.row), c.share[1]);
-  const float far = mixed(row(c.at + b.plane), row(c.at + b.plane + b.row), c.share[1]);
-  return mixed(near, far, c.share[2]);
+  const float near = ray_mixed(row(c.at), row(c.at + b.row), c.share[1]);
+  const float far = ray_mixed(row(c.at + b.plane), row(c.at + b.plane + b.row), c.share[1]);
+  return ray_mixed(near, far, c.share[2]);
 }
 
 /// Of the values between samples, by central differences a sample wide.
 template <bool kIsWide>
-Place3 gradient_at(const BrickTables& b, const Corner& c) {
+RayPlace gradient_at(const BrickTables& b, const SampleCorner& c) {
   const auto row = [&](std::int32_t y, std::int32_t z) {
     return row_value<kIsWide>(b, c.at + y * b.row + z * b.plane, c.share[0]);
   };
@@ -105,12 +105,12 @@ Place3 gradient_at(const BrickTables& b, const Corner& c) {
   const float r10 = row(1, 0);
   const float r01 = row(0, 1);
   const float r11 = row(1, 1);
-  const float x = mixed(mixed(slope(0, 0), slope(1, 0), c.share[1]),
-                        mixed(slope(0, 1), slope(1, 1), c.share[1]), c.share[2]);
-  const float y = mixed(mixed(r10 - row(-1, 0), row(2, 0) - r00, c.share[1]),
-                        mixed(r11 - row(-1, 1), row(2, 1) - r01, c.share[1]), c.share[2]);
-  const float z = mixed(mixed(r01 - row(0, -1), row(0, 2) - r00, c.share[2]),
-                        mixed(r11 - row(1, -1), row(1, 2) - r10, c.share[2]), c.share[1]);
+  const float x = ray_mixed(ray_mixed(slope(0, 0), slope(1, 0), c.share[1]),
+                        ray_mixed(slope(0, 1), slope(1, 1), c.share[1]), c.share[2]);
+  const float y = ray_mixed(ray_mixed(r10 - row(-1, 0), row(2, 0) - r00, c.share[1]),
+                        ray_mixed(r11 - row(-1, 1), row(2, 1) - r01, c.share[1]), c.share[2]);
+  const float z = ray_mixed(ray_mixed(r01 - row(0, -1), row(0, 2) - r00, c.share[2]),
+                        ray_mixed(r11 - row(1, -1), row(1, 2) - r10, c.share[2]), c.share[1]);
   return {x, y, z};
 }
 
@@ -120,9 +120,9 @@ struct PortableLight {
   float highlight = 0;
 };
 
-PortableLight light_on(const RayFrame& f, const Place3& gradient) {
+PortableLight light_on(const RayFrame& f, const RayPlace& gradient) {
   const RayLight& light = f.light;
-  Place3 seen;
+  RayPlace seen;
   for (std::size_t i = 0; i < 3; ++i) {
     seen[i] = f.gradient[3 * i] * gradient[0] + f.gradient[3 * i + 1] * gradient[1] +
               f.gradient[3 * i + 2] * gradient[2];
@@ -130,7 +130,7 @@ PortableLight light_on(const RayFrame& f, const Place3& gradient) {
   const float length = std::sqrt(seen[0] * seen[0] + seen[1] * seen[1] + seen[2] * seen[2]);
   float scale = 1 / std::max(length, kSmallestStep);
   if (seen[2] < 0) scale = 0 - scale;
-  const auto along = [&](const Place3& direction) {
+  const auto along = [&](const RayPlace& direction) {
     const float sum =
         seen[0] * direction[0] + seen[1] * direction[1] + seen[2] * direction[2];
     return std::max(sum * scale, 0.0f);
@@ -157,10 +157,10 @@ class PortableFollower {
     float k = std::max(tile_.k[number_], std::ceil(span_.enter));
     tile_.waits_for[number_] = -1;
     while (k <= span_.leave) {
-      const Place3 place = place_at(k);
-      const Cell3 before = cell_of(place);
-      Cell3 inside;
-      Cell3 brick;
+      const RayPlace place = place_at(k);
+      const RayCell before = cell_of(place);
+      RayCell inside;
+      RayCell brick;
       for (std::size_t axis = 0; axis < 3; ++axis) {
         inside[axis] = std::clamp(before[axis], 0, f_.bricks.size[axis] - 1);
         brick[axis] = inside[axis] >> f_.bricks.shift;
@@ -177,7 +177,7 @@ class PortableFollower {
         break;
       }
       if (!(f_.bricks.cube_bounds[cube_of(slot, inside, brick)] > held())) {
-        k = skipped(k, inside, kCubeShift);
+        k = skipped(k, inside, kSkipShift);
         continue;
       }
       ++taken;
@@ -195,16 +195,16 @@ class PortableFollower {
   /// What a bound has to be above.
   float held() const { return kMode == RayMode::extreme ? tile_.gathered[number_] : 0; }
 
-  Place3 place_at(float k) const {
-    Place3 place;
+  RayPlace place_at(float k) const {
+    RayPlace place;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       place[axis] = ray_.origin[axis] + k * ray_.step[axis];
     }
     return place;
   }
 
-  Cell3 cell_of(const Place3& place) const {
-    Cell3 cell;
+  RayCell cell_of(const RayPlace& place) const {
+    RayCell cell;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       cell[axis] = std::clamp(static_cast<std::int32_t>(std::floor(place[axis])), -1,
                               f_.bricks.size[axis] - 1);
@@ -212,21 +212,21 @@ class PortableFollower {
     return cell;
   }
 
-  std::size_t cube_of(std::int32_t slot, const Cell3& inside, const Cell3& brick) const {
-    const int cubes = f_.bricks.shift - kCubeShift;
-    Cell3 cube;
+  std::size_t cube_of(std::int32_t slot, const RayCell& inside, const RayCell& brick) const {
+    const int cubes = f_.bricks.shift - kSkipShift;
+    RayCell cube;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      cube[axis] = (inside[axis] >> kCubeShift) - (brick[axis] << cubes);
+      cube[axis] = (inside[axis] >> kSkipShift) - (brick[axis] << cubes);
     }
     return static_cast<std::size_t>(
         (((((slot << cubes) + cube[2]) << cubes) + cube[1]) << cubes) + cube[0]);
   }
 
-  Corner corner_of(std::int32_t slot, const Place3& place, const Cell3& before,
-                   const Cell3& brick) const {
+  SampleCorner corner_of(std::int32_t slot, const RayPlace& place, const RayCell& before,
+                   const RayCell& brick) const {
     const BrickTables& b = f_.bricks;
-    Cell3 local;
-    Corner corner;
+    RayCell local;
+    SampleCorner corner;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       local[axis] = before[axis] - (brick[axis] << b.shift) + kApronBelow;
       corner.share[axis] = place[axis] - static_cast<float>(before[axis]);
@@ -236,7 +236,7 @@ class PortableFollower {
   }
 
   /// The first sample behind the brick or cube of side 1 << shift around `inside`.
-  float skipped(float k, const Cell3& inside, int shift) const {
+  float skipped(float k, const RayCell& inside, int shift) const {
     float nearest = kRayDone;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const bool rises = ray_.step[axis] > 0;
@@ -249,7 +249,7 @@ class PortableFollower {
   }
 
   /// Takes a sample; true when the ray ends there.
-  bool take(float k, const Place3& place, const Cell3& before, const Corner& corner) {
+  bool take(float k, const RayPlace& place, const RayCell& before, const SampleCorner& corner) {
     const float value = value_at<kIsWide>(f_.bricks, corner);
     if constexpr (kMode == RayMode::extreme) {
       tile_.gathered[number_] = std::max(tile_.gathered[number_], value * f_.sign);
@@ -268,7 +268,7 @@ class PortableFollower {
     }
   }
 
-  bool composite(float value, const Corner& corner) {
+  bool composite(float value, const SampleCorner& corner) {
     const ColorTable& table = f_.table;
     const float entry = std::clamp((value - table.lowest) * table.entries_per_value, 0.0f,
                                    static_cast<float>(table.last));
@@ -290,13 +290,13 @@ class PortableFollower {
   }
 
   /// Between the sample at k, which lies inside, and the one before it.
-  void hit(float k, const Cell3& before, const Corner& corner) {
+  void hit(float k, const RayCell& before, const SampleCorner& corner) {
     const bool is_at_face = span_.enter > k - 1;
     float outside = std::max(k - 1, span_.enter);
     float inside = k;
     const auto corner_at = [&](float at) {
-      Corner moved = corner;
-      const Place3 place = place_at(at);
+      SampleCorner moved = corner;
+      const RayPlace place = place_at(at);
       std::array<std::int32_t, 3> by;
       for (std::size_t axis = 0; axis < 3; ++axis) {
         const auto floor = static_cast<std::int32_t>(std::floor(place[axis]));
@@ -317,7 +317,7 @@ class PortableFollower {
       if (is_inside(middle)) inside = middle;
       else outside = middle;
     }
-    Place3 gradient = gradient_at<kIsWide>(f_.bricks, corner_at(inside));
+    RayPlace gradient = gradient_at<kIsWide>(f_.bricks, corner_at(inside));
     if (is_cut) {
       // A cut has the side of the face, whatever lies behind.
       gradient = {};

@@ -19,13 +19,13 @@ TransferFunction of_shares(std::vector<TransferPoint> points) {
 }
 
 /// The place of a value between two points.
-struct Between {
+struct BetweenPoints {
   std::size_t first = 0;
   std::size_t second = 0;
   double share = 0;
 };
 
-Between between(const std::vector<TransferPoint>& points, double value) {
+BetweenPoints between_points(const std::vector<TransferPoint>& points, double value) {
   const auto after =
       std::upper_bound(points.begin(), points.end(), value,
                        [](double v, const TransferPoint& point) { return v < point.value; });
@@ -40,7 +40,7 @@ Between between(const std::vector<TransferPoint>& points, double value) {
 }  // namespace
 
 Color TransferFunction::color_at(double value) const {
-  const Between at = between(points, value);
+  const BetweenPoints at = between_points(points, value);
   Color color;
   for (std::size_t i = 0; i < color.size(); ++i) {
     const double a = points[at.first].color[i];
@@ -51,7 +51,7 @@ Color TransferFunction::color_at(double value) const {
 }
 
 double TransferFunction::opacity_at(double value) const {
-  const Between at = between(points, value);
+  const BetweenPoints at = between_points(points, value);
   const double a = points[at.first].opacity;
   return a + (points[at.second].opacity - a) * at.share;
 }
