@@ -110,7 +110,7 @@ GOALS = [
     Goal("E3", "readers at once on one handle, and processes on a file that is replaced",
          [gtest("property", "property_concurrent_readers")]),
     Goal("E4", "any parts in any order, by any instruction set, make the file of a build",
-         [gtest("property", "property_partition"),
+         [gtest("property", "property_partition"), gtest("property", "property_shared_groups"),
           gtest("fault", "part_processes", "*InstructionSet*")]),
     Goal("F1", "no voxel of 10^10 is further away than the max error",
          [gtest("property", "property_error_bounds"),

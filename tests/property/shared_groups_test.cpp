@@ -40,8 +40,8 @@ std::vector<SmallVolume> wide_volumes() {
   all.push_back(flat(small_volume("many bricks", VoxelType::int16, {512, 448, 9})));
   all.push_back(with(flat(small_volume("masked", VoxelType::int16, {512, 448, 9})), [](auto& v) {
     const auto plane = static_cast<std::ptrdiff_t>(plane_bytes(v.description));
-    for (auto at = v.voxels.begin(); at < v.voxels.end(); at += plane) {
-      std::fill_n(at, plane / 3, std::byte{0});
+    for (std::ptrdiff_t z = 0; z < 9; ++z) {
+      std::fill_n(v.voxels.begin() + z * plane, plane / (z % 4 == 0 ? 2 : 3), std::byte{0});
     }
   }));
   all.push_back(with(small_volume("isotropic", VoxelType::int16, {130, 130, 40}), [](auto& v) {
@@ -134,7 +134,7 @@ TEST(SharedGroups, AnyBandsInAnyOrderMakeTheFileOfABuild) {
     EXPECT_GE(volumes.back().plan().group_count, 2) << name;
     EXPECT_GE(layer_bricks_of(volumes.back().plan()), 9) << name;
   }
-  const std::uint64_t count = case_count(45, 2'000);
+  const std::uint64_t count = case_count(36, 2'000);
   GoalCases cases("E4", "random partitions with shared groups", count);
   std::size_t bands = 0;
   for (std::uint64_t i = 0; cases.next(); ++i) {
@@ -163,8 +163,7 @@ TEST(SharedGroups, BordersInsideAndAtIndexPagesMakeTheFileOfABuild) {
   };
   ASSERT_EQ(layer_bricks_of(volume.plan()), 1056);
   expect_same({0, 1024, 1056});
-  expect_same({0, 1023, 1025, 1056});
-  expect_same({0, 1, 500, 1040, 1056});
+  expect_same({0, 1, 1023, 1025, 1056});
 }
 
 }  // namespace

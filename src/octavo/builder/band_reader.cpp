@@ -80,6 +80,7 @@ BandReader::BandReader(PlaneSource& source, const Levels& levels, std::int64_t f
     }
     hash_plane(*hasher, z, bytes);
     look_at(z);
+    if (z == first) guess_training_bricks();
     keep_ahead(z);
     progress.advance(1);
   }
@@ -103,12 +104,19 @@ void BandReader::make_room_ahead() {
   std::uint64_t bytes = 0;
   for (std::size_t i = next_; i < end_; ++i) bytes += whole_bytes_of(i);
   has_band_ahead_ = bytes <= cut_.bytes;
-  for (std::size_t i = next_; has_band_ahead_ && i < end_; ++i) bands_[0].numbers.push_back(i);
-  if (cut_.share->is_trained_on) bands_[1].numbers = training_numbers(true);
-  for (BrickBand& band : bands_) {
-    for (const std::size_t brick : band.numbers) {
-      band.voxels.emplace_back(static_cast<std::size_t>(whole_bytes_of(brick)));
-    }
+  for (std::size_t i = next_; has_band_ahead_ && i < end_; ++i) {
+    bands_[0].numbers.push_back(i);
+    bands_[0].voxels.emplace_back(static_cast<std::size_t>(whole_bytes_of(i)));
+  }
+}
+
+// By the first plane.
+void BandReader::guess_training_bricks() {
+  if (!cut_.share || !cut_.share->is_trained_on) return;
+  BrickBand& guessed = bands_[1];
+  guessed.numbers = training_numbers();
+  for (const std::size_t brick : guessed.numbers) {
+    guessed.voxels.emplace_back(static_cast<std::size_t>(whole_bytes_of(brick)));
   }
 }
 
@@ -139,7 +147,7 @@ void BandReader::end_ahead() {
 bool BandReader::take_training_ahead() {
   BrickBand& guessed = bands_[1];
   BrickBand chosen;
-  chosen.numbers = training_numbers(false);
+  chosen.numbers = training_numbers();
   for (const std::size_t brick : chosen.numbers) {
     const auto at = std::ranges::lower_bound(guessed.numbers, brick);
     if (at != guessed.numbers.end() && *at == brick) {
@@ -265,12 +273,12 @@ void BandReader::copy_plane(std::int64_t z, BrickBand& band) {
   }
 }
 
-// is_guess  as if no brick were uniform
-std::vector<std::size_t> BandReader::training_numbers(bool is_guess) const {
+// Those that training chooses, by what is known of the bricks.
+std::vector<std::size_t> BandReader::training_numbers() const {
   std::vector<std::size_t> candidates;
   std::vector<std::int64_t> voxel_counts;
   for (std::size_t i = 0; i < bricks_.size(); ++i) {
-    if (is_uniform_[i] != 0 && !is_guess) continue;
+    if (is_uniform_[i] != 0) continue;
     candidates.push_back(i);
     voxel_counts.push_back(levels_.brick_box(0, bricks_[i]).size().voxel_count());
   }
@@ -284,7 +292,7 @@ std::vector<std::size_t> BandReader::training_numbers(bool is_guess) const {
 std::vector<TrainingBrick> BandReader::training_bricks() {
   BrickBand& band = training_band();
   if (!has_training_ahead_) {
-    band.numbers = training_numbers(false);
+    band.numbers = training_numbers();
     read_bricks(band);
   }
   std::vector<TrainingBrick> chosen;

@@ -7,8 +7,8 @@
 //
 // Who encodes a share of the bricks alone reads less often: where the share fits into one band, it
 // is picked up as the planes are read first. So are the bricks that a model is trained on, by a
-// guess that no brick is uniform; where the guess is wrong, and others are needed, planes are read
-// once more for them.
+// guess that the bricks which are uniform in the first plane are so in all; where others are
+// needed, planes are read once more for them.
 #pragma once
 
 #include <array>
@@ -82,9 +82,10 @@ class BandReader {
  private:
   void hash_plane(Hasher& hasher, std::int64_t z, ByteSpan bytes);
   void make_room_ahead();
+  void guess_training_bricks();
   void keep_ahead(std::int64_t z);
   void end_ahead();
-  std::vector<std::size_t> training_numbers(bool is_guess) const;
+  std::vector<std::size_t> training_numbers() const;
   bool take_training_ahead();
   std::uint64_t whole_bytes_of(std::size_t brick) const;
   BrickBand& training_band() { return bands_[cut_.share ? 1 : 0]; }
