@@ -35,6 +35,16 @@ struct ManualArguments {
   std::string folder;
 };
 
+/// A text about octavo with the name of this program.
+std::string of_program(std::string text, const CLI::App& app) {
+  constexpr std::string_view kName = "octavo";
+  const std::string name = option_tree(app).name;
+  for (std::size_t at = 0; (at = text.find(kName, at)) != std::string::npos; at += name.size()) {
+    text.replace(at, kName.size(), name);
+  }
+  return text;
+}
+
 std::string script_for(const std::string& shell, const ProgramEntry& program) {
   if (shell == "zsh") return zsh_completion(program);
   if (shell == "fish") return fish_completion(program);
@@ -56,10 +66,10 @@ int write_pages(const ProgramEntry& program, const std::string& folder, const Co
   std::error_code problem;
   std::filesystem::create_directories(root, problem);
   if (problem) throw Error(ErrorKind::io, problem.message(), folder);
-  write_page(root / "octavo.1", program_page(program, OCTAVO_VERSION), context.force);
+  write_page(root / (program.name + ".1"), program_page(program, OCTAVO_VERSION), context.force);
   for (const VerbEntry& verb : program.verbs) {
-    write_page(root / ("octavo-" + verb.name + ".1"), verb_page(program, verb, OCTAVO_VERSION),
-               context.force);
+    write_page(root / (program.name + "-" + verb.name + ".1"),
+               verb_page(program, verb, OCTAVO_VERSION), context.force);
   }
   return kExitDone;
 }
@@ -78,7 +88,9 @@ int run_manual(const CLI::App& app, const ManualArguments& arguments, const Cont
 
 void add_completion(CLI::App& app, Context& context) {
   const auto shell = std::make_shared<std::string>();
-  Verb verb = add_verb(app, context, kCompletionText, [&app, shell] {
+  const std::string examples = of_program(kCompletionText.examples, app);
+  const VerbText text = {kCompletionText.name, kCompletionText.summary, examples.c_str()};
+  Verb verb = add_verb(app, context, text, [&app, shell] {
     print(script_for(*shell, option_tree(app)));
     return kExitDone;
   });
@@ -90,7 +102,9 @@ void add_completion(CLI::App& app, Context& context) {
 
 void add_manual(CLI::App& app, Context& context) {
   const auto arguments = std::make_shared<ManualArguments>();
-  Verb verb = add_verb(app, context, kManualText, [&app, arguments, &context] {
+  const std::string examples = of_program(kManualText.examples, app);
+  const VerbText text = {kManualText.name, kManualText.summary, examples.c_str()};
+  Verb verb = add_verb(app, context, text, [&app, arguments, &context] {
     return run_manual(app, *arguments, context);
   });
   // This verb is added last, so all verbs are there to be named.

@@ -34,12 +34,18 @@ if(TARGET octavo)
   if(NOT CMAKE_CROSSCOMPILING)
     set(pages ${CMAKE_BINARY_DIR}/share)
     install(DIRECTORY ${pages}/man/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
-    install(FILES ${pages}/completion/octavo
-      DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
-    install(FILES ${pages}/completion/_octavo
-      DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/site-functions)
-    install(FILES ${pages}/completion/octavo.fish
-      DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d)
+    set(completed octavo)
+    if(TARGET octavo-mpi)
+      list(APPEND completed octavo-mpi)
+    endif()
+    foreach(program ${completed})
+      install(FILES ${pages}/completion/${program}
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
+      install(FILES ${pages}/completion/_${program}
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/site-functions)
+      install(FILES ${pages}/completion/${program}.fish
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d)
+    endforeach()
   endif()
 endif()
 

@@ -74,7 +74,7 @@ void add_options(const CLI::App& app, std::vector<const CLI::Option*>& options) 
 }  // namespace
 
 ProgramEntry option_tree(const CLI::App& app) {
-  ProgramEntry program{app.get_description(), app.get_footer(), {}, {}};
+  ProgramEntry program{app.get_name(), app.get_description(), app.get_footer(), {}, {}};
   std::vector<const CLI::Option*> of_program;
   add_options(app, of_program);
   for (const CLI::Option* option : of_program) {

@@ -33,6 +33,7 @@ struct VerbEntry {
 };
 
 struct ProgramEntry {
+  std::string name;                  ///< "octavo"
   std::string summary;
   std::string exit_codes;
   std::vector<OptionEntry> options;  ///< of every verb

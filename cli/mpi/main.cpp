@@ -16,10 +16,16 @@
 #include "mpi/mpi_verbs.h"
 #include "octavo/io/isolation/import_worker.h"
 #include "text/usage_words.h"
+#include "verbs.h"
 
 namespace octavo::cli {
 
 namespace {
+
+constexpr const char* kMpiExitCodes =
+    "Exit codes of the first rank that fails: 0 done; 2 usage; 3 not an 8vo file or a newer\n"
+    "version; 4 damaged; 5 input/output failed, or a rank was lost; 6 limit or memory; 7 source\n"
+    "rejected; 8 internal error; 130/143 stopped. 'octavo-mpi VERB --help' shows the options of a verb.";
 
 /// Whether this process is not the one of its job that speaks, by what launchers say before MPI
 /// starts.
@@ -43,11 +49,14 @@ int run_mpi_program(std::vector<std::string> words) {
   app.set_version_flag("--version", "octavo-mpi " OCTAVO_VERSION);
   app.get_formatter()->column_width(32);
   app.get_formatter()->label("SUBCOMMAND", "VERB");
+  app.footer(kMpiExitCodes);
   app.require_subcommand(1);
   add_global_options(Verb(app), context);
   try {
     add_mpi_build(app, context);
     add_mpi_codes(app, context);
+    add_completion(app, context);
+    add_manual(app, context);
     if (words.empty()) {
       print_once(app.help());
       return kExitUsage;

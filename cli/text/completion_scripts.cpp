@@ -39,6 +39,15 @@ std::string escaped_with(const std::string& text, const std::string& special) {
   return out;
 }
 
+/// Of the function that completes: "_octavo".
+std::string function_name(const ProgramEntry& program) {
+  std::string name = "_" + program.name;
+  for (char& c : name) {
+    if (c == '-') c = '_';
+  }
+  return name;
+}
+
 /// Sets `names`, `words` and `value_words` of one verb.
 std::string bash_case(const ProgramEntry& program, const VerbEntry& verb) {
   std::vector<std::string> names;
@@ -89,8 +98,9 @@ std::string zsh_case(const ProgramEntry& program, const VerbEntry& verb) {
 /// `text` between single quotes of fish.
 std::string fish_quoted(const std::string& text) { return "'" + escaped_with(text, "'\\") + "'"; }
 
-std::string fish_line(const std::string& condition, const OptionEntry& option) {
-  std::string text = "complete -c octavo -n " + fish_quoted(condition);
+std::string fish_line(const ProgramEntry& program, const std::string& condition,
+                      const OptionEntry& option) {
+  std::string text = "complete -c " + program.name + " -n " + fish_quoted(condition);
   for (const std::string& name : option.names) {
     const bool is_long = name.starts_with("--");
     text += is_long ? " -l " + name.substr(2) : " -s " + name.substr(1);
@@ -111,8 +121,8 @@ std::string bash_completion(const ProgramEntry& program) {
   std::string cases;
   for (const VerbEntry& verb : program.verbs) cases += bash_case(program, verb);
   const std::vector<std::string> verbs = verb_names(program);
-  return fmt::format(R"(# bash completion for octavo
-_octavo() {{
+  return fmt::format(R"(# bash completion for {0}
+{1}() {{
   local current=${{COMP_WORDS[COMP_CWORD]}} previous=${{COMP_WORDS[COMP_CWORD-1]}}
   local verb='' names='' words='' values='' word
   # bash takes "--option=value" apart at the sign.
@@ -121,12 +131,12 @@ _octavo() {{
   fi
   for word in "${{COMP_WORDS[@]:1:COMP_CWORD-1}}"; do
     case $word in
-      {}) verb=$word; break ;;
+      {2}) verb=$word; break ;;
     esac
   done
   case $verb in
-    '') words='{}' ;;
-{}  esac
+    '') words='{3}' ;;
+{4}  esac
   if [[ -n $values ]]; then words=$values
   elif [[ $current == -* ]]; then words=$names
   fi
@@ -137,9 +147,10 @@ _octavo() {{
     mapfile -t COMPREPLY < <(compgen -f -- "$current")
   fi
 }}
-complete -F _octavo octavo
+complete -F {1} {0}
 )",
-                     joined(verbs, "|"), joined(verbs, " "), cases);
+                     program.name, function_name(program), joined(verbs, "|"),
+                     joined(verbs, " "), cases);
 }
 
 std::string zsh_completion(const ProgramEntry& program) {
@@ -149,10 +160,10 @@ std::string zsh_completion(const ProgramEntry& program) {
     verbs += "    " + quoted(verb.name + ":" + escaped_with(verb.summary, ":\\")) + "\n";
     cases += zsh_case(program, verb);
   }
-  return fmt::format(R"(#compdef octavo
-_octavo() {{
+  return fmt::format(R"(#compdef {0}
+{1}() {{
   local -a verbs=(
-{}  )
+{2}  )
   if (( CURRENT == 2 )); then
     _describe -t verbs verb verbs
     return
@@ -161,26 +172,26 @@ _octavo() {{
   shift words
   (( CURRENT-- ))
   case $words[1] in
-{}  esac
+{3}  esac
 }}
-_octavo "$@"
+{1} "$@"
 )",
-                     verbs, cases);
+                     program.name, function_name(program), verbs, cases);
 }
 
 std::string fish_completion(const ProgramEntry& program) {
-  std::string text = "# fish completion for octavo\n";
+  std::string text = "# fish completion for " + program.name + "\n";
   for (const VerbEntry& verb : program.verbs) {
-    text += fmt::format("complete -c octavo -n __fish_use_subcommand -f -a {} -d {}\n", verb.name,
-                        fish_quoted(verb.summary));
+    text += fmt::format("complete -c {} -n __fish_use_subcommand -f -a {} -d {}\n", program.name,
+                        verb.name, fish_quoted(verb.summary));
   }
   for (const VerbEntry& verb : program.verbs) {
     for (const OptionEntry& option : verb.options) {
-      text += fish_line("__fish_seen_subcommand_from " + verb.name, option);
+      text += fish_line(program, "__fish_seen_subcommand_from " + verb.name, option);
     }
   }
   const std::string any_verb = "__fish_seen_subcommand_from " + joined(verb_names(program), " ");
-  for (const OptionEntry& option : program.options) text += fish_line(any_verb, option);
+  for (const OptionEntry& option : program.options) text += fish_line(program, any_verb, option);
   return text;
 }
 

@@ -10,7 +10,7 @@ namespace octavo::cli {
 
 /// For bash 4 or later.
 std::string bash_completion(const ProgramEntry& program);
-/// A function _octavo for a folder of zsh's fpath.
+/// A function _octavo, named after the program, for a folder of zsh's fpath.
 std::string zsh_completion(const ProgramEntry& program);
 std::string fish_completion(const ProgramEntry& program);
 

@@ -25,6 +25,11 @@ std::string roff(std::string_view text) {
 std::string bold(std::string_view text) { return "\\fB" + roff(text) + "\\fR"; }
 std::string italic(std::string_view text) { return "\\fI" + roff(text) + "\\fR"; }
 
+std::string upper(std::string text) {
+  for (char& c : text) c = c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
+  return text;
+}
+
 std::string title(const std::string& name, const std::string& version) {
   return fmt::format(".TH {} 1 \"\" \"octavo {}\"\n", roff(name), version);
 }
@@ -90,8 +95,8 @@ std::string option_list(const std::vector<OptionEntry>& options) {
 }
 
 /// "octavo build INPUTS... -o FILE [OPTIONS]": what has to be given, then what may be.
-std::string synopsis(const VerbEntry& verb) {
-  std::string text = bold("octavo " + verb.name);
+std::string synopsis(const ProgramEntry& program, const VerbEntry& verb) {
+  std::string text = bold(program.name + " " + verb.name);
   bool has_more = false;
   for (const OptionEntry& option : verb.options) {
     const std::string dots = option.is_repeatable ? "..." : "";
@@ -109,11 +114,11 @@ std::string synopsis(const VerbEntry& verb) {
 }  // namespace
 
 std::string program_page(const ProgramEntry& program, const std::string& version) {
-  std::string text = title("OCTAVO", version);
-  text += ".SH NAME\noctavo \\- " + roff(program.summary) + "\n";
-  text += ".SH SYNOPSIS\n" + bold("octavo") + " " + italic("VERB") + " " + italic("INPUT") +
+  std::string text = title(upper(program.name), version);
+  text += ".SH NAME\n" + roff(program.name) + " \\- " + roff(program.summary) + "\n";
+  text += ".SH SYNOPSIS\n" + bold(program.name) + " " + italic("VERB") + " " + italic("INPUT") +
           "... [" + bold("-o") + " " + italic("OUTPUT") + "] [" + italic("OPTIONS") + "]\n";
-  text += ".SH VERBS\nEach has a page of its own: " + bold("octavo-build") + "(1).\n";
+  text += ".SH VERBS\nEach has a page of its own: " + bold(program.name + "-build") + "(1).\n";
   for (const VerbEntry& verb : program.verbs) {
     text += ".TP\n" + bold(verb.name) + "\n" + roff(verb.summary) + "\n";
   }
@@ -124,15 +129,15 @@ std::string program_page(const ProgramEntry& program, const std::string& version
 std::string verb_page(const ProgramEntry& program, const VerbEntry& verb,
                       const std::string& version) {
   const auto [words, examples] = parts_of(verb.text);
-  std::string text = title("OCTAVO-" + verb.name, version);
-  text += ".SH NAME\noctavo\\-" + roff(verb.name) + " \\- " + roff(verb.summary) + "\n";
-  text += ".SH SYNOPSIS\n" + synopsis(verb);
+  std::string text = title(upper(program.name) + "-" + verb.name, version);
+  text += ".SH NAME\n" + roff(program.name + "-" + verb.name) + " \\- " + roff(verb.summary) + "\n";
+  text += ".SH SYNOPSIS\n" + synopsis(program, verb);
   if (!words.empty()) text += ".SH DESCRIPTION\n" + paragraphs(words);
   if (!verb.options.empty()) text += ".SH OPTIONS\n" + option_list(verb.options);
   text += ".SH OPTIONS OF EVERY VERB\n" + option_list(program.options);
   if (!examples.empty()) text += ".SH EXAMPLES\n" + paragraphs(examples);
   text += ".SH EXIT STATUS\n" + paragraphs(program.exit_codes);
-  return text + ".SH SEE ALSO\n" + bold("octavo") + "(1)\n";
+  return text + ".SH SEE ALSO\n" + bold(program.name) + "(1)\n";
 }
 
 }  // namespace octavo::cli

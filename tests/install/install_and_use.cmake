@@ -48,3 +48,10 @@ foreach(file share/man/man1/octavo.1 share/man/man1/octavo-build.1
     message(FATAL_ERROR "not installed: ${file}")
   endif()
 endforeach()
+foreach(file share/man/man1/octavo-mpi.1 share/man/man1/octavo-mpi-build.1
+    share/bash-completion/completions/octavo-mpi share/zsh/site-functions/_octavo-mpi
+    share/fish/vendor_completions.d/octavo-mpi.fish)
+  if(EXISTS ${prefix}/bin/octavo-mpi AND NOT EXISTS ${prefix}/${file})
+    message(FATAL_ERROR "not installed: ${file}")
+  endif()
+endforeach()

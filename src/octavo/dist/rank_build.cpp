@@ -153,7 +153,9 @@ BuildResult build(const BuildPlan& plan, PlaneSource& source, Communicator& rank
   require_codec(plan);
   require_planned(plan, source.description());
   check_build_memory(rank_memory_bytes(plan, result.threads) + source.resident_bytes(),
-                     options.work.max_memory_bytes);
+                     options.work.max_memory_bytes,
+                     "; ranks encode whole groups; the parts of a plan may encode bands of them, "
+                     "which need less");
   if (ranks.is_first()) check_target(storage, path, options.overwrite);
 
   // What earlier jobs left
