@@ -143,6 +143,12 @@ class BuildByRanks(ByRanks):
         self.assertIn("thesis 2.8", text)
         self.assertIn("thesis 2.9", text)
 
+    def test_a_limit_below_a_group_says_what_needs_less(self):
+        _, error = self.build(2, "--max-memory", "60M", code=6)
+        self.assertRegex(error, r"the build needs about \d+ MiB of memory; the limit is \d+ MiB")
+        self.assertIn("ranks encode whole groups; the parts of a plan may encode bands", error)
+        self.assertEqual(self.left(), [])
+
     def test_failures_name_rank_and_cause(self):
         (self.folder / "scan.8vo").write_bytes(b"somebody's")
         _, error = self.build(3, code=5)
@@ -153,6 +159,32 @@ class BuildByRanks(ByRanks):
         job = self.start(3, "build", "--no-such-option")
         self.assertEqual(job.communicate()[1].count("octavo: "), 1)
         self.assertEqual(job.returncode, 2)
+
+
+class PagesOfRanks(cli_test.InFolder):
+    def told(self, *arguments):
+        return subprocess.run([OCTAVO_MPI, *arguments], cwd=self.folder, capture_output=True,
+                              text=True, check=True).stdout
+
+    def test_program_and_verbs_have_manual_pages(self):
+        self.told("manual", "-o", "pages")
+        self.assertEqual(sorted(path.name for path in (self.folder / "pages").iterdir()),
+                         sorted(["octavo-mpi.1"] + [f"octavo-mpi-{verb}.1" for verb in
+                                                    ("build", "codes", "completion", "manual")]))
+        page = self.told("manual", "build")
+        self.assertIn("\\fB\\-\\-silent\\-limit\\fR", page)
+        for section in ("SYNOPSIS\n\\fBoctavo\\-mpi build\\fR", "EXAMPLES\n", "EXIT STATUS\n"):
+            self.assertIn(f".SH {section}", page)
+
+    def test_shells_complete_verbs_and_options(self):
+        (self.folder / "script").write_text(self.told("completion", "bash"))
+        asked = ("source ./script; COMP_WORDS=(octavo-mpi build --sil); COMP_CWORD=2; "
+                 "_octavo_mpi; echo ${COMPREPLY[@]}; complete -p octavo-mpi")
+        offered = subprocess.run(["bash", "-c", asked], cwd=self.folder, capture_output=True,
+                                 text=True, check=True).stdout
+        self.assertEqual(offered, "--silent-limit\ncomplete -F _octavo_mpi octavo-mpi\n")
+        self.assertTrue(self.told("completion", "zsh").startswith("#compdef octavo-mpi\n"))
+        self.assertIn("complete -c octavo-mpi -n", self.told("completion", "fish"))
 
 
 class CodesByRanks(ByRanks):
