@@ -24,6 +24,24 @@ struct MeanSample {
 };
 using ClassMeanSamples = std::array<std::vector<MeanSample>, kClasses>;
 
+/// Those of a split axis, of one training sample after the other: sums of real numbers depend on
+/// their order.
+struct AxisMeanSamples {
+  const std::vector<std::array<ClassMeanSamples, 3>>& by_sample;
+  std::size_t axis;
+
+  template <class F>
+  void for_each(std::size_t activity, F&& f) const {
+    for (const auto& one : by_sample) {
+      for (const MeanSample& sample : one[axis][activity]) f(sample);
+    }
+  }
+  bool has(std::size_t activity) const {
+    return std::any_of(by_sample.begin(), by_sample.end(),
+                       [&](const auto& one) { return !one[axis][activity].empty(); });
+  }
+};
+
 /// Weighted sums of products of the terms of samples.
 struct MeanSums {
   double near_near = 0, near_far = 0, far_far = 0;
@@ -144,14 +162,14 @@ double weight_of(const MeanSample& sample, std::optional<double> residual) {
 }
 
 /// About the bits, times 256, that residuals of samples take.
-std::uint64_t code_length(const std::vector<MeanSample>& samples, double far_share,
+std::uint64_t code_length(const AxisMeanSamples& samples, std::size_t activity, double far_share,
                           const MeanWeights& weights) {
   constexpr double kPart = 16;  // of a step between details
   std::uint64_t length = 0;
-  for (const MeanSample& sample : samples) {
+  samples.for_each(activity, [&](const MeanSample& sample) {
     const double residual = std::fabs(residual_of(sample, far_share, weights));
     length += logarithm(static_cast<std::uint64_t>(kPart + kPart * residual));
-  }
+  });
   return length;
 }
 
@@ -163,18 +181,18 @@ struct MeanFit {
 
 /// Fits by squares first, then nearer to the bits that residuals take. Squares follow the steps at
 /// edges, where details are all or nothing: a class that does better without a prediction has none.
-MeanFit fit_means(const ClassMeanSamples& samples) {
+MeanFit fit_means(const AxisMeanSamples& samples) {
   constexpr int kMeanRounds = 3;
   MeanFit fit;
   for (int round = 0; round < kMeanRounds; ++round) {
     ClassMeanSums sums;
     const double share = part_of(fit.far_share);
     for (std::size_t activity = 1; activity < kClasses; ++activity) {
-      for (const MeanSample& sample : samples[activity]) {
+      samples.for_each(activity, [&](const MeanSample& sample) {
         std::optional<double> residual;
         if (round > 0) residual = residual_of(sample, share, fit.of_class[activity]);
         sums[activity].add(sample, weight_of(sample, residual));
-      }
+      });
     }
     fit.far_share = best_far_share(sums);
     for (std::size_t activity = 1; activity < kClasses; ++activity) {
@@ -184,8 +202,8 @@ MeanFit fit_means(const ClassMeanSamples& samples) {
   const double share = part_of(fit.far_share);
   for (std::size_t activity = 1; activity < kClasses; ++activity) {
     MeanWeights& fitted = fit.of_class[activity];
-    if (code_length(samples[activity], share, {}) <=
-        code_length(samples[activity], share, fitted)) {
+    if (code_length(samples, activity, share, {}) <=
+        code_length(samples, activity, share, fitted)) {
       fitted = {};
     }
   }
@@ -220,19 +238,12 @@ void learn_mean_weights(Parameters& p, const std::vector<TrainingSample>& traini
     }
   });
   tbb::parallel_for(std::size_t{0}, std::size_t{3}, [&](std::size_t axis) {
-    // In the order of the training samples: sums of real numbers depend on it.
-    ClassMeanSamples samples;
-    for (const auto& one : by_sample) {
-      for (std::size_t activity = 1; activity < kClasses; ++activity) {
-        samples[activity].insert(samples[activity].end(), one[axis][activity].begin(),
-                                 one[axis][activity].end());
-      }
-    }
+    const AxisMeanSamples samples{by_sample, axis};
     const MeanFit fit = fit_means(samples);
     p.far_shares[group][axis] = fit.far_share;
     for (std::size_t activity = 1; activity < kClasses; ++activity) {
       const MeanWeights& fitted = fit.of_class[activity];
-      if (samples[activity].empty()) continue;
+      if (!samples.has(activity)) continue;
       p.mean_weights[group][axis][activity] =
           fixed_point(fitted.slope, kWeightBits, kMaxMeanWeight);
       p.behind_weights[group][axis][activity] = fixed_point(fitted.behind, kShareBits, kMaxShare);
