@@ -33,17 +33,17 @@ constexpr VerbText kSurfaceText = {
     "outside. A mask ends at the sides of its voxels, and its edges and corners are cut: thin\n"
     "objects lose most, a single voxel five sixths of its volume. Grey values end at the middles\n"
     "of the outer voxels. Volumes come from octavo measure. But for STL and 3MF, files have\n"
-    "normals: of grey values from their gradient. GLB has axes of its own, y up, and meters; with\n"
-    "--max-deviation its points have 16 bits where that has room for their steps. 3MF moves all\n"
+    "normals: of grey values from their gradient. GLB has axes of its own, y up, and meters; its\n"
+    "points have 16 bits where --max-deviation has room for their steps. 3MF moves all\n"
     "objects together until their lower corner is at 0,0,0, where printers have their plate;\n"
-    "other formats keep the place of the scan. --max-deviation takes time: seconds for the bones\n"
-    "of a CT head.\n\n"
+    "other formats keep the place of the scan.\n\n"
     "--seed follows the piece of the surface there from brick to brick: those that it does not\n"
     "pass are not decoded, and how many were is said.\n\n"
-    "--max-deviation takes triangles away as far as every point of the surface stays within that\n"
-    "distance of the full one, and every point of that one within it of the surface, which is\n"
-    "proven: in mm, or as 0.5voxel in shortest sides of a voxel. Pieces and handles stay, and no\n"
-    "triangles cross.\n\n"
+    "The surface has as few triangles as --max-deviation allows: every point of it lies within\n"
+    "that distance of the full one, and every point of that one within it of the surface, which\n"
+    "is proven. It is in mm, or as 0.5voxel in shortest sides of a voxel. Pieces and handles\n"
+    "stay, and no triangles cross. With --max-deviation 0 all triangles stay, which takes less\n"
+    "time and memory.\n\n"
     "--parts makes the surface of each label of a map, all from the same triangles between them:\n"
     "neighbors fit without gaps or overlaps. A folder for -o gets a file for each, named\n"
     "after the label; --part-format says which. With a .ply, .obj, .glb, .vtp or .3mf file all\n"
@@ -53,10 +53,12 @@ constexpr VerbText kSurfaceText = {
     "label would change by more than 1 %; --smooth off keeps the sides of voxels. Where a label\n"
     "touches itself at an edge or a point, points of its surface are moved apart, by about a\n"
     "hundredth of a voxel, so that programs which join points, as of STL, find it closed.\n"
-    "--max-deviation keeps lines where three labels meet as they are, so that parts fit.\n\n"
+    "Lines where three labels meet stay as they are, so that parts fit. Fewer triangles may\n"
+    "change volumes by more than 1 %, of which a warning tells.\n\n"
     "Examples:\n"
     "  octavo surface head.8vo --isovalue 226 -o bone.stl\n"
-    "  octavo surface head.8vo --isovalue 226 --max-deviation 0.5voxel -o light.stl\n"
+    "  octavo surface head.8vo --isovalue 226 --max-deviation 1 -o light.stl\n"
+    "  octavo surface head.8vo --isovalue 226 --max-deviation 0 -o full.stl\n"
     "  octavo surface head.8vo --isovalue 226 -o bone.3mf --report bone.json\n"
     "  octavo surface head.8vo --isovalue 226 --level 1 --seed 64,20,27 -o skull.ply\n"
     "  octavo surface organs.8vo --label liver -o liver.obj --space ras\n"
@@ -74,7 +76,7 @@ struct SurfaceArguments {
   std::vector<std::string> labels;
   std::string seed;
   std::string space = "lps";
-  std::string max_deviation = "0";
+  std::string max_deviation = "0.5voxel";
   int level = 0;
   bool stored = false;
   bool plain = false;
@@ -264,7 +266,7 @@ void add_surface(CLI::App& app, Context& context) {
                   "x,y,z in voxels of the level: only the piece of the surface there")
       ->type_name("X,Y,Z");
   verb.add_option("--max-deviation", arguments->max_deviation,
-                  "Fewer triangles, within this distance of all: mm, or 0.5voxel")
+                  "How far fewer triangles may lie from all: mm, or 0.5voxel; 0 keeps all")
       ->type_name("DISTANCE")
       ->capture_default_str();
   verb.add_option("--report", arguments->report,

@@ -19,6 +19,7 @@ import cli_test
 SIZE = (24, 20, 16)
 SPACING = (0.5, 0.75, 2.0)
 BODY = ((4, 12), (5, 15), (6, 10))
+ALL = ["--max-deviation", "0"]  # triangles
 
 
 def voxels(value):
@@ -68,7 +69,7 @@ class Surfaces(cli_test.InFolder):
         return json.loads(self.expect(0, *arguments, "--json", "--progress", "none").stdout)
 
     def test_files_hold_one_closed_body_outward(self):
-        report = self.json("surface", "grey.8vo", "--isovalue", "50", "-o", "m.stl")
+        report = self.json("surface", "grey.8vo", "--isovalue", "50", *ALL, "-o", "m.stl")
         triangles, header = read_stl(self.folder / "m.stl")
         self.assertIn("SPACE=LPS", header)
         self.assertEqual(report["triangles"], len(triangles))
@@ -78,29 +79,31 @@ class Surfaces(cli_test.InFolder):
         self.assertAlmostEqual(volume_of(triangles), report["volume_mm3"], delta=0.01)
         body = 8 * 10 * 4 * 0.5 * 0.75 * 2
         self.assertAlmostEqual(report["volume_mm3"], body, delta=0.1 * body)
-        self.expect(0, "surface", "mask.8vo", "-o", "m.obj", "-q")
+        self.expect(0, "surface", "mask.8vo", *ALL, "-o", "m.obj", "-q")
         self.assertEqual(open_sides(read_obj(self.folder / "m.obj")), [])
 
     def test_a_seed_takes_its_piece_and_says_what_was_decoded(self):
-        whole = self.json("surface", "mask.8vo", "-o", "whole.stl")
+        whole = self.json("surface", "mask.8vo", *ALL, "-o", "whole.stl")
         self.assertNotIn("decoded_bricks", whole)
         triangles, _ = read_stl(self.folder / "whole.stl")
         index = [place / spacing for place, spacing in zip(triangles[0][0], SPACING)]
         seed = ",".join(map(str, index))
-        piece = self.json("surface", "mask.8vo", "--seed", seed, "-o", "m.stl")
+        piece = self.json("surface", "mask.8vo", "--seed", seed, *ALL, "-o", "m.stl")
         self.assertEqual((piece["triangles"], piece["decoded_bricks"]), (len(triangles), 1))
         self.assertEqual(read_stl(self.folder / "m.stl")[0], triangles)
         text = self.expect(0, "surface", "mask.8vo", "--seed", seed, "-o", "n.stl").stdout
         self.assertIn("out of 1 brick\n", text)
 
     def test_fewer_triangles_within_a_deviation(self):
-        self.expect(0, "surface", "mask.8vo", "-o", "full.stl", "-q")
-        light = self.json("surface", "mask.8vo", "--max-deviation", "0.5voxel", "-o", "m.stl")
+        self.expect(0, "surface", "mask.8vo", *ALL, "-o", "full.stl", "-q")
+        light = self.json("surface", "mask.8vo", "-o", "m.stl")
         triangles, _ = read_stl(self.folder / "m.stl")
         self.assertEqual(open_sides(triangles), [])
         self.assertEqual(light["full_triangles"], len(read_stl(self.folder / "full.stl")[0]))
         self.assertLess(3 * light["triangles"], light["full_triangles"])
         self.assertEqual((light["max_deviation_mm"], light["self_intersections"]), (0.25, 0))
+        self.expect(0, "surface", "mask.8vo", "--max-deviation", "0.5voxel", "-o", "h.stl", "-q")
+        self.assertEqual(read_stl(self.folder / "h.stl")[0], triangles)
         text = self.expect(0, "surface", "mask.8vo", "--max-deviation", "0.1", "-o", "n.stl").stdout
         self.assertIn("proven within 0.1 mm", text)
 
@@ -121,8 +124,8 @@ class Surfaces(cli_test.InFolder):
 
     def test_the_report_stands_beside_the_surface_and_in_it(self):
         for ending in ("stl", "ply", "obj", "glb", "vtp", "3mf"):
-            printed = self.json("surface", "grey.8vo", "--isovalue", "50", "-o", f"m.{ending}",
-                                "--report", "m.json", "-f")
+            printed = self.json("surface", "grey.8vo", "--isovalue", "50", *ALL, "-o",
+                                f"m.{ending}", "--report", "m.json", "-f")
             report = json.loads((self.folder / "m.json").read_text())
             self.assertEqual({key: printed[key] for key in report}, report)
             self.assertEqual(set(printed) - set(report),
@@ -154,14 +157,14 @@ class Surfaces(cli_test.InFolder):
 
     def test_points_of_glb_have_16_bits_within_the_deviation(self):
         for words, number, extensions in [
-                ([], 5126, ["KHR_mesh_quantization", "EXT_meshopt_compression"]),
+                (ALL, 5126, ["KHR_mesh_quantization", "EXT_meshopt_compression"]),
                 (["--max-deviation", "0.1"], 5123,
                  ["KHR_mesh_quantization", "EXT_meshopt_compression"]),
                 (["--max-deviation", "1e-6"], 5126,
                  ["KHR_mesh_quantization", "EXT_meshopt_compression"]),
                 (["--max-deviation", "0.1", "--plain"], 5126, None)]:
             report = self.json("surface", "mask.8vo", "-o", "m.glb", "-f", *words)
-            self.assertEqual(report["max_deviation_mm"], float(words[1]) if words else 0)
+            self.assertEqual(report["max_deviation_mm"], float(words[1]))
             data = (self.folder / "m.glb").read_bytes()
             (size,) = struct.unpack_from("<I", data, 12)
             file = json.loads(data[20:20 + size])
@@ -203,7 +206,7 @@ class Surfaces(cli_test.InFolder):
                 + f"TransformMatrix = 1 0 0 0 1 0 0 0 {last}\nOffset = 30 20 10\n"
                 + "ElementDataFile = v.raw\n")
             self.expect(0, "build", "v.mhd", "--labels", "-o", "v.8vo", "-qf")
-            report = self.json("surface", "v.8vo", "-o", "m.stl", "--space", space, "-f")
+            report = self.json("surface", "v.8vo", *ALL, "-o", "m.stl", "--space", space, "-f")
             triangles, _ = read_stl(self.folder / "m.stl")
             self.assertGreater(report["volume_mm3"], 200)
             self.assertAlmostEqual(volume_of(triangles), report["volume_mm3"], delta=0.1)
@@ -230,7 +233,7 @@ class Surfaces(cli_test.InFolder):
             resource.setrlimit(resource.RLIMIT_FSIZE, (3000, 3000))
 
         for ending in ("stl", "ply", "obj", "glb", "vtp", "3mf"):
-            words = ["surface", "mask.8vo", "-o", f"m.{ending}", "--report", "m.json"]
+            words = ["surface", "mask.8vo", *ALL, "-o", f"m.{ending}", "--report", "m.json"]
             before = sorted(path.name for path in self.folder.iterdir())
             failure = self.expect(5, *words, preexec_fn=limit)
             self.assertIn("File too large", failure.stderr)

@@ -17,6 +17,8 @@ import program_faults
 from program_faults import MOMENTS, InFolder
 import processor_time  # pylint: disable=wrong-import-order
 
+ALL_TRIANGLES = ["--max-deviation", "0"]  # without what takes time and is not written
+
 
 class MeshKills(InFolder):
     check_moments = program_faults.Kills.check_moments
@@ -25,8 +27,8 @@ class MeshKills(InFolder):
         self.expect(0, "phantom", "--size", "70", "--noise", "400", "-o", "p.8vo")
         self.expect(0, "threshold", "p.8vo", "--range", "0:", "-o", "mask.8vo")
         for target, command in [
-                ("out.glb", ["surface", "p.8vo", "--isovalue", "0"]),
-                ("out.3mf", ["surface", "p.8vo", "--isovalue", "0"]),
+                ("out.glb", ["surface", "p.8vo", "--isovalue", "0", *ALL_TRIANGLES]),
+                ("out.3mf", ["surface", "p.8vo", "--isovalue", "0", *ALL_TRIANGLES]),
                 ("out.inp", ["hexahedra", "mask.8vo", "--conforming"])]:
             (self.folder / target).write_bytes(b"old")
             self.check_moments([*command, "-o", target, "--force"], target, max(4, MOMENTS // 4))
@@ -42,7 +44,8 @@ class MeshKills(InFolder):
         (self.folder / "l.raw").write_bytes(large)
         self.expect(0, "build", "l.raw", "--raw", "72,72,72,uint8", "--labels", "--spacing", "1",
                     "-o", "l.8vo")
-        command = ["surface", "l.8vo", "--parts", "-o", "organs", "--progress", "none"]
+        command = ["surface", "l.8vo", "--parts", *ALL_TRIANGLES, "-o", "organs", "--progress",
+                   "none"]
         began = processor_time.of_children()
         self.expect(0, *command)
         seconds = processor_time.of_children() - began
@@ -80,9 +83,11 @@ class MeshDisks(program_faults.Disks):
 
     def commands(self, folder):
         for name in ["x.stl", "x.ply", "x.obj", "x.vtp", "x.glb", "x.3mf"]:
-            yield (["surface", "good.8vo", "--isovalue", "0", "-o", f"{folder}/{name}"],
+            yield (["surface", "good.8vo", "--isovalue", "0", *ALL_TRIANGLES, "-o",
+                    f"{folder}/{name}"],
                    f"{folder}/{name}")
-        yield (["surface", "mask.8vo", "--parts", "--smooth", "off", "-o", f"{folder}/parts"],
+        yield (["surface", "mask.8vo", "--parts", "--smooth", "off", *ALL_TRIANGLES, "-o",
+                f"{folder}/parts"],
                f"{folder}/parts")
         for name in ["x.vtu", "x.inp", "x.msh", "x.mesh"]:
             yield ["hexahedra", "mask.8vo", "-o", f"{folder}/{name}"], f"{folder}/{name}"
