@@ -44,6 +44,11 @@ constexpr VerbText kSurfaceText = {
     "is proven. It is in mm, or as 0.5voxel in shortest sides of a voxel. Pieces and handles\n"
     "stay, and no triangles cross. With --max-deviation 0 all triangles stay, which takes less\n"
     "time and memory.\n\n"
+    "--triangles asks for a number, or for a share of all as 5%: half a voxel of deviation is\n"
+    "tried first, which may allow fewer, and then more and more until there are so many or less.\n"
+    "The deviation that comes of it is proven and printed. Fewer than pieces and handles need are\n"
+    "rejected, with the fewest that were reached. With --parts and --interfaces they are those\n"
+    "between labels, each counted once.\n\n"
     "--parts makes the surface of each label of a map, all from the same triangles between them:\n"
     "neighbors fit without gaps or overlaps. A folder for -o gets a file for each, named\n"
     "after the label; --part-format says which. With a .ply, .obj, .glb, .vtp or .3mf file all\n"
@@ -59,6 +64,7 @@ constexpr VerbText kSurfaceText = {
     "  octavo surface head.8vo --isovalue 226 -o bone.stl\n"
     "  octavo surface head.8vo --isovalue 226 --max-deviation 1 -o light.stl\n"
     "  octavo surface head.8vo --isovalue 226 --max-deviation 0 -o full.stl\n"
+    "  octavo surface head.8vo --isovalue 226 --triangles 5% -o preview.glb\n"
     "  octavo surface head.8vo --isovalue 226 -o bone.3mf --report bone.json\n"
     "  octavo surface head.8vo --isovalue 226 --level 1 --seed 64,20,27 -o skull.ply\n"
     "  octavo surface organs.8vo --label liver -o liver.obj --space ras\n"
@@ -77,6 +83,7 @@ struct SurfaceArguments {
   std::string seed;
   std::string space = "lps";
   std::string max_deviation = "0.5voxel";
+  std::optional<std::string> triangles;
   int level = 0;
   bool stored = false;
   bool plain = false;
@@ -95,6 +102,13 @@ AskedDeviation parse_deviation(const std::string& text) {
   return {parse_number(number, "--max-deviation"), is_in_voxels};
 }
 
+/// "20000", "5%".
+AskedTriangles parse_triangles(const std::string& text) {
+  const bool is_percent = text.ends_with('%');
+  const std::string number = is_percent ? text.substr(0, text.size() - 1) : text;
+  return {parse_number(number, "--triangles"), is_percent};
+}
+
 SurfaceOptions options_of(const SurfaceArguments& arguments, const Context& context) {
   SurfaceOptions options;
   options.input = arguments.input;
@@ -106,6 +120,7 @@ SurfaceOptions options_of(const SurfaceArguments& arguments, const Context& cont
   options.level = arguments.level;
   if (!arguments.seed.empty()) options.seed = parse_point(arguments.seed, "--seed");
   options.max_deviation = parse_deviation(arguments.max_deviation);
+  if (arguments.triangles) options.triangles = parse_triangles(*arguments.triangles);
   options.space = arguments.space == "ras" ? MeshSpace::ras : MeshSpace::lps;
   options.is_plain = arguments.plain;
   options.allows_faults = arguments.allow_open;
@@ -155,6 +170,7 @@ LabelSurfacesOptions label_options_of(const SurfaceArguments& arguments, const C
   }
   options.smoothing_steps = static_cast<int>(steps);
   options.max_deviation = parse_deviation(arguments.max_deviation);
+  if (arguments.triangles) options.triangles = parse_triangles(*arguments.triangles);
   options.space = arguments.space == "ras" ? MeshSpace::ras : MeshSpace::lps;
   return options;
 }
@@ -265,10 +281,14 @@ void add_surface(CLI::App& app, Context& context) {
   verb.add_option("--seed", arguments->seed,
                   "x,y,z in voxels of the level: only the piece of the surface there")
       ->type_name("X,Y,Z");
-  verb.add_option("--max-deviation", arguments->max_deviation,
-                  "How far fewer triangles may lie from all: mm, or 0.5voxel; 0 keeps all")
-      ->type_name("DISTANCE")
-      ->capture_default_str();
+  Option deviation =
+      verb.add_option("--max-deviation", arguments->max_deviation,
+                      "How far fewer triangles may lie from all: mm, or 0.5voxel; 0 keeps all");
+  deviation->type_name("DISTANCE")->capture_default_str();
+  verb.add_option("--triangles", arguments->triangles,
+                  "So many at most: a number, or 5% of all; the deviation is proven and printed")
+      ->type_name("N|P%")
+      ->excludes(deviation);
   verb.add_option("--report", arguments->report,
                   "A file for what is known of the surface, as JSON")
       ->type_name("FILE");

@@ -103,6 +103,18 @@ class LabelSurfaces(cli_test.InFolder):
         self.assertGreater(sum(1 for count in inner.values() if count == 2), 100)
         self.assertGreater(max(row["longest_move_mm"] for row in report["labels"]), 0.1)
 
+    def test_as_few_triangles_between_labels_as_asked(self):
+        full = self.json("surface", "l.8vo", "--parts", "--max-deviation", "0", "-o",
+                         "full.ply")
+        report = self.json("surface", "l.8vo", "--parts", "--triangles", "60%", "-o", "few.ply")
+        self.assertEqual(report["full_interface_triangles"], full["interface_triangles"])
+        self.assertLessEqual(report["interface_triangles"], 0.6 * full["interface_triangles"])
+        self.assertGreater(report["max_deviation_mm"], 0)
+        self.assertTrue(report["closed_manifold"])
+        told = self.expect(2, "surface", "l.8vo", "--parts", "--triangles", "20", "-o", "none.ply")
+        self.assertIn("the fewest that were reached", told.stderr)
+        self.assertFalse((self.folder / "none.ply").exists())
+
     def test_a_label_that_touches_itself_is_manifold_by_its_places(self):
         report = self.json("surface", "l.8vo", "--parts", "--label", "3", "--smooth", "off", *ALL,
                            "-o", "one.obj")

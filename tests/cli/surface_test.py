@@ -68,6 +68,26 @@ class Surfaces(cli_test.InFolder):
     def json(self, *arguments):
         return json.loads(self.expect(0, *arguments, "--json", "--progress", "none").stdout)
 
+    def test_as_few_triangles_as_asked_within_what_is_proven(self):
+        for asked, most in (("30", 30), ("5%", None)):
+            report = self.json("surface", "grey.8vo", "--isovalue", "50", "--triangles", asked,
+                               "-f", "-o", "few.stl")
+            most = most or report["full_triangles"] // 20
+            self.assertLessEqual(report["triangles"], most)
+            self.assertEqual(len(read_stl(self.folder / "few.stl")[0]), report["triangles"])
+            self.assertEqual((report["closed"], report["manifold"], report["self_intersections"]),
+                             (True, True, 0))
+            self.assertGreater(report["max_deviation_mm"], 0)
+        (self.folder / "few.stl").unlink()
+        for asked, words in (("3", "each piece needs four"), ("0", "1 or more"),
+                             ("101%", "up to 100"), ("many", "--triangles")):
+            told = self.expect(2, "surface", "grey.8vo", "--isovalue", "50", "--triangles", asked,
+                               "-o", "few.stl").stderr
+            self.assertIn(words, told)
+        self.expect(2, "surface", "grey.8vo", "--isovalue", "50", "--triangles", "30",
+                    "--max-deviation", "1", "-o", "few.stl")
+        self.assertFalse((self.folder / "few.stl").exists())
+
     def test_files_hold_one_closed_body_outward(self):
         report = self.json("surface", "grey.8vo", "--isovalue", "50", *ALL, "-o", "m.stl")
         triangles, header = read_stl(self.folder / "m.stl")

@@ -98,6 +98,7 @@ class Decimation {
   Decimation(const TriangleMesh& full, const DecimationOptions& options, Progress& progress)
       : full_(full),
         geometry_(options.geometry),
+        part_side_(options.part_side),
         progress_(progress),
         origin_(place_of_point(full.points.front())),
         tolerances_(full.points.size(), 1),
@@ -213,7 +214,7 @@ class Decimation {
 
   void prepare_first() {
     first_ = start_;
-    first_parts_ = cut_in_parts(start_.mesh, geometry_, 0);
+    first_parts_ = cut_in_parts(start_.mesh, geometry_, part_side_, 0);
     start_attached_ = attached_points(start_);
     const std::size_t count = first_parts_.ends.size();
     first_reduced_.resize(count);
@@ -234,7 +235,7 @@ class Decimation {
   /// the round before.
   ReducedSurface reduce_second() {
     stop_if_cancelled();
-    PartTriangles parts = cut_in_parts(first_.mesh, geometry_, 0.5);
+    PartTriangles parts = cut_in_parts(first_.mesh, geometry_, part_side_, 0.5);
     const AttachedPoints attached = attached_points(first_);
     std::vector<ReducedPart> reduced(parts.ends.size());
     ReducedSurface surface;
@@ -522,6 +523,7 @@ class Decimation {
 
   const TriangleMesh& full_;
   const Geometry& geometry_;
+  double part_side_ = 0;  // voxels
   Progress& progress_;
   Point3 origin_;         // near which places are computed
   double deviation_ = 0;  // that is proven

@@ -1,12 +1,13 @@
 // A surface with few triangles that is proven to lie within a distance of the full one, and the
 // full one within that distance of it.
 //
-// Triangles are cut into parts, cubes of 32 voxels, whose edges are collapsed (collapse.h); points
-// that parts share stay. A second pass, its cubes shifted by half their side, takes those. Then
-// both distances are proven (certificate.h), and that no triangles cross and no piece is turned
-// inside out. Where that fails the points around get a smaller tolerance, in the end none, and all
-// is done again where it could come out otherwise: since the full surface passes, this ends. Parts
-// depend on nothing but their triangles, so the result does not depend on threads.
+// Triangles are cut into parts, cubes of 32 voxels or as asked, whose edges are collapsed
+// (collapse.h); points that parts share stay. A second pass, its cubes shifted by half their side,
+// takes those. Then both distances are proven (certificate.h), and that no triangles cross and no
+// piece is turned inside out. Where that fails the points around get a smaller tolerance, in the
+// end none, and all is done again where it could come out otherwise: since the full surface
+// passes, this ends. Parts depend on nothing but their triangles, so the result does not depend on
+// threads.
 //
 // Components, handles and closedness stay as they are.
 #pragma once
@@ -26,6 +27,8 @@ struct DecimationOptions {
   Geometry geometry;            ///< of the grid that the surface was taken from
   /// Points of the full surface that stay where they are.
   std::span<const std::uint32_t> locked = {};
+  /// Of the cubes that the surface is cut into, in voxels; above 0.
+  double part_side = 32;
 };
 
 struct Decimated {

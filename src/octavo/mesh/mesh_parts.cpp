@@ -13,12 +13,12 @@ namespace octavo {
 
 namespace {
 
-constexpr double kPartSide = 32;  // voxels
 constexpr std::uint32_t kNoPart = 0xffffffff;
 
 }  // namespace
 
-PartTriangles cut_in_parts(const TriangleMesh& mesh, const Geometry& geometry, double shift) {
+PartTriangles cut_in_parts(const TriangleMesh& mesh, const Geometry& geometry, double side,
+                           double shift) {
   std::vector<std::pair<PartPlace, std::uint32_t>> placed(mesh.triangles.size());
   tbb::parallel_for(std::size_t{0}, placed.size(), [&](std::size_t i) {
     const TrianglePlaces places = places_of(mesh, mesh.triangles[i]);
@@ -26,7 +26,7 @@ PartTriangles cut_in_parts(const TriangleMesh& mesh, const Geometry& geometry, d
         geometry.to_index(scaled(sum(sum(places[0], places[1]), places[2]), 1.0 / 3));
     for (std::size_t axis = 0; axis < 3; ++axis) {
       placed[i].first[2 - axis] =
-          static_cast<std::int32_t>(std::floor((middle[axis] + 1) / kPartSide + shift));
+          static_cast<std::int32_t>(std::floor((middle[axis] + 1) / side + shift));
     }
     placed[i].second = static_cast<std::uint32_t>(i);
   });

@@ -1,4 +1,4 @@
-// A mesh cut into parts: the triangles whose middles lie in the same cube of 32 voxels.
+// A mesh cut into parts: the triangles whose middles lie in the same cube.
 #pragma once
 
 #include <array>
@@ -29,7 +29,9 @@ struct PartTriangles {
 };
 
 /// Of a mesh with triangles, taken from a grid. Uses the threads of the calling task arena.
+/// side   of the cubes in voxels, above 0
 /// shift  of the cubes, as a share of their side
-PartTriangles cut_in_parts(const TriangleMesh& mesh, const Geometry& geometry, double shift);
+PartTriangles cut_in_parts(const TriangleMesh& mesh, const Geometry& geometry, double side,
+                           double shift);
 
 }  // namespace octavo

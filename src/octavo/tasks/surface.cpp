@@ -12,14 +12,13 @@
 #include "octavo/core/error.h"
 #include "octavo/core/sha256.h"
 #include "octavo/core/text.h"
-#include "octavo/mesh/decimation.h"
 #include "octavo/mesh/extraction.h"
-#include "octavo/mesh/formats/grid_mesh.h"
 #include "octavo/mesh/formats/mesh_bytes.h"
 #include "octavo/mesh/mesh_normals.h"
 #include "octavo/mesh/surface_piece.h"
 #include "octavo/tasks/inputs.h"
 #include "octavo/tasks/range_words.h"
+#include "octavo/tasks/surfaces/reduced_mesh.h"
 #include "octavo/tasks/surfaces/surface_file.h"
 #include "octavo/tasks/surfaces/surface_report.h"
 #include "octavo/tasks/value_ranges.h"
@@ -179,40 +178,6 @@ TriangleMesh piece_at_seed(const FileReader& reader, const SurfaceField& field,
   return std::move(piece->mesh);
 }
 
-/// A grid for what lies within the deviation of a mesh; nothing where its steps take much of that.
-std::optional<PointGrid> grid_within(const TriangleMesh& mesh, double deviation_mm) {
-  constexpr double kShare = 0.25;
-  const PointGrid grid = PointGrid::around(mesh, deviation_mm);
-  if (grid.largest_move_mm() > kShare * deviation_mm) return std::nullopt;
-  return grid;
-}
-
-/// Takes triangles away as far as the deviation allows, less what moving points to a grid takes.
-/// Returns the grid that the points lie on in the end, if any
-std::optional<PointGrid> reduce_mesh(TriangleMesh& mesh, const Geometry& geometry,
-                                     bool wants_grid, const TaskContext& context,
-                                     SurfaceResult& result) {
-  require_numbered(mesh.triangles.size());
-  constexpr std::uint64_t kBytesPerPoint = 500;
-  context.require_memory(kBytesPerPoint * mesh.points.size(), "the surface");
-  const double deviation = result.max_deviation_mm;
-  std::optional<PointGrid> grid;
-  if (wants_grid) grid = grid_within(mesh, deviation);
-  if (grid) result.max_deviation_mm -= grid->largest_move_mm();
-  Decimated reduced;
-  std::optional<TriangleMesh> moved;
-  context.on_threads([&] {
-    reduced = decimate(mesh, {result.max_deviation_mm, geometry}, context.watcher());
-    if (!grid || reduced.crossing_triangles > 0) return;
-    moved = mesh_on_grid(reduced.mesh, *grid, context.watcher());
-  });
-  result.crossing_triangles = reduced.crossing_triangles;
-  if (moved) result.max_deviation_mm = deviation;
-  else grid.reset();
-  mesh = moved ? *std::move(moved) : std::move(reduced.mesh);
-  return grid;
-}
-
 /// The smallest and the largest of each coordinate.
 std::array<MeshPoint, 2> bounds_of(const TriangleMesh& mesh, MeshSpace space) {
   const MeshPoint first = in_space(mesh.points.front(), space);
@@ -251,6 +216,19 @@ std::vector<std::string> comments_of(const SurfaceOptions& options, const FileRe
 
 }  // namespace
 
+std::uint64_t triangle_limit(const AskedTriangles& asked, std::uint64_t full_count) {
+  const double amount = asked.amount;
+  const bool is_fit = asked.is_percent ? amount > 0 && amount <= 100
+                                       : amount >= 1 && amount < 0x1p53 &&
+                                             amount == std::floor(amount);
+  if (!is_fit) {
+    throw Error(ErrorKind::invalid_argument,
+                "triangles are a number of 1 or more, or a share above 0 % and up to 100 %");
+  }
+  if (!asked.is_percent) return static_cast<std::uint64_t>(amount);
+  return static_cast<std::uint64_t>(std::floor(static_cast<double>(full_count) * amount / 100));
+}
+
 double deviation_mm(const AskedDeviation& asked, const Geometry& geometry) {
   if (!(asked.amount >= 0) || !std::isfinite(asked.amount)) {
     throw Error(ErrorKind::invalid_argument, "the deviation must be a number of 0 or more");
@@ -265,6 +243,7 @@ SurfaceResult surface(const SurfaceOptions& options, const TaskContext& context)
   const VolumeDescription& volume = reader->description();
   require_level(reader->levels(), options.level);
   deviation_mm(options.max_deviation, volume.geometry);
+  if (options.triangles) triangle_limit(*options.triangles, 1);
   check_kind(options, volume);
   if (!options.labels.is_empty()) {
     const LabelNames& names = volume.metadata.facts().labels;
@@ -287,8 +266,11 @@ SurfaceResult surface(const SurfaceOptions& options, const TaskContext& context)
   result.full_triangle_count = mesh.triangles.size();
   result.max_deviation_mm = deviation_mm(options.max_deviation, geometry);
   std::optional<PointGrid> grid;
-  if (result.max_deviation_mm > 0) {
-    const bool wants_grid = format == MeshFormat::glb && !options.is_plain;
+  const bool wants_grid = format == MeshFormat::glb && !options.is_plain;
+  if (options.triangles) {
+    grid = reduce_mesh_to(triangle_limit(*options.triangles, mesh.triangles.size()), mesh,
+                          geometry, wants_grid, context, result);
+  } else if (result.max_deviation_mm > 0) {
     grid = reduce_mesh(mesh, geometry, wants_grid, context, result);
   }
   result.point_count = mesh.points.size();

@@ -21,6 +21,17 @@ struct AskedDeviation {
   bool is_in_voxels = true;  ///< of the shortest side of a voxel of the level; else mm
 };
 
+/// How many triangles a surface may have at most.
+struct AskedTriangles {
+  double amount = 0;
+  bool is_percent = false;  ///< of the full surface
+};
+
+/// Of a full surface with so many, rounded down.
+/// Throws Error{invalid_argument} unless it is a whole number of 1 or more, or a share above 0 %
+/// and up to 100 %
+std::uint64_t triangle_limit(const AskedTriangles& asked, std::uint64_t full_count);
+
 /// In mm, of voxels of a geometry.
 /// Throws Error{invalid_argument} unless it is a number of 0 or more
 double deviation_mm(const AskedDeviation& asked, const Geometry& geometry);
@@ -38,6 +49,9 @@ struct SurfaceOptions {
   /// that it does not pass are not decoded.
   std::optional<Point3> seed;
   AskedDeviation max_deviation;
+  /// Instead of a deviation: the surface has as many triangles at most, and how far it lies is
+  /// proven.
+  std::optional<AskedTriangles> triangles;
   MeshSpace space = MeshSpace::lps;
   bool is_plain = false;  ///< a .glb file without compression, for programs that know none
   bool allows_faults = false;  ///< a surface that is not closed or not manifold is written as well
@@ -66,7 +80,8 @@ struct SurfaceResult {
 /// that have normals those of the grey values at the points that are written.
 /// Throws  as open_volume, require_free, labels_of, extract_surface and write_mesh;
 ///         Error{invalid_argument} where no voxel lies inside, for a seed that no surface
-///         passes within a voxel, when options do not go together or with the volume
+///         passes within a voxel, for triangles fewer than the surface can be made of, when
+///         options do not go together or with the volume
 /// Memory  that of extract_surface or surface_piece, 36 bytes per triangle of the surface, and as
 ///         much again while it is checked; with a deviation that of decimate
 SurfaceResult surface(const SurfaceOptions& options, const TaskContext& context);

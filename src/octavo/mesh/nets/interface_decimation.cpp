@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "octavo/mesh/decimation.h"
+#include "octavo/mesh/triangle_limit.h"
 #include "octavo/mesh/triangle_tree.h"
 
 namespace octavo {
@@ -226,6 +227,26 @@ class InterfaceDecimation {
 DecimatedInterfaces decimate_interfaces(const InterfaceMesh& full, double max_deviation_mm,
                                         const Geometry& geometry, Progress& progress) {
   return InterfaceDecimation(full, max_deviation_mm, geometry, progress).reduced();
+}
+
+LimitedInterfaces decimate_interfaces_to(const InterfaceMesh& full, std::uint64_t limit,
+                                         const Geometry& geometry, Progress& progress) {
+  DeviationSearch search = search_to(limit, full.mesh, geometry);
+  const auto reduce = [&](const DecimatedInterfaces& base, double deviation) {
+    return decimate_interfaces(base.interfaces, deviation, geometry, progress);
+  };
+  const auto count = [](const DecimatedInterfaces& tried) {
+    return tried.interfaces.mesh.triangles.size();
+  };
+  auto found = searched_surface(search, DecimatedInterfaces{full, 0}, reduce, count);
+  LimitedInterfaces limited;
+  limited.triangle_count = search.fewest();
+  if (!found) return limited;
+  limited.is_reached = true;
+  limited.reduced = std::move(found->first);
+  limited.triangle_count = limited.reduced.interfaces.mesh.triangles.size();
+  limited.max_deviation_mm = found->second;
+  return limited;
 }
 
 }  // namespace octavo

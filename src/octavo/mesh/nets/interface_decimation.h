@@ -31,4 +31,16 @@ struct DecimatedInterfaces {
 DecimatedInterfaces decimate_interfaces(const InterfaceMesh& full, double max_deviation_mm,
                                         const Geometry& geometry, Progress& progress);
 
+struct LimitedInterfaces {
+  bool is_reached = false;  ///< else there are no interfaces
+  /// Of them, or where the limit was not reached of those that have fewest.
+  std::uint64_t triangle_count = 0;
+  DecimatedInterfaces reduced;
+  double max_deviation_mm = 0;  ///< proven, in both directions
+};
+
+/// Decimates to `limit` triangles or fewer, as decimate_to (triangle_limit.h).
+LimitedInterfaces decimate_interfaces_to(const InterfaceMesh& full, std::uint64_t limit,
+                                         const Geometry& geometry, Progress& progress);
+
 }  // namespace octavo

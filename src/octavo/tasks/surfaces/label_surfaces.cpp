@@ -24,6 +24,7 @@
 #include "octavo/tasks/inputs.h"
 #include "octavo/tasks/surfaces/part_folder.h"
 #include "octavo/tasks/surfaces/part_names.h"
+#include "octavo/tasks/surfaces/reduced_mesh.h"
 #include "octavo/tasks/volume_facts.h"
 #include "octavo/tasks/volume_parts.h"
 
@@ -65,6 +66,7 @@ class LabelSurfaceWriter {
     check_labels_to_write();
     geometry_ = reader_->levels().geometry(reader_->description().geometry, options.level);
     result_.max_deviation_mm = deviation_mm(options.max_deviation, geometry_);
+    if (options.triangles) triangle_limit(*options.triangles, 1);
   }
 
   LabelSurfacesResult write() {
@@ -164,22 +166,36 @@ class LabelSurfaceWriter {
     result_.voxel_digest = reader_->voxel_digest();
     result_.pair_count = net.pairs.size();
     result_.full_triangle_count = surfaces_.interfaces.mesh.triangles.size();
-    if (result_.max_deviation_mm > 0) reduce();
+    if (options_.triangles || result_.max_deviation_mm > 0) reduce();
     result_.reduced_triangle_count = surfaces_.interfaces.mesh.triangles.size();
   }
 
-  /// Takes triangles away as far as the deviation allows.
+  /// Takes triangles away as far as the deviation allows, or as are asked for.
   void reduce() {
     const TriangleMesh& mesh = surfaces_.interfaces.mesh;
     constexpr std::uint64_t kBytesPerPoint = 600;
     context_.require_memory(kBytesPerPoint * mesh.points.size(), "the surface");
     DecimatedInterfaces reduced;
-    context_.on_threads([&] {
-      reduced = decimate_interfaces(surfaces_.interfaces, result_.max_deviation_mm, geometry_,
-                                    context_.watcher());
-    });
+    if (options_.triangles) {
+      reduced = reduced_to(triangle_limit(*options_.triangles, mesh.triangles.size()));
+    } else {
+      context_.on_threads([&] {
+        reduced = decimate_interfaces(surfaces_.interfaces, result_.max_deviation_mm, geometry_,
+                                      context_.watcher());
+      });
+    }
     surfaces_.interfaces = std::move(reduced.interfaces);
     result_.crossing_triangles = reduced.crossing_triangles;
+  }
+
+  DecimatedInterfaces reduced_to(std::uint64_t limit) {
+    LimitedInterfaces limited;
+    context_.on_threads([&] {
+      limited = decimate_interfaces_to(surfaces_.interfaces, limit, geometry_, context_.watcher());
+    });
+    if (!limited.is_reached) reject_limit(limit, limited.triangle_count);
+    result_.max_deviation_mm = limited.max_deviation_mm;
+    return std::move(limited.reduced);
   }
 
   void check_asked() const {

@@ -34,6 +34,8 @@ struct LabelSurfacesOptions {
   int smoothing_steps = 20;  ///< 0: sides of voxels stay as they are
   /// Of surfaces with fewer triangles; lines where three labels meet stay as they are.
   AskedDeviation max_deviation;
+  /// Instead of a deviation: the surfaces between labels, each counted once, have as many at most.
+  std::optional<AskedTriangles> triangles;
   MeshSpace space = MeshSpace::lps;
 };
 
@@ -77,7 +79,8 @@ struct LabelSurfacesResult {
 /// their names when all are complete. Warns where a volume changes by more than 1 %.
 /// Throws  as open_labels, require_free, labels_of, extract_net and write_mesh;
 ///         Error{invalid_argument} where no voxel has a label, for a label that is not there, for
-///         formats that cannot hold what is asked for
+///         triangles fewer than the surfaces can be made of, for formats that cannot hold what is
+///         asked for
 /// Memory  130 bytes per triangle of the surfaces, and twice the part that is written; all parts
 ///         where they go into one file; with a deviation that of decimate_interfaces
 LabelSurfacesResult label_surfaces(const LabelSurfacesOptions& options,

@@ -57,6 +57,18 @@ class ColoredBall : public ::testing::Test {
   InterfaceMesh full_;
 };
 
+TEST_F(ColoredBall, HasAsFewTrianglesAsAskedWithinWhatIsProven) {
+  const std::uint64_t limit = full_.mesh.triangles.size() / 5;
+  const LimitedInterfaces limited = decimate_interfaces_to(full_, limit, {}, progress_);
+  ASSERT_TRUE(limited.is_reached) << limited.triangle_count;
+  const TriangleMesh& mesh = limited.reduced.interfaces.mesh;
+  EXPECT_LE(mesh.triangles.size(), limit);
+  EXPECT_EQ(limited.triangle_count, mesh.triangles.size());
+  EXPECT_GT(limited.max_deviation_mm, 0.4);
+  EXPECT_LE(largest_distance(full_.mesh, mesh), limited.max_deviation_mm);
+  EXPECT_LE(largest_distance(mesh, full_.mesh), limited.max_deviation_mm);
+}
+
 TEST_F(ColoredBall, PartsStayManifoldAndNear) {
   const DecimatedInterfaces reduced = decimate_interfaces(full_, 0.5, {}, progress_);
   EXPECT_EQ(reduced.crossing_triangles, 0u);

@@ -1,0 +1,66 @@
+#include "octavo/mesh/triangle_limit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "octavo/mesh/decimation.h"
+#include "octavo/mesh/measured_deviation.h"
+#include "octavo/mesh/mesh_pieces.h"
+#include "octavo/mesh/triangle_tree.h"
+
+namespace octavo {
+
+namespace {
+
+constexpr double kFirstShare = 0.5;      // of the shortest side of a voxel
+constexpr double kMeasuringMargin = 1e-5;  // of it
+
+double shortest_side(const Geometry& geometry) {
+  const auto& [x, y, z] = geometry.spacing_mm;
+  return std::min({x, y, z});
+}
+
+double diagonal_of(const TriangleMesh& mesh) {
+  SpaceBox box;
+  for (const MeshPoint& point : mesh.points) box.add(point);
+  return std::hypot(box.hi[0] - box.lo[0], box.hi[1] - box.lo[1], box.hi[2] - box.lo[2]);
+}
+
+}  // namespace
+
+DeviationSearch search_to(std::uint64_t limit, const TriangleMesh& full,
+                          const Geometry& geometry) {
+  return {limit, kFirstShare * shortest_side(geometry), diagonal_of(full)};
+}
+
+LimitedSurface decimate_to(const TriangleMesh& full, std::uint64_t limit,
+                           const Geometry& geometry, Progress& progress) {
+  DeviationSearch search = search_to(limit, full, geometry);
+  const auto reduce = [&](const TriangleMesh& base, double deviation) {
+    // Fewer triangles take larger parts, so that as many of their points are free.
+    DecimationOptions options{deviation, geometry};
+    options.part_side *= std::sqrt(static_cast<double>(full.triangles.size()) /
+                                   static_cast<double>(base.triangles.size()));
+    return decimate(base, options, progress).mesh;
+  };
+  auto found = searched_surface(search, full, reduce,
+                                [](const TriangleMesh& mesh) { return mesh.triangles.size(); });
+  LimitedSurface limited;
+  limited.triangle_count = search.fewest();
+  if (!found) return limited;
+  limited.is_reached = true;
+  limited.mesh = std::move(found->first);
+  limited.triangle_count = limited.mesh.triangles.size();
+  limited.max_deviation_mm =
+      measured_deviation(full, limited.mesh, found->second,
+                         kMeasuringMargin * shortest_side(geometry), progress);
+  limited.crossing_triangles =
+      crossing_triangles(TriangleTree(limited.mesh), progress).size();
+  return limited;
+}
+
+std::uint64_t fewest_possible(const TriangleMesh& full) { return 4 * mesh_pieces(full).count; }
+
+}  // namespace octavo

@@ -1,0 +1,33 @@
+// A surface with fewer triangles, as a deviation or a number of them asks, and where its file keeps
+// points on a grid, with those moved there.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "octavo/core/geometry.h"
+#include "octavo/core/triangle_mesh.h"
+#include "octavo/mesh/formats/point_grid.h"
+#include "octavo/tasks/surface.h"
+#include "octavo/tasks/task_context.h"
+
+namespace octavo {
+
+/// Takes triangles away as far as the deviation of the result allows, less what moving points to a
+/// grid takes; sets what the result says of triangles that cross.
+/// Returns the grid that the points lie on in the end, if any
+std::optional<PointGrid> reduce_mesh(TriangleMesh& mesh, const Geometry& geometry,
+                                     bool wants_grid, const TaskContext& context,
+                                     SurfaceResult& result);
+
+/// Takes triangles away until there are `limit` or fewer; sets the deviation of the result as well.
+/// Throws Error{invalid_argument} where the surface cannot be made of so few
+std::optional<PointGrid> reduce_mesh_to(std::uint64_t limit, TriangleMesh& mesh,
+                                        const Geometry& geometry, bool wants_grid,
+                                        const TaskContext& context, SurfaceResult& result);
+
+/// Throws the error of a surface that cannot be made of so few triangles.
+/// fewest  that it has been made of
+[[noreturn]] void reject_limit(std::uint64_t limit, std::uint64_t fewest);
+
+}  // namespace octavo
