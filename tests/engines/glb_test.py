@@ -3,7 +3,7 @@
 
 usage: glb_test.py OCTAVO MODULES [unittest arguments]
 
-Triangles are those of the same surface as OBJ, read by meshio, each with its orientation; where
+Triangles are those of the same surface as STL, read by meshio, each with its orientation; where
 points were moved to a grid of 16 bits, area and volume are those that the report says.
 """
 
@@ -31,8 +31,9 @@ def in_patient(points):
 
 
 def sorted_triangles(points, triangles):
-    """Places of the corners of all triangles, as they are written, whatever their order."""
-    corners = (points.astype(numpy.float32) + 0)[triangles]  # -0 is 0
+    """Places of the corners of all triangles, in nanometers, whatever their order."""
+    no_tie = 0.123  # Coordinates are binary fractions.
+    corners = numpy.rint(1e6 * points + no_tie).astype(int)[triangles]
     rows = []
     for triangle in corners.tolist():
         first = triangle.index(min(triangle))
@@ -75,25 +76,35 @@ class Glb(unittest.TestCase):
         self.assertEqual(found["triangles"], sum(len(p["numbers"]) for p in found["parts"]))
         return found["parts"]
 
-    def check_like_obj(self, *surface):
-        self.octavo("surface", *surface, "-o", "m.obj", "-f")
-        mesh = meshio.read(self.folder / "m.obj")
-        expected = sorted_triangles(mesh.points.astype(float), mesh.cells_dict["triangle"])
-        self.assertGreater(len(expected), 1000)
-        for plain in ([], ["--plain"]) if "--parts" not in surface else ([],):
-            self.octavo("surface", *surface, *plain, "-o", "m.glb", "-f")
-            found = []
-            for part in self.read("m.glb"):
-                found += sorted_triangles(part["points"], part["numbers"])
-                lengths = numpy.linalg.norm(part["normals"], axis=1)
-                self.assertLess(numpy.abs(lengths - 1).max(), 0.02)
-            self.assertEqual(sorted(found), expected, plain)
+    def triangles_of_stl(self, *names):
+        found = []
+        for name in names:
+            mesh = meshio.read(self.folder / name)
+            found += sorted_triangles(mesh.points.astype(float), mesh.cells_dict["triangle"])
+        self.assertGreater(len(found), 1000)
+        return sorted(found)
 
-    def test_all_triangles_are_those_of_obj(self):
-        self.check_like_obj("p.8vo", "--isovalue", "300", "--max-deviation", "0")
+    def check(self, expected, *surface):
+        self.octavo("surface", *surface, "-o", "m.glb", "-f")
+        found = []
+        for part in self.read("m.glb"):
+            found += sorted_triangles(part["points"], part["numbers"])
+            lengths = numpy.linalg.norm(part["normals"], axis=1)
+            self.assertLess(numpy.abs(lengths - 1).max(), 0.02)
+        self.assertTrue(sorted(found) == expected, surface)
 
-    def test_parts_are_those_of_obj(self):
-        self.check_like_obj("l.8vo", "--parts", "--max-deviation", "0")
+    def test_all_triangles_are_those_of_stl(self):
+        surface = ["p.8vo", "--isovalue", "300", "--max-deviation", "0"]
+        self.octavo("surface", *surface, "-o", "m.stl")
+        expected = self.triangles_of_stl("m.stl")
+        self.check(expected, *surface)
+        self.check(expected, *surface, "--plain")
+
+    def test_parts_are_those_of_stl(self):
+        surface = ["l.8vo", "--parts", "--max-deviation", "0"]
+        self.octavo("surface", *surface, "-o", "parts")
+        expected = self.triangles_of_stl("parts/label_1.stl", "parts/label_2.stl")
+        self.check(expected, *surface)
 
     def test_points_of_16_bits_enclose_what_the_report_says(self):
         report = json.loads(self.octavo("surface", "p.8vo", "--isovalue", "300", "--max-deviation",
