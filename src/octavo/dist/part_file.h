@@ -35,8 +35,8 @@
 
 namespace octavo {
 
-inline constexpr std::uint32_t kPartVersion = 2;
-inline constexpr std::uint32_t kBandVersion = 2;  ///< of parts that hold a band
+inline constexpr std::uint32_t kPartVersion = 3;
+inline constexpr std::uint32_t kBandVersion = 4;  ///< of parts that hold a band
 
 /// Writes the bricks of a part. Destroyed before finish() it leaves nothing.
 class PartWriter final : public BrickSink {
