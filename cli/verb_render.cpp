@@ -1,6 +1,8 @@
 // octavo render: pictures of what an octree holds, seen from a side.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <iterator>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -30,6 +32,14 @@ constexpr VerbText kRenderText = {
     "both. Both are fitted to what is drawn. transparency lets what lies inside a grey volume\n"
     "shine through what lies around it, summed or averaged along the lines of voxels that are\n"
     "nearest to the view: one of 26 directions.\n\n"
+    "Rays see grey values from any side: volume by colors and opacities of --transfer, in light;\n"
+    "mip and minip the highest and the lowest value along each ray, mean their mean, iso the\n"
+    "surface at --isovalue. --transfer is bone, skin, vessels, lung (all in HU), mr, lightsheet\n"
+    "or a JSON file: {\"points\": [{\"value\": 150, \"color\": \"#d6a880\",\n"
+    "\"opacity\": 0}, ...]}, with \"layer_mm\" the thickness that has these opacities (default:\n"
+    "the finest spacing) and \"relative\": true where 0 to 1 span the values. Without --level\n"
+    "the picture is of the coarsest level whose voxels are no longer than a pixel; bricks that no\n"
+    "ray comes to are not decoded.\n\n"
     "A label map has one color per label; --label and --range choose labels. A grey volume needs\n"
     "--range or --tissue (air, lung, fat, soft, contrast, bone, as in octavo threshold); several\n"
     "are several colors; where they overlap tissues go before ranges, then the one named first. A\n"
@@ -50,8 +60,23 @@ constexpr VerbText kRenderText = {
     "  octavo render atlas.8vo --direction left --size 800x600 --background white -o atlas.png\n"
     "  octavo render organs.8vo --mode surface --label liver --label 7 -o liver.png\n"
     "  octavo render head.8vo --mode transparency --direction front -o head.png\n"
+    "  octavo render head.8vo --mode volume --transfer skin --azimuth 30 -o head.png\n"
+    "  octavo render head.8vo --mode iso --isovalue 226 --perspective 30 -o skull.png\n"
+    "  octavo render head.8vo --mode mip --direction left -o mip.png\n"
     "  octavo render rock.8vo --mode transparency --range 90:120=sand:0.01 --range 200:=red:0.2 "
     "-o ores.png"};
+
+struct NamedMode {
+  const char* name;
+  RenderMode mode;
+};
+
+constexpr NamedMode kModes[] = {
+    {"cubes", RenderMode::cubes},   {"surface", RenderMode::surface},
+    {"transparency", RenderMode::transparency},
+    {"volume", RenderMode::volume}, {"mip", RenderMode::mip},
+    {"minip", RenderMode::minip},   {"mean", RenderMode::mean},
+    {"iso", RenderMode::iso}};
 
 struct RenderArguments {
   std::string input;
@@ -68,7 +93,10 @@ struct RenderArguments {
   std::vector<std::string> tissues;
   std::vector<std::string> labels;
   std::vector<std::string> cuts;
-  int level = 0;
+  std::optional<int> level;
+  std::string transfer;
+  std::optional<double> isovalue;
+  std::optional<double> perspective;
   int turntable = 0;
   std::optional<double> fade;
   bool is_average = false;
@@ -155,17 +183,21 @@ Window parse_window(const std::string& text) {
     if (window.width > 0) return window;
   }
   throw Error(ErrorKind::invalid_argument,
-              fmt::format("--window: '{}'; expected CENTER,WIDTH of the sums, a width above 0",
+              fmt::format("--window: '{}'; expected CENTER,WIDTH, a width above 0",
                           escaped(text)));
+}
+
+RenderMode mode_of(const std::string& name) {
+  const auto mode = std::find_if(std::begin(kModes), std::end(kModes),
+                                 [&](const NamedMode& one) { return name == one.name; });
+  return mode->mode;
 }
 
 RenderOptions options_of(const RenderArguments& arguments, const Context& context) {
   RenderOptions options;
   options.input = arguments.input;
   options.output = {arguments.output, context.force};
-  options.mode = arguments.mode == "cubes"     ? RenderMode::cubes
-                 : arguments.mode == "surface" ? RenderMode::surface
-                                               : RenderMode::transparency;
+  options.mode = mode_of(arguments.mode);
   if (!arguments.shade.empty()) {
     options.shade = arguments.shade == "flat" ? RenderShade::flat : RenderShade::smooth;
   }
@@ -182,6 +214,9 @@ RenderOptions options_of(const RenderArguments& arguments, const Context& contex
   options.fade = arguments.fade;
   options.is_average = arguments.is_average;
   if (!arguments.window.empty()) options.window = parse_window(arguments.window);
+  if (!arguments.transfer.empty()) options.transfer = arguments.transfer;
+  options.isovalue = arguments.isovalue;
+  options.angle_degrees = arguments.perspective;
   options.has_scale_bar = !arguments.no_scale_bar;
   options.has_sides = !arguments.no_sides;
   options.has_legend = !arguments.no_legend;
@@ -216,14 +251,36 @@ nlohmann::ordered_json line_counts_json(const RenderCounts& counts, bool is_aver
   return json;
 }
 
+bool is_of_rays(const std::string& mode) {
+  return mode != "cubes" && mode != "surface" && mode != "transparency";
+}
+
+nlohmann::ordered_json ray_counts_json(const RenderArguments& arguments,
+                                       const RenderResult& result) {
+  const RenderCounts& counts = result.counts;
+  nlohmann::ordered_json json = {{"samples", counts.rays.samples},
+                                 {"bricks_decoded", counts.decoded_bricks},
+                                 {"frame_seconds", counts.rays.frame_seconds},
+                                 {"first_seconds", result.first_seconds},
+                                 {"window", nullptr},
+                                 {"isovalue", nullptr}};
+  if (counts.window) {
+    json["window"] = {{"center", counts.window->center}, {"width", counts.window->width}};
+  }
+  if (arguments.isovalue) json["isovalue"] = *arguments.isovalue;
+  return json;
+}
+
 nlohmann::ordered_json report_json(const RenderArguments& arguments, const RenderResult& result,
                                    const Context& context) {
   nlohmann::ordered_json json = {
       {"outputs", result.outputs}, {"mode", arguments.mode},
-      {"level", arguments.level},  {"size", {result.width, result.height}},
+      {"level", result.level},  {"size", {result.width, result.height}},
       {"pixel_mm", nullptr},       {"toward", result.toward}};
   if (is_spacing_known(result.volume)) json["pixel_mm"] = result.pixel_mm;
-  if (arguments.mode == "transparency") {
+  if (is_of_rays(arguments.mode)) {
+    json.update(ray_counts_json(arguments, result));
+  } else if (arguments.mode == "transparency") {
     json.update(line_counts_json(result.counts, arguments.is_average));
   } else {
     json["shade"] = result.shade == RenderShade::flat ? "flat" : "smooth";
@@ -235,6 +292,11 @@ nlohmann::ordered_json report_json(const RenderArguments& arguments, const Rende
 }
 
 std::string counts_text(const std::string& mode, const RenderCounts& counts) {
+  if (is_of_rays(mode)) {
+    return fmt::format("level {}, {}, {} decoded", counts.rays.level,
+                       counted_text(counts.rays.samples, "sample"),
+                       counted_text(counts.decoded_bricks, "brick"));
+  }
   const std::string leaves = counted_text(counts.leaves, "leaf", "leaves");
   if (mode == "cubes") return leaves;
   if (mode == "transparency") {
@@ -295,7 +357,7 @@ void add_view_options(Verb verb, RenderArguments& arguments) {
       ->capture_default_str();
   verb.add_option("--fade", arguments.fade,
                   "How much darker the farthest is than the nearest;\n"
-                  "default 0.5; not for transparency")
+                  "default 0.5; for cubes and surface")
       ->type_name("F")
       ->check(number_within(0, 1));
   verb.add_flag("--no-scale-bar", arguments.no_scale_bar, "Leave the scale bar out");
@@ -311,9 +373,13 @@ void add_render(CLI::App& app, Context& context) {
                        [arguments, &context] { return run_render(*arguments, context); });
   verb.add_input(arguments->input);
   verb.add_output(arguments->output, "The .png file to write");
-  verb.add_option("--mode", arguments->mode, "What is drawn: cubes, surface or transparency")
+  std::vector<std::string> modes;
+  for (const NamedMode& mode : kModes) modes.emplace_back(mode.name);
+  verb.add_option("--mode", arguments->mode,
+                  "What is drawn: cubes, surface, transparency, or by rays volume, mip, minip, "
+                  "mean, iso")
       ->type_name("MODE")
-      ->check(one_of({"cubes", "surface", "transparency"}))
+      ->check(one_of(modes))
       ->capture_default_str();
   verb.add_option("--shade", arguments->shade,
                   "flat or smooth (default: flat cubes, smooth "
@@ -328,9 +394,19 @@ void add_render(CLI::App& app, Context& context) {
       ->allow_extra_args(false)
       ->check(one_of(tissue_names()));
   add_label_option(verb, arguments->labels, "Draw this label of a label map");
-  verb.add_option("--level", arguments->level, "Level of detail")
-      ->type_name("K")
-      ->capture_default_str();
+  verb.add_option("--level", arguments->level,
+                  "Level of detail (default: 0; of rays what the picture can show)")
+      ->type_name("K");
+  verb.add_option("--transfer", arguments->transfer,
+                  "volume, and the color of iso: bone, skin, vessels, lung, mr, lightsheet, or a "
+                  "JSON file (default: skin for HU, else a ramp)")
+      ->type_name("PRESET|FILE");
+  verb.add_option("--isovalue", arguments->isovalue, "iso: the real value where its surface lies")
+      ->type_name("VALUE");
+  verb.add_option("--perspective", arguments->perspective,
+                  "rays: as an eye sees it, at this angle from top to bottom")
+      ->type_name("DEGREES")
+      ->check(number_within(1, 170));
   verb.add_option("--cut", arguments->cuts, "Keep the voxels on one side: AXIS<N or AXIS>N")
       ->type_name("PLANE")
       ->allow_extra_args(false);
@@ -338,8 +414,8 @@ void add_render(CLI::App& app, Context& context) {
       "--average", arguments->is_average,
       "transparency: what is in front hides what is behind in part, in place of the sum");
   verb.add_option("--window", arguments->window,
-                  "transparency: the sums from black to white, in real units times mm (default: "
-                  "from the sums)")
+                  "from black to white: of transparency the sums, in real units times mm; of mip, "
+                  "minip and mean real values (default: from the picture)")
       ->type_name("C,W")
       ->excludes(average);
   add_view_options(verb, *arguments);

@@ -117,6 +117,7 @@ constexpr Advice kAdvice[] = {
     {kAny, "hexahedra.keep_largest", "", "--keep-largest takes the largest"},
     {ErrorKind::limit_exceeded, "level", "", "give a coarser --level"},
     {kUsage, "isovalue", "", "leave out --isovalue, or give --label"},
+    {kUsage, "isovalue.mode", "", "leave out --isovalue, or give --mode iso"},
     {kUsage, "isovalue.missing", "", "give --isovalue VALUE"},
     {kUsage, "isovalue.range", "", "give another --isovalue"},
     {kUsage, "isovalue.stored", "", "leave out --stored"},
@@ -135,6 +136,7 @@ constexpr Advice kAdvice[] = {
     {kAny, "two_values", "", "--labels builds it as one, which verbs for masks take"},
 
     // --- Pictures
+    {kUsage, "angle_degrees", "", "leave out --perspective"},
     {kUsage, "axes", "", "give one --axis"},
     {kUsage, "cuts", "", "--cut 'x<120' keeps the voxels below 120, 'x>120' those above"},
     {kUsage, "fade", "", "leave out --fade"},
@@ -149,9 +151,12 @@ constexpr Advice kAdvice[] = {
     {kUsage, "plane", "", "--plane goes without --axis, --index, --mm, --montage and --every"},
     {kUsage, "position_mm", "", "give one of them with --mm"},
     {kUsage, "ranges", "", "give --range LOW:HIGH or --tissue NAME"},
+    {kUsage, "ranges.rays", "", "give --transfer in place of --range and --tissue"},
     {kUsage, "ranges.look", "", "leave it out of --range, or give --mode transparency"},
     {kUsage, "shade", "", "leave out --shade"},
     {kUsage, "thumbnail", "", "give --thumbnail NAME.png"},
+    {kUsage, "transfer.mode", "", "leave out --transfer"},
+    {kUsage, "transfer.preset", "", "give --transfer mr, lightsheet or a file"},
     {kUsage, "turntable", "", "give --turntable 8"},
     {kUsage, "window", "", "leave out --window"},
     {kUsage, "window_preset", "", "give --window CENTER,WIDTH or auto"},

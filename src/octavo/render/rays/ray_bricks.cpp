@@ -67,7 +67,7 @@ RayBricks::RayBricks(const SampleSource& source, const Options& options)
                 "memory for bricks is " + std::to_string(options.memory_bytes) +
                     " bytes, and one with what is known of the others needs " +
                     std::to_string(of_tables + with_ends))
-        .with_field("level");
+        .with_field("max_memory_bytes");
   }
   const std::uint64_t addressed = kMaxOffset / (is_wide_ ? slot_bytes / 4 : slot_bytes);
   capacity_ = static_cast<std::size_t>(

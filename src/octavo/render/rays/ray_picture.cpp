@@ -25,7 +25,7 @@ Color color_of(const RayTile& tile, std::size_t ray, const RayLook& look) {
   if (look.mode == RayMode::extreme || look.mode == RayMode::mean) {
     const auto value = ray_value(tile, ray, look.mode, look.sign);
     if (!value) return look.background;
-    const std::uint8_t grey = look.window.grey(*value);
+    const std::uint8_t grey = look.window.grey(look.to_real.to_real(*value));
     return {grey, grey, grey};
   }
   const std::array<float, 3> seen = {tile.red[ray], tile.green[ray], tile.blue[ray]};

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "octavo/core/volume.h"
 #include "octavo/render/picture.h"
 #include "octavo/render/rays/ray_caster.h"
 #include "octavo/render/window.h"
@@ -13,7 +14,8 @@ struct RayLook {
   RayMode mode = RayMode::volume;
   Color background = kBlack;
   Color surface = {236, 222, 196};  ///< of an isosurface
-  Window window;                    ///< of the values that ray_values gives
+  Window window;                    ///< extreme and mean: of real values
+  Rescale to_real;                  ///< from pooled values
   float sign = 1;                   ///< extreme: that of the frame
 };
 

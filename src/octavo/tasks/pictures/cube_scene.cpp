@@ -59,7 +59,7 @@ class CubeScene final : public RenderScene {
         options_(options),
         context_(context),
         is_smooth_(shade_of(options) == RenderShade::smooth),
-        kept_(box_of(reader_->levels().size(options.level))),
+        kept_(box_of(reader_->levels().size(options.level.value_or(0)))),
         shown_(kept_) {}
 
   bool is_empty() const {
@@ -148,7 +148,7 @@ class CubeScene final : public RenderScene {
     if (reader_->description().kind == VolumeKind::grey) {
       std::vector<ReliefRange> ranges;
       for (const ScenePart& part : parts_) ranges.push_back(part.range);
-      return grey_relief(*reader_, options_.level, std::move(ranges));
+      return grey_relief(*reader_, options_.level.value_or(0), std::move(ranges));
     }
     std::vector<const MaskTree*> masks;
     for (const MaskTree& tree : whole_) masks.push_back(&tree);
@@ -184,9 +184,10 @@ std::vector<ScenePart> label_parts(const FileReader& reader, const RenderOptions
   if (windows.empty()) windows.push_back({-kInfinity, kInfinity});
   std::vector<LabelMask> masks;
   Progress& progress = context.watcher();
-  const ProgressScope scope(progress, "labels", reader.levels().size(options.level).z, "planes");
+  const int level = options.level.value_or(0);
+  const ProgressScope scope(progress, "labels", reader.levels().size(level).z, "planes");
   context.on_threads([&] {
-    masks = masks_of_labels(reader, options.level, windows, progress, context.max_memory_bytes);
+    masks = masks_of_labels(reader, level, windows, progress, context.max_memory_bytes);
   });
   for (const std::int64_t label : asked) {
     const bool is_there = std::any_of(masks.begin(), masks.end(),
@@ -215,7 +216,7 @@ std::vector<ScenePart> range_parts(const FileReader& reader, const RenderOptions
   std::vector<ScenePart> parts;
   const auto add = [&](const AskedRange& range, const Color& color, const std::string& name) {
     const ValueWindow window = stored_window(range, volume, false);
-    MaskTree tree = read_mask(reader, options.level, {&window, 1}, context);
+    MaskTree tree = read_mask(reader, options.level.value_or(0), {&window, 1}, context);
     context.on_threads([&] {
       for (const ScenePart& part : parts) tree = combine(tree, part.tree, SetOperation::subtract);
     });
@@ -248,7 +249,7 @@ void require_cube_scene(const FileReader& reader, const RenderOptions& options) 
         .with_field("ranges");
   }
   labels_of(options.labels, volume.metadata.facts().labels, options.input);
-  kept_box(options.cuts, reader, options.level);
+  kept_box(options.cuts, reader, options.level.value_or(0));
 }
 
 std::unique_ptr<RenderScene> make_cube_scene(const std::shared_ptr<const FileReader>& reader,
@@ -256,8 +257,8 @@ std::unique_ptr<RenderScene> make_cube_scene(const std::shared_ptr<const FileRea
                                              const TaskContext& context) {
   require_cube_scene(*reader, options);
   const bool is_labels = reader->description().kind == VolumeKind::labels;
-  const Box whole = box_of(reader->levels().size(options.level));
-  const Box kept = kept_box(options.cuts, *reader, options.level);
+  const Box whole = box_of(reader->levels().size(options.level.value_or(0)));
+  const Box kept = kept_box(options.cuts, *reader, options.level.value_or(0));
   std::vector<ScenePart> parts =
       is_labels ? label_parts(*reader, options, context) : range_parts(*reader, options, context);
   auto scene = std::make_unique<CubeScene>(reader, std::move(parts), options, context);

@@ -11,6 +11,7 @@
 #include "octavo/core/text.h"
 #include "octavo/io/source/place_known.h"
 #include "octavo/render/cubes/relief_picture.h"
+#include "octavo/render/rays/ray_caster.h"
 #include "octavo/tasks/inputs.h"
 #include "octavo/tasks/pictures/picture_files.h"
 #include "octavo/tasks/pictures/render_scene.h"
@@ -36,11 +37,49 @@ std::string ends_text(const AskedRange& range) {
   return end(range.lowest) + ":" + end(range.highest);
 }
 
+/// Options that rays have, and other modes do not.
+void check_ray_options(const RenderOptions& options) {
+  const bool is_iso = options.mode == RenderMode::iso;
+  if (is_iso && !options.isovalue) reject_render("mode iso needs a value", "isovalue.missing");
+  if (!is_iso && options.isovalue) {
+    reject_render("a value at which a surface lies is of mode iso", "isovalue.mode");
+  }
+  if (options.isovalue && !std::isfinite(*options.isovalue)) {
+    reject_render("the value of a surface must be finite", "isovalue.range");
+  }
+  if (options.transfer && options.mode != RenderMode::volume && !is_iso) {
+    reject_render("a transfer function is of modes volume and iso", "transfer.mode");
+  }
+  if (options.angle_degrees && !is_ray_mode(options.mode)) {
+    reject_render("perspective is of modes volume, mip, minip, mean and iso", "angle_degrees");
+  }
+}
+
+/// Options that rays do not have.
+void check_rays(const RenderOptions& options) {
+  if (options.fade) reject_render("rays do not fade", "fade");
+  if (options.shade) reject_render("rays have no shades to choose", "shade");
+  if (!options.labels.is_empty()) {
+    reject_render("rays are of grey values, not of labels", "labels.mode");
+  }
+  if (!options.ranges.empty() || !options.tissues.empty()) {
+    reject_render("rays see all values, not ranges or tissues", "ranges.rays");
+  }
+  if (options.is_average) reject_render("an average is of mode transparency", "is_average");
+  const bool has_window = options.mode != RenderMode::volume && options.mode != RenderMode::iso;
+  if (options.window && !has_window) {
+    reject_render("a window is of modes transparency, mip, minip and mean", "window");
+  }
+}
+
 /// Options that contradict each other, whatever the volume.
 void check_render(const RenderOptions& options) {
   require_png(options.output.path);
   if (options.turntable < 0) reject_render("a turntable has at least one picture", "turntable");
-  if (options.mode == RenderMode::transparency) {
+  check_ray_options(options);
+  if (is_ray_mode(options.mode)) {
+    check_rays(options);
+  } else if (options.mode == RenderMode::transparency) {
     if (options.fade) reject_render("transparency does not fade", "fade");
     if (options.shade) reject_render("transparency has no shades", "shade");
     if (!options.labels.is_empty()) {
@@ -64,7 +103,9 @@ void check_render(const RenderOptions& options) {
       }
     }
     if (options.is_average) reject_render("an average is of mode transparency", "is_average");
-    if (options.window) reject_render("a window is of mode transparency", "window");
+    if (options.window) {
+      reject_render("a window is of modes transparency, mip, minip and mean", "window");
+    }
   }
 }
 
@@ -94,9 +135,12 @@ std::vector<std::string> picture_paths(const RenderOptions& options) {
 }
 
 /// Of three channels three times: as it is drawn, as rows of a PNG file and as that file; where it
-/// is smooth, once beside what drawing takes.
+/// is smooth, once beside what drawing takes. Of rays besides what they gather.
 std::uint64_t picture_bytes(const RenderOptions& options, int threads) {
   const auto bytes = 3 * static_cast<std::uint64_t>(options.width * options.height);
+  if (is_ray_mode(options.mode)) {
+    return 3 * bytes + ray_field_bytes(options.width, options.height);
+  }
   const bool is_relief =
       options.mode != RenderMode::transparency && shade_of(options) == RenderShade::smooth;
   if (!is_relief) return 3 * bytes;
@@ -109,11 +153,29 @@ void check_picture(const RenderOptions& options, const TaskContext& context) {
   context.require_memory(picture_bytes(options, context.thread_count()), "the picture");
 }
 
+/// The level to draw, where none is asked for.
+RenderOptions with_level(const RenderOptions& asked, const FileReader& reader) {
+  RenderOptions options = asked;
+  if (options.level) return options;
+  options.level = 0;
+  if (is_ray_mode(options.mode)) {
+    const Geometry& geometry = reader.description().geometry;
+    const ViewFrame frame = frame_of(options);
+    const double pixel_mm =
+        fitting_pixel_mm(geometry, kept_box(options.cuts, reader, 0),
+                         viewpoint_of(options.view, geometry), frame) /
+        frame.zoom;
+    options.level = ray_level(reader.levels(), geometry, pixel_mm);
+  }
+  return options;
+}
+
 std::unique_ptr<RenderScene> make_scene(const std::shared_ptr<const FileReader>& reader,
                                         const RenderOptions& options, const TaskContext& context) {
   if (options.mode == RenderMode::transparency) {
     return make_transparency_scene(reader, options, context);
   }
+  if (is_ray_mode(options.mode)) return make_ray_scene(reader, options, context);
   return make_cube_scene(reader, options, context);
 }
 
@@ -121,7 +183,8 @@ void annotate(Picture& picture, const View& view, const RenderScene& scene,
               const RenderOptions& options, const VolumeDescription& volume) {
   Annotator writing(picture);
   writing.set_ground(options.background);
-  if (options.has_scale_bar && is_spacing_known(volume)) writing.scale_bar(view.pixel_mm);
+  const bool has_scale = is_spacing_known(volume) && !options.angle_degrees;
+  if (options.has_scale_bar && has_scale) writing.scale_bar(view.pixel_mm);
   if (options.has_sides) {
     // Where no patient is known the axes are those of the grid.
     const bool is_of_patient = is_place_known(volume);
@@ -138,7 +201,7 @@ class Series {
          std::size_t count)
       : scene_(scene), reader_(reader), options_(options), frame_(frame_of(options)) {
     const VolumeDescription& volume = reader.description();
-    geometry_ = reader.levels().geometry(volume.geometry, options.level);
+    geometry_ = reader.levels().geometry(volume.geometry, *options.level);
     const Viewpoint first = viewpoint_of(options.view, volume.geometry);
     for (std::size_t i = 0; i < count; ++i) {
       const double degrees = 360 * static_cast<double>(i) / static_cast<double>(count);
@@ -151,7 +214,7 @@ class Series {
   }
 
   View view(std::size_t number) const {
-    return make_view(geometry_, reader_.levels().size(options_.level), scene_.shown(),
+    return make_view(geometry_, reader_.levels().size(*options_.level), scene_.shown(),
                      viewpoints_[number], frame_);
   }
 
@@ -193,18 +256,23 @@ std::string look_text(const AskedLook& look, const VolumeDescription& volume) {
   return unit.empty() ? text : text + " " + unit;
 }
 
-RenderResult render(const RenderOptions& options, const TaskContext& context) {
-  check_render(options);
-  const std::vector<std::string> paths = picture_paths(options);
-  check_picture(options, context);
-  const std::shared_ptr<const FileReader> reader = open_volume(options.input, context);
-  require_level(reader->levels(), options.level);
+RenderResult render(const RenderOptions& asked, const TaskContext& context) {
+  check_render(asked);
+  const std::vector<std::string> paths = picture_paths(asked);
+  check_picture(asked, context);
+  const Clock::time_point opened = Clock::now();
+  const std::shared_ptr<const FileReader> reader = open_volume(asked.input, context);
+  const RenderOptions options = with_level(asked, *reader);
+  const int level = *options.level;
+  require_level(reader->levels(), level);
   const VolumeDescription& volume = reader->description();
-  const Size3& size = reader->levels().size(options.level);
-  make_view(reader->levels().geometry(volume.geometry, options.level), size, box_of(size),
+  const Size3& size = reader->levels().size(level);
+  make_view(reader->levels().geometry(volume.geometry, level), size, box_of(size),
             viewpoint_of(options.view, volume.geometry), frame_of(options));
   check_tissues(options.tissues, reader->description(), options.input, context);
-  if (options.mode != RenderMode::transparency) require_cube_scene(*reader, options);
+  const bool is_of_masks =
+      options.mode == RenderMode::cubes || options.mode == RenderMode::surface;
+  if (is_of_masks) require_cube_scene(*reader, options);
   for (const std::string& path : paths) {
     require_free({path, options.output.overwrite});
     require_no_input(path, {options.input});
@@ -220,7 +288,11 @@ RenderResult render(const RenderOptions& options, const TaskContext& context) {
   RenderResult result;
   PictureFiles files(context);
   for (std::size_t i = 0; i < paths.size(); ++i) {
-    files.add(paths[i], series.draw(i, result.seconds));
+    const Picture picture = series.draw(i, result.seconds);
+    if (i == 0) {
+      result.first_seconds = std::chrono::duration<double>(Clock::now() - opened).count();
+    }
+    files.add(paths[i], picture);
   }
   files.publish(options.output.overwrite);
 
@@ -228,6 +300,7 @@ RenderResult render(const RenderOptions& options, const TaskContext& context) {
   result.volume = volume;
   result.outputs = paths;
   result.shade = shade_of(options);
+  result.level = level;
   result.width = first.width;
   result.height = first.height;
   result.pixel_mm = first.pixel_mm;

@@ -22,6 +22,12 @@ enum class RenderMode {
   cubes,         ///< every leaf of masks as a cube
   surface,       ///< the leaves that are not hidden among others
   transparency,  ///< grey values: what lies inside shines through what lies around it
+  // Rays through grey values:
+  volume,  ///< colors and opacities by value, in light
+  mip,     ///< the highest value along each
+  minip,   ///< the lowest
+  mean,    ///< their mean
+  iso,     ///< the surface where a value is reached
 };
 
 enum class RenderShade {
@@ -62,7 +68,7 @@ struct RenderOptions {
   Output output;      ///< ends in .png; a turntable writes NAME-000.png and so on
   RenderMode mode = RenderMode::cubes;
   std::optional<RenderShade> shade;  ///< default: flat cubes, smooth surfaces
-  int level = 0;
+  std::optional<int> level;          ///< default 0; of rays the coarsest with voxels of a pixel
   std::vector<AskedLook> ranges;
   std::vector<std::string> tissues;  ///< names of tissue_names()
   AskedLabels labels;                ///< of a label map; they add up with the ranges
@@ -75,10 +81,21 @@ struct RenderOptions {
   Color background{0, 0, 0};
   std::optional<double> fade;    ///< how much darker the farthest is than the nearest, 0 .. 1
   bool is_average = false;       ///< of mode transparency: in place of the sum
-  std::optional<Window> window;  ///< of mode transparency: the sums from black to white
+  /// Of mode transparency: the sums from black to white; of mip, minip and mean: real values.
+  std::optional<Window> window;
+  std::optional<std::string> transfer;   ///< of volume, and the color of iso: a preset, or a file
+  std::optional<double> isovalue;        ///< of iso: a real value
+  std::optional<double> angle_degrees;   ///< of rays that begin in an eye: from top to bottom
   bool has_scale_bar = true;
   bool has_sides = true;
   bool has_legend = true;
+};
+
+/// What rays did, for one picture where it says so.
+struct RayCounts {
+  int level = 0;
+  std::int64_t samples = 0;  ///< taken for a picture
+  double frame_seconds = 0;  ///< for following the rays of a picture
 };
 
 /// What was drawn.
@@ -90,23 +107,27 @@ struct RenderCounts {
   std::int64_t drawn = 0;  ///< leaves that are not hidden among others
   std::optional<double> shell_seconds;
 
-  // Mode transparency.
-  std::int64_t decoded_bricks = 0;
+  // Mode transparency and rays.
+  std::int64_t decoded_bricks = 0;  ///< of rays those of 64^3 samples that they came to
   std::vector<DensityRange> ranges;
   std::optional<ValueRamp> ramp;  ///< where there are no ranges; real values
-  std::optional<Window> window;   ///< of sums
+  std::optional<Window> window;   ///< of sums; of rays real values
+
+  RayCounts rays;
 };
 
 struct RenderResult {
   VolumeDescription volume;
   std::vector<std::string> outputs;
   RenderShade shade = RenderShade::flat;  ///< meaningless for transparency
+  int level = 0;
   std::int64_t width = 0;
   std::int64_t height = 0;
   double pixel_mm = 1;  ///< where the spacing is known; otherwise as if voxels were 1 mm
   Point3 toward{};      ///< of the first picture, towards the viewer
   RenderCounts counts;
-  double seconds = 0;  ///< for drawing all pictures
+  double seconds = 0;        ///< for drawing all pictures
+  double first_seconds = 0;  ///< from the opening of the file until the first one is drawn
 };
 
 /// Draws all pictures and gives them their names when the last is complete. Warns of pictures
@@ -114,7 +135,8 @@ struct RenderResult {
 /// the patient is not known.
 /// Throws  as open_volume and require_free; Error{invalid_argument} when options do not go together
 ///         or with the volume
-/// Memory  that of the masks or of the lines of voxels, and 9 bytes per pixel; for smooth shades
+/// Memory  that of the masks, of the lines of voxels or of bricks for rays, and 9 bytes per pixel,
+///         33 of rays; for smooth shades
 ///         3 bytes per pixel and 10 KiB per column and thread, where that is more
 RenderResult render(const RenderOptions& options, const TaskContext& context);
 

@@ -46,6 +46,21 @@ std::unique_ptr<RenderScene> make_transparency_scene(
     const std::shared_ptr<const FileReader>& reader, const RenderOptions& options,
     const TaskContext& context);
 
+/// Whether a mode casts rays.
+bool is_ray_mode(RenderMode mode);
+
+/// The coarsest level whose voxels are no longer than a pixel along any axis; 0 where there is
+/// none.
+/// geometry  of level 0
+int ray_level(const Levels& levels, const Geometry& geometry, double pixel_mm);
+
+/// Modes that cast rays.
+/// Throws Error{invalid_argument} for labels, a transfer function that is none and a value that no
+///        voxel has; Error{limit_exceeded} where memory is too small for a brick
+std::unique_ptr<RenderScene> make_ray_scene(const std::shared_ptr<const FileReader>& reader,
+                                            const RenderOptions& options,
+                                            const TaskContext& context);
+
 /// The shade that is asked for, or that the mode has by default.
 RenderShade shade_of(const RenderOptions& options);
 

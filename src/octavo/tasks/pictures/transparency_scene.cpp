@@ -51,10 +51,12 @@ class TransparencyScene final : public RenderScene {
                   "transparency is of grey values, and this is a label map", options.input)
           .with_field("mode");
     }
-    options_.level = options.level;
+    options_.level = options.level.value_or(0);
     options_.is_average = options.is_average;
     options_.window = options.window;
-    if (!options.cuts.empty()) options_.kept = kept_box(options.cuts, *reader_, options.level);
+    if (!options.cuts.empty()) {
+      options_.kept = kept_box(options.cuts, *reader_, options_.level);
+    }
     choose_ranges();
   }
 

@@ -1,0 +1,286 @@
+// The scene of modes volume, mip, minip, mean and iso.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "octavo/core/error.h"
+#include "octavo/core/text.h"
+#include "octavo/render/numbers.h"
+#include "octavo/render/rays/file_samples.h"
+#include "octavo/render/rays/ray_camera.h"
+#include "octavo/render/rays/ray_caster.h"
+#include "octavo/render/rays/ray_picture.h"
+#include "octavo/tasks/pictures/render_scene.h"
+#include "octavo/tasks/pictures/transfer_file.h"
+#include "octavo/tasks/volume_facts.h"
+
+namespace octavo {
+
+namespace {
+
+using SceneClock = std::chrono::steady_clock;
+
+/// Gradients below so many shares of the colored values are soft.
+constexpr double kSoftShare = 0.02;
+
+RayMode ray_mode_of(RenderMode mode) {
+  switch (mode) {
+    case RenderMode::mip:
+    case RenderMode::minip: return RayMode::extreme;
+    case RenderMode::mean: return RayMode::mean;
+    case RenderMode::iso: return RayMode::iso;
+    default: return RayMode::volume;
+  }
+}
+
+/// Half of the memory limit is the reader's, the rest that of rays and bricks.
+RayBricks::Options brick_options(const RenderOptions& asked, const TaskContext& context) {
+  RayBricks::Options options;
+  if (context.max_memory_bytes != 0) {
+    const std::uint64_t left = context.max_memory_bytes / 2;
+    const std::uint64_t of_rays = ray_field_bytes(asked.width, asked.height);
+    options.memory_bytes = std::min(options.memory_bytes, left - std::min(left, of_rays));
+  }
+  return options;
+}
+
+class RayScene final : public RenderScene {
+ public:
+  RayScene(const std::shared_ptr<const FileReader>& reader, const RenderOptions& options,
+           const TaskContext& context)
+      : reader_(reader),
+        asked_(options),
+        context_(context),
+        mode_(ray_mode_of(options.mode)),
+        level_(options.level.value_or(0)),
+        shown_(kept_box(options.cuts, *reader, level_)),
+        source_(reader, level_),
+        bricks_(source_, brick_options(options, context)) {
+    const VolumeDescription& volume = reader_->description();
+    rescale_ = volume.rescale;
+    if (rescale_.slope == 0) {
+      throw Error(ErrorKind::invalid_argument,
+                  "the volume's rescale slope is 0: all its voxels have one real value",
+                  options.input);
+    }
+    const Point3 spacing = reader_->levels().geometry(volume.geometry, level_).spacing_mm;
+    step_mm_ = *std::min_element(spacing.begin(), spacing.end());
+    const bool is_lowest = asked_.mode == RenderMode::minip;
+    sign_ = (rescale_.slope < 0) != is_lowest ? -1.0f : 1.0f;
+    if (asked_.transfer || mode_ == RayMode::volume) choose_transfer();
+    if (mode_ == RayMode::iso) choose_isovalue();
+    set_bounds();
+  }
+
+  Box shown() const override { return shown_; }
+
+  Picture draw(const View& view, const Color& background) override {
+    RayFrame frame;
+    frame.mode = mode_;
+    frame.bricks = bricks_.tables();
+    frame.sign = sign_;
+    frame.isovalue = isovalue_;
+    if (table_) frame.table = table_->table();
+    set_camera(frame, {view, shown_, asked_.angle_degrees.value_or(0), step_mm_});
+    frame.light.soft_gradient = static_cast<float>(kSoftShare * colored_width_);
+
+    RayField field;
+    context_.on_threads([&] {
+      field = cast_rays(bricks_, frame, view.width, view.height, follow_rays_function(),
+                        context_.watcher());
+    });
+    rays_.samples += field.samples;
+    rays_.frame_seconds += field.cast_seconds;
+    ++pictures_;
+    warn_of_nothing(field);
+
+    RayLook look;
+    look.mode = mode_;
+    look.background = background;
+    look.sign = sign_;
+    if (asked_.transfer && mode_ == RayMode::iso) {
+      look.surface = transfer_.color_at(*asked_.isovalue);
+    }
+    if (mode_ == RayMode::extreme || mode_ == RayMode::mean) {
+      choose_window(field);
+      look.window = *window_;
+      look.to_real = real_of_pooled();
+    }
+    return ray_picture(field, look);
+  }
+
+  std::vector<LegendRow> legend() const override {
+    if (mode_ == RayMode::volume) return {};
+    const std::string unit = unit_of(reader_->description());
+    if (mode_ == RayMode::iso) {
+      const Color color = asked_.transfer ? transfer_.color_at(*asked_.isovalue)
+                                          : RayLook().surface;
+      return {{color, "\u2265 " + with_unit(*asked_.isovalue, unit)}};
+    }
+    std::vector<LegendRow> rows;
+    for (const int end : {1, -1}) {
+      const std::uint8_t grey = end > 0 ? 255 : 0;
+      rows.push_back({{grey, grey, grey},
+                      with_unit(window_->center + end * window_->width / 2, unit)});
+    }
+    return rows;
+  }
+
+  RenderCounts counts() const override {
+    RenderCounts counts;
+    counts.decoded_bricks = bricks_.loaded_count();
+    counts.window = window_;
+    counts.rays = rays_;
+    counts.rays.level = level_;
+    if (pictures_ > 0) {
+      counts.rays.samples /= pictures_;
+      counts.rays.frame_seconds /= static_cast<double>(pictures_);
+    }
+    return counts;
+  }
+
+ private:
+  void choose_transfer() {
+    const VolumeDescription& volume = reader_->description();
+    if (asked_.transfer) {
+      transfer_ = read_transfer(*asked_.transfer);
+      for (const TransferPreset& preset : transfer_presets()) {
+        if (preset.name == *asked_.transfer && preset.is_in_hu) {
+          require_hu(volume, asked_.input, "the preset " + *asked_.transfer, context_,
+                     "transfer.preset");
+        }
+      }
+    } else {
+      transfer_ = unit_of(volume) == "HU" ? *find_transfer_preset("skin")
+                                          : usual_transfer_function();
+    }
+    if (transfer_.is_relative) {
+      const Window stored = robust_window(*reader_);
+      const double low = rescale_.to_real(stored.center - stored.width / 2);
+      const double high = rescale_.to_real(stored.center + stored.width / 2);
+      transfer_ = in_real_values(transfer_, {(low + high) / 2, std::abs(high - low)});
+    }
+    const Point3& spacing = volume.geometry.spacing_mm;
+    const double finest = *std::min_element(spacing.begin(), spacing.end());
+    table_.emplace(transfer_, rescale_, bricks_.scale(), bricks_.range(),
+                   step_mm_ / transfer_.layer_mm.value_or(finest));
+    colored_width_ = kEntriesWidth / table_->table().entries_per_value;
+  }
+
+  void choose_isovalue() {
+    // As in surfaces: of whole values it lies half a step before the first that is reached.
+    double stored = (*asked_.isovalue - rescale_.intercept) / rescale_.slope;
+    if (is_integer(reader_->description().type)) {
+      stored = sign_ > 0 ? std::ceil(stored) - 0.5 : std::floor(stored) + 0.5;
+    }
+    isovalue_ = static_cast<float>(bricks_.scale().pooled(stored)) * sign_;
+    const SampleRange range = source_.range();
+    const bool is_above = isovalue_ > std::max(static_cast<float>(bricks_.range().lowest) * sign_,
+                                               static_cast<float>(bricks_.range().highest) * sign_);
+    if (is_above) {
+      throw Error(ErrorKind::invalid_argument,
+                  fmt::format("no voxel is at or above {}; values run from {} to {}",
+                              number_text(*asked_.isovalue),
+                              number_text(std::min(rescale_.to_real(range.lowest),
+                                                   rescale_.to_real(range.highest))),
+                              number_text(std::max(rescale_.to_real(range.lowest),
+                                                   rescale_.to_real(range.highest)))),
+                  asked_.input)
+          .with_field("isovalue.range");
+    }
+  }
+
+  void set_bounds() {
+    bricks_.set_bounds([this](float lowest, float highest) {
+      const float most = sign_ > 0 ? highest : -lowest;
+      switch (mode_) {
+        case RayMode::extreme: return most;
+        case RayMode::iso: return most >= isovalue_ ? 1.0f : 0.0f;
+        case RayMode::mean: return 1.0f;
+        default: return table_->is_seen(lowest, highest) ? 1.0f : 0.0f;
+      }
+    });
+  }
+
+  Rescale real_of_pooled() const {
+    const PooledScale& pooled = bricks_.scale();
+    return {rescale_.slope / pooled.scale, rescale_.to_real(pooled.offset)};
+  }
+
+  /// All pictures of a series have the window of the first one.
+  void choose_window(const RayField& field) {
+    if (!window_) window_ = asked_.window;
+    if (window_) return;
+    std::vector<double> values = ray_values(field, mode_, sign_);
+    for (double& value : values) value = real_of_pooled().to_real(value);
+    window_ = robust_window(std::move(values));
+  }
+
+  void warn_of_nothing(const RayField& field) {
+    if (mode_ == RayMode::extreme || mode_ == RayMode::mean) return;
+    for (const RayTile& tile : field.tiles) {
+      for (const float opacity : tile.gathered) {
+        if (opacity > 0) return;
+      }
+    }
+    if (!std::exchange(is_nothing_told_, true)) {
+      context_.warn(asked_.input + ": no voxel is seen; the picture is empty");
+    }
+  }
+
+  static constexpr double kEntriesWidth = static_cast<double>(TransferTable::kEntries);
+
+  std::shared_ptr<const FileReader> reader_;
+  const RenderOptions& asked_;
+  const TaskContext& context_;
+  RayMode mode_;
+  int level_;
+  Box shown_;
+  FileSamples source_;
+  RayBricks bricks_;
+  Rescale rescale_;
+  double step_mm_ = 1;
+  float sign_ = 1;
+  float isovalue_ = 0;
+  TransferFunction transfer_;
+  std::optional<TransferTable> table_;
+  double colored_width_ = 0;
+  std::optional<Window> window_;  // real values
+  RayCounts rays_;
+  std::int64_t pictures_ = 0;
+  bool is_nothing_told_ = false;
+};
+
+}  // namespace
+
+bool is_ray_mode(RenderMode mode) {
+  return mode != RenderMode::cubes && mode != RenderMode::surface &&
+         mode != RenderMode::transparency;
+}
+
+int ray_level(const Levels& levels, const Geometry& geometry, double pixel_mm) {
+  int level = 0;
+  while (level + 1 < levels.count()) {
+    const Point3 spacing = levels.geometry(geometry, level + 1).spacing_mm;
+    if (*std::max_element(spacing.begin(), spacing.end()) > pixel_mm) break;
+    ++level;
+  }
+  return level;
+}
+
+std::unique_ptr<RenderScene> make_ray_scene(const std::shared_ptr<const FileReader>& reader,
+                                            const RenderOptions& options,
+                                            const TaskContext& context) {
+  if (reader->description().kind == VolumeKind::labels) {
+    throw Error(ErrorKind::invalid_argument, "rays are of grey values, and this is a label map",
+                options.input)
+        .with_field("mode");
+  }
+  return std::make_unique<RayScene>(reader, options, context);
+}
+
+}  // namespace octavo

@@ -1,0 +1,253 @@
+// Modes of render that cast rays, from files.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <functional>
+#include <memory>
+
+#include "octavo/core/error.h"
+#include "octavo/tasks/pictures/render.h"
+#include "octavo/tasks/pictures/transfer_file.h"
+#include "support/built_file.h"
+#include "support/read_png.h"
+
+namespace octavo {
+namespace {
+
+constexpr RenderMode kRayModes[] = {RenderMode::volume, RenderMode::mip, RenderMode::minip,
+                                    RenderMode::mean, RenderMode::iso};
+
+class RayScenes : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    shared_ = std::make_unique<testing::ScratchFolder>();
+    build(shared_->file("ball.8vo"), VolumeKind::grey, {-1, 1000});
+  }
+  static void TearDownTestSuite() { shared_.reset(); }
+
+  void SetUp() override {
+    options_.input = shared_->file("ball.8vo");
+    options_.output = {folder_.file("p.png"), true};
+    options_.width = 120;
+    options_.height = 100;
+    options_.has_legend = options_.has_scale_bar = options_.has_sides = false;
+    context_.threads = 2;
+    context_.on_warning = [this](const Warning& warning) { warnings_.push_back(warning.text); };
+  }
+
+  /// Values that rise from 100 with the distance from the middle of a ball, or the label 1 in it.
+  static void build(const std::string& path, VolumeKind kind, const Rescale& rescale) {
+    testing::Volume volume;
+    volume.description.kind = kind;
+    volume.description.size = {150, 140, 130};
+    volume.description.type = VoxelType::int16;
+    volume.description.rescale = rescale;
+    volume.description.geometry.spacing_mm = {1, 1, 1.2};
+    volume.description.metadata =
+        Metadata::read(R"({"spacing_known":true,"place_known":true,"unit":"HU"})");
+    for (std::int64_t z = 0; z < 130; ++z) {
+      for (std::int64_t y = 0; y < 140; ++y) {
+        for (std::int64_t x = 0; x < 150; ++x) {
+          const double r = std::hypot(static_cast<double>(x) - 60, static_cast<double>(y) - 70,
+                                      static_cast<double>(z) - 65);
+          const bool is_grey = kind == VolumeKind::grey;
+          const auto value = static_cast<std::int16_t>(is_grey ? 10 * r + 100 : r < 50 ? 1 : 0);
+          const auto* const bytes = reinterpret_cast<const std::byte*>(&value);
+          volume.voxels.insert(volume.voxels.end(), bytes, bytes + sizeof value);
+        }
+      }
+    }
+    testing::build_volume(volume, path, 1);
+  }
+
+  Picture draw(RenderMode mode) {
+    options_.mode = mode;
+    options_.isovalue.reset();
+    if (mode == RenderMode::iso) options_.isovalue = 400;
+    result_ = render(options_, context_);
+    const std::string bytes = testing::bytes_of_file(options_.output.path);
+    return testing::read_png(Bytes(bytes.begin(), bytes.end()));
+  }
+
+  void expect_rejected(const char* text, const std::function<void(RenderOptions&)>& change) {
+    RenderOptions options = options_;
+    options.mode = RenderMode::volume;
+    change(options);
+    try {
+      render(options, context_);
+      ADD_FAILURE() << text;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::invalid_argument) << text;
+      EXPECT_NE(std::string(error.what()).find(text), std::string::npos) << error.what();
+    }
+  }
+
+  static inline std::unique_ptr<testing::ScratchFolder> shared_;
+  testing::ScratchFolder folder_;
+  std::vector<std::string> warnings_;
+  RenderOptions options_;
+  RenderResult result_;
+  TaskContext context_;
+};
+
+TEST_F(RayScenes, ThreadsAndMemoryChangeNoPixel) {
+  for (const RenderMode mode : kRayModes) {
+    context_.threads = 1;
+    context_.max_memory_bytes = 0;
+    options_.level = 0;
+    const Picture first = draw(mode);
+    const std::int64_t decoded = result_.counts.decoded_bricks;
+    EXPECT_GT(result_.counts.rays.samples, 0);
+    context_.threads = 3;
+    context_.max_memory_bytes = 8 << 20;
+    EXPECT_EQ(draw(mode).pixels, first.pixels) << static_cast<int>(mode);
+    EXPECT_GE(result_.counts.decoded_bricks, decoded);
+  }
+}
+
+TEST_F(RayScenes, TheScaleOfValuesCountsNotThatOfTheFile) {
+  // Real values are highest in the middle of the ball, 900, and 200 where the ray leaves.
+  options_.window = Window{-50, 1900};
+  options_.view.side = "front";
+  const auto middle = [&](const Picture& picture) {
+    return picture.pixels[static_cast<std::size_t>(3 * (50 * picture.width + 51))];
+  };
+  const Picture highest = draw(RenderMode::mip);
+  EXPECT_GT(middle(highest), 200);
+  EXPECT_NEAR(middle(draw(RenderMode::minip)), 255 * (200 + 1000) / 1900, 4);
+  EXPECT_GT(middle(draw(RenderMode::mean)), middle(draw(RenderMode::minip)));
+}
+
+TEST_F(RayScenes, AnIsosurfaceHasTheOutlineOfTheMesh) {
+  options_.view.side = "front";
+  const Picture picture = draw(RenderMode::iso);
+  // Stored values up to 600 lie inside, so the mesh cuts at 600.5: 50.05 voxels from the middle.
+  double lowest = 1e9;
+  double highest = -1e9;
+  for (std::int64_t x = 0; x < picture.width; ++x) {
+    for (std::int64_t y = 0; y < picture.height; ++y) {
+      if (picture.pixels[static_cast<std::size_t>(3 * (y * picture.width + x))] == 0) continue;
+      lowest = std::min(lowest, static_cast<double>(x));
+      highest = std::max(highest, static_cast<double>(x) + 1);
+    }
+  }
+  EXPECT_NEAR((highest - lowest) * result_.pixel_mm, 2 * 50.05, 2 * result_.pixel_mm);
+}
+
+TEST_F(RayScenes, TheLevelFollowsThePixels) {
+  options_.width = options_.height = 400;
+  draw(RenderMode::mip);
+  EXPECT_EQ(result_.level, 0);
+  options_.width = options_.height = 30;
+  draw(RenderMode::mip);
+  EXPECT_GT(result_.level, 1);
+  options_.level = 1;
+  draw(RenderMode::mip);
+  EXPECT_EQ(result_.level, 1);
+}
+
+TEST_F(RayScenes, BricksThatTheIndexRulesOutAreNotDecoded) {
+  options_.level = 0;
+  options_.cuts = {{0, true, 50}};
+  draw(RenderMode::iso);
+  const std::int64_t half = result_.counts.decoded_bricks;
+  options_.cuts.clear();
+  draw(RenderMode::iso);
+  EXPECT_GT(result_.counts.decoded_bricks, half);
+  EXPECT_LT(result_.counts.decoded_bricks, 3 * 3 * 3);
+}
+
+TEST_F(RayScenes, PerspectiveAndTransferFilesChangeThePicture) {
+  const Picture usual = draw(RenderMode::volume);
+  std::ofstream(folder_.file("t.json"))
+      << R"({"points": [{"value": 300, "color": "red", "opacity": 0},
+                        {"value": 600, "color": "#102030", "opacity": 0.5}]})";
+  options_.transfer = folder_.file("t.json");
+  const Picture other = draw(RenderMode::volume);
+  EXPECT_NE(usual.pixels, other.pixels);
+  options_.angle_degrees = 40;
+  EXPECT_NE(draw(RenderMode::volume).pixels, other.pixels);
+}
+
+TEST_F(RayScenes, WhatDoesNotGoTogetherIsRejected) {
+  expect_rejected("mode iso needs a value", [](auto& o) { o.mode = RenderMode::iso; });
+  expect_rejected("is of mode iso", [](auto& o) { o.isovalue = 3; });
+  expect_rejected("of modes volume and iso", [](auto& o) {
+    o.mode = RenderMode::mip;
+    o.transfer = "bone";
+  });
+  expect_rejected("no voxel is at or above 5000; values run from -405 to 900", [](auto& o) {
+    o.mode = RenderMode::iso;
+    o.isovalue = 5000;
+  });
+  expect_rejected("do not fade", [](auto& o) { o.fade = 0.5; });
+  expect_rejected("not ranges or tissues", [](auto& o) { o.tissues = {"bone"}; });
+  expect_rejected("a window is of", [](auto& o) { o.window = Window{0, 1}; });
+  expect_rejected("perspective is of", [](auto& o) {
+    o.mode = RenderMode::cubes;
+    o.angle_degrees = 30;
+  });
+  build(folder_.file("labels.8vo"), VolumeKind::labels, {});
+  expect_rejected("this is a label map",
+                  [&](auto& o) { o.input = folder_.file("labels.8vo"); });
+}
+
+TEST_F(RayScenes, MemoryForNoBrickIsRejected) {
+  options_.mode = RenderMode::volume;
+  context_.max_memory_bytes = 1'500'000;
+  try {
+    render(options_, context_);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::limit_exceeded);
+  }
+}
+
+TEST(TransferFile, WhatIsWrongIsSaid) {
+  const struct {
+    const char* text;
+    const char* said;
+  } cases[] = {
+      {"[]", "it is not an object"},
+      {"{}", "it has no points"},
+      {R"({"points": 3})", "points is not a list"},
+      {R"({"points": [3]})", "point 1 is not an object"},
+      {R"({"points": [{"value": 1, "color": "red"}]})", "point 1 needs"},
+      {R"({"points": [{"value": 1, "color": "reddish", "opacity": 0}]})", "the color"},
+      {R"({"points": [{"value": 1, "color": "red", "opacity": 2}]})", "expected 0 to 1"},
+      {R"({"points": [{"value": "1", "color": "red", "opacity": 0}]})", "is not a finite number"},
+      {R"({"points": [{"value": 2, "color": "red", "opacity": 0},
+                      {"value": 1, "color": "red", "opacity": 0}]})", "point 2 is below"},
+      {R"({"points": [{"value": 1, "color": "red", "opacity": 0, "alpha": 1}]})", "\"alpha\""},
+      {R"({"points": [{"value": 1, "color": "red", "opacity": 0}], "layer_mm": 0})", "layer_mm"},
+      {R"({"points": [{"value": 1, "color": "red", "opacity": 0}], "relative": 1})", "relative"},
+      {R"({"points": [)", "no transfer function"}};
+  for (const auto& one : cases) {
+    try {
+      parse_transfer(one.text);
+      ADD_FAILURE() << one.text;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::invalid_argument);
+      EXPECT_NE(std::string(error.what()).find(one.said), std::string::npos)
+          << one.text << ": " << error.what();
+    }
+  }
+}
+
+TEST(TransferFile, PointsAndPresetsAreRead) {
+  const TransferFunction read = parse_transfer(
+      R"({"relative": true, "layer_mm": 2.5,
+          "points": [{"value": 0.5, "color": "#0a0b0c", "opacity": 0.25}]})");
+  EXPECT_EQ(read, (TransferFunction{{{0.5, {10, 11, 12}, 0.25}}, 2.5, true}));
+  EXPECT_EQ(read_transfer("bone"), *find_transfer_preset("bone"));
+  try {
+    read_transfer("no-such-file");
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("presets are bone, skin"), std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace octavo
