@@ -7,6 +7,7 @@
 #include "octavo/builder/band_encoder.h"
 #include "octavo/builder/build_memory.h"
 #include "octavo/builder/build_setup.h"
+#include "octavo/builder/group_reader.h"
 #include "octavo/builder/group_trainer.h"
 #include "octavo/core/error.h"
 #include "octavo/dist/proven_source.h"
@@ -38,6 +39,13 @@ void require_place(const BuildPlan& plan, const PartPlace& place) {
               place_text(place) + " of " + std::to_string(plan.group_count) + " groups asked for");
 }
 
+void require_lossless(const BuildOutline& outline) {
+  if (outline.writing.max_error == 0 && outline.bound.detail_level == 0) return;
+  throw Error(ErrorKind::invalid_argument,
+              "parts share no group whose voxels change (a max error, details left out): its "
+              "planes are hashed as they come out, in one process; plan parts of whole groups");
+}
+
 /// What of its group a part reads and gives.
 BrickShare share_of(const BuildPlan& plan, const Levels& levels, const PartPlace& place) {
   const std::int64_t planes = first_plane_of(plan, place.end_group) -
@@ -56,24 +64,28 @@ std::uint64_t bytes_of_bricks(const BuildPlan& plan, std::int64_t count) {
 
 }  // namespace
 
-void require_bands(const BuildPlan& plan, bool can_seek) {
-  const BuildOutline outline = outline_of(plan);
-  if (outline.writing.max_error > 0 || outline.bound.detail_level > 0) {
+void require_bands(const PlaneSource& source, const BuildOptions& options) {
+  BuildOutline outline = outline_build(source.description(), options);
+  const VoxelType type = source.description().type;
+  if (is_integer(type)) take_bounds(outline, options, {});
+  require_lossless(outline);
+  const std::int64_t planes = group_planes(outline.levels, type);
+  if (planes > outline.levels.brick_side(0).z) {
     throw Error(ErrorKind::invalid_argument,
-                "parts share no group whose voxels change (a max error, details left out): its "
-                "planes are hashed as they come out, in one process; plan parts of whole groups");
-  }
-  if (plan.planes_per_group > outline.levels.brick_side(0).z) {
-    throw Error(ErrorKind::invalid_argument,
-                "a group of this volume is " + std::to_string(plan.planes_per_group) +
+                "a group of this volume is " + std::to_string(planes) +
                     " planes, several layers of bricks: parts share only groups of one layer; "
                     "plan parts of whole groups");
   }
-  if (!can_seek) {
+  if (!source.can_seek()) {
     throw Error(ErrorKind::invalid_argument,
                 "this source can only be read from its start on: parts share no group of it; plan "
                 "parts of whole groups");
   }
+}
+
+void require_bands(const BuildPlan& plan, const PlaneSource& source) {
+  require_bands(source, plan.options);
+  require_lossless(outline_of(plan));
 }
 
 std::uint64_t band_share_bytes(const BuildPlan& plan) {
@@ -93,7 +105,7 @@ void build_band(const BuildPlan& plan, PlaneSource& source, const PartPlace& pla
   const std::vector<SourceStamp> files = files_of(plan, source, first_plane, end_plane);
   require_unchanged(files);
   require_planned(plan, source.description());
-  require_bands(plan, source.can_seek());
+  require_bands(plan, source);
 
   // What memory holds of it
   const int threads = build_threads(work.threads);

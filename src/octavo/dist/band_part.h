@@ -19,11 +19,14 @@
 
 namespace octavo {
 
-/// Proves that parts of a plan can share its groups: these are single layers, no voxel differs
-/// from its source, and planes can be read more than once.
-/// can_seek  of the source
-/// Throws    Error{invalid_argument}
-void require_bands(const BuildPlan& plan, bool can_seek);
+/// Proves, before a plane is read, that parts of a build can share its groups: these are single
+/// layers, no voxel differs from its source, and planes can be read more than once. Whether floats
+/// differ their planes decide.
+/// Throws  Error{invalid_argument}; as outline_build
+void require_bands(const PlaneSource& source, const BuildOptions& options);
+
+/// The same of a plan.
+void require_bands(const BuildPlan& plan, const PlaneSource& source);
 
 /// Bytes of the voxels of the largest band of the plan.
 std::uint64_t band_share_bytes(const BuildPlan& plan);

@@ -21,6 +21,26 @@ using Files = std::map<std::string, FileBytes>;
 
 constexpr std::int64_t kBricks = 16;  // of a layer
 
+/// Counts the planes that are read.
+class CountedPlanes final : public PlaneSource {
+ public:
+  explicit CountedPlanes(std::unique_ptr<PlaneSource> source) : source_(std::move(source)) {}
+  const VolumeDescription& description() const override { return source_->description(); }
+  const std::vector<Warning>& warnings() const override { return source_->warnings(); }
+  void read_plane(std::span<std::byte> plane) override {
+    ++count;
+    source_->read_plane(plane);
+  }
+  void seek(std::int64_t first, std::int64_t end) override { source_->seek(first, end); }
+  bool can_seek() const override { return is_sought; }
+
+  std::int64_t count = 0;
+  bool is_sought = true;
+
+ private:
+  std::unique_ptr<PlaneSource> source_;
+};
+
 /// Two groups of 4 planes, each shared by three parts. Of thick slices, so that bricks are small.
 class BandParts : public ::testing::Test {
  protected:
@@ -261,37 +281,22 @@ TEST_F(BandParts, WhatHasNoBandsIsRejected) {
   lossy.options.max_error = 0;
   lossy.options.keep_details = 1;
   expect_words(failure(lossy), {"whose voxels change"});
-  EXPECT_THROW(require_bands(plan_, false), Error);
   for (const PartPlace& place : Places{{0, 2, 3, 0, 4}, {0, 0, 2, 0, 4}, {0, 0, 1, 0, kBricks + 1},
                                        {0, 0, 1, 4, 4}, {0, -1, 0, 0, 4}, {0, 0, 1, -1, 4}}) {
     NoProgress progress;
     EXPECT_THROW(build_band(plan_, *volume_.open(), place, storage_, "band", {}, progress), Error);
   }
   EXPECT_TRUE(storage_.files.empty());
-  EXPECT_NO_THROW(require_bands(plan_, true));
+  CountedPlanes sound(volume_.open());
+  EXPECT_NO_THROW(require_bands(plan_, sound));
+  sound.is_sought = false;
+  expect_words(failure_of([&] { require_bands(plan_, sound); }, ErrorKind::invalid_argument),
+               {"from its start on"});
   const SmallGroups large(std::uint64_t{1} << 20);
-  expect_words(failure_of([&] { require_bands(planned(volume_), true); },
+  expect_words(failure_of([&] { require_bands(CountedPlanes(volume_.open()), volume_.options); },
                           ErrorKind::invalid_argument),
                {"8 planes, several layers of bricks"});
 }
-
-/// Counts the planes that are read.
-class CountedPlanes final : public PlaneSource {
- public:
-  explicit CountedPlanes(std::unique_ptr<PlaneSource> source) : source_(std::move(source)) {}
-  const VolumeDescription& description() const override { return source_->description(); }
-  const std::vector<Warning>& warnings() const override { return source_->warnings(); }
-  void read_plane(std::span<std::byte> plane) override {
-    ++count;
-    source_->read_plane(plane);
-  }
-  void seek(std::int64_t first, std::int64_t end) override { source_->seek(first, end); }
-
-  std::int64_t count = 0;
-
- private:
-  std::unique_ptr<PlaneSource> source_;
-};
 
 std::int64_t planes_read(const SmallVolume& volume, const BuildPlan& plan, const PartPlace& place,
                          std::uint64_t band_bytes = 0) {

@@ -112,11 +112,13 @@ BuildPlan plan_in_memory(const PlanScanOptions& options, const TaskContext& cont
   require_files(inputs);
   try {
     PlannedPlanes opened = open_to_plan(options, context);
+    const bool has_bands = options.bands.value_or(1) > 1;
+    if (has_bands) require_bands(*opened.planes, opened.build);
     BuildPlan plan = plan_build(*opened.planes, opened.build, context.watcher(),
                                 opened.files, opened.stack);
-    if (options.bands.value_or(1) > 1) {
-      plan.bands = std::clamp<std::int64_t>(*options.bands, 1, layer_bricks_of(plan));
-      require_bands(plan, opened.planes->can_seek());
+    if (has_bands) {
+      plan.bands = std::min(*options.bands, layer_bricks_of(plan));
+      require_bands(plan, *opened.planes);
     }
     describe_plan(plan, *opened.planes, result);
     plan.inputs = inputs;
