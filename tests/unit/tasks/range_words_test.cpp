@@ -8,7 +8,7 @@ namespace {
 TEST(RangeWords, TellAValueFromTheEndThatItLiesBeyond) {
   const OutsideWords above = outside_words(1000000.5, 0, 1000000);
   EXPECT_EQ(above.value, "1000000.5");
-  EXPECT_EQ(above.highest, "1000000.0");
+  EXPECT_EQ(above.highest, "1000000");
   EXPECT_EQ(above.lowest, "0");
   const OutsideWords below = outside_words(0.12345678, 0.12345679, 3e9);
   EXPECT_EQ(below.value, "0.12345678");
