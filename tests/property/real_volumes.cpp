@@ -11,6 +11,7 @@
 #include "octavo/codec/grey/octant_transform.h"
 #include "octavo/io/open_source.h"
 #include "support/ct_head.h"
+#include "support/goal_cases.h"
 #include "support/shared_data.h"
 
 namespace octavo::testing {
@@ -212,7 +213,8 @@ TEST(RealVolumes, CtHeadKeepsEveryLaw) {
   expect_laws(*header, VolumeKind::grey);
   const RealVolume volume = load(*header, VolumeKind::grey);
   std::string first;
-  for (const int threads : {1, 2, 3, 8}) {
+  const std::vector<int> counts = is_full_form() ? std::vector{1, 2, 3, 8} : std::vector{1, 3};
+  for (const int threads : counts) {
     const std::string file = folder.file("threads.8vo");
     std::filesystem::remove(file);
     build_volume({volume.description, volume.bytes}, file, threads);
