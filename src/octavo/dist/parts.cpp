@@ -159,8 +159,8 @@ void encode_groups(const GroupWork& work, std::int64_t first_group, std::int64_t
   for (std::int64_t group = first_group; group < end_group; ++group) {
     const VoxelBlock block = reader.next();
     encoder.check();
-    const Model& model = work.trainer.train(block);
-    if (group == 0) require_first_voxels(work.plan, block, model);
+    if (group == 0) require_first_voxels(work.plan, block, work.trainer.first());
+    const Model& model = group == 0 ? work.trainer.first() : work.trainer.train(block);
     encoder.start(model, block, true, [&reader] { reader.release(); });
   }
   encoder.finish();
@@ -175,8 +175,10 @@ void encode_groups_in_bands(const GroupWork& work, std::int64_t first_group,
     const auto bands = std::make_shared<BandReader>(
         work.planes, work.outline.levels, first_plane_of(work.plan, group),
         first_plane_of(work.plan, group + 1), cut, work.progress);
-    const Model& model = work.trainer.train(bands->training_bricks(), bands->group().type);
-    if (group == 0) require_first_voxels(work.plan, bands->group(), model);
+    if (group == 0) require_first_voxels(work.plan, bands->group(), work.trainer.first());
+    const Model& model =
+        group == 0 ? work.trainer.first()
+                   : work.trainer.train(bands->training_bricks(), bands->group().type);
     encoder.encode(bands, model);
   }
 }
@@ -214,7 +216,7 @@ void build_part(const BuildPlan& plan, PlaneSource& source, std::int64_t first_g
                      static_cast<std::uint64_t>(first_group)});
   Workers workers(threads, work.threads_of_all);
   GroupTrainer trainer(outline.description, levels, workers, outline.settings);
-  if (first_group > 0) trainer.begin_with(plan.first_model);
+  trainer.begin_with(plan.first_model);
   const GroupWork groups{plan,    outline, outline.planes(source), workers, trainer, writer,
                          storage, folder_of(path), progress};
   if (band_bytes > 0) encode_groups_in_bands(groups, first_group, end_group, band_bytes);

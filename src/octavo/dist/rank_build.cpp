@@ -69,8 +69,8 @@ class RankRounds {
     const std::int64_t group = group_of(round);
     const VoxelBlock block = reader_.next();
     encoder_.check();
-    const Model& model = trainer_.train(block);
-    if (group == 0) require_first_voxels(job_.plan, block, model);
+    if (group == 0) require_first_voxels(job_.plan, block, trainer_.first());
+    const Model& model = group == 0 ? trainer_.first() : trainer_.train(block);
     sink_.expect({block.first_plane / job_.outline.levels.brick_side(0).z,
                   static_cast<std::uint64_t>(group)});
     encoder_.start(model, block, true, [this] { reader_.release(); });
@@ -178,8 +178,7 @@ BuildResult build(const BuildPlan& plan, PlaneSource& source, Communicator& rank
                             "plane passes");
   Workers workers(result.threads);
   GroupTrainer trainer(outline.description, outline.levels, workers, outline.settings);
-  const bool trains_first = ranks.is_first() && files.first_group == 0;
-  if (!trains_first) trainer.begin_with(plan.first_model);
+  trainer.begin_with(plan.first_model);
   PlacedGroups groups;
   {
     RankRounds rounds(job, files, workers, trainer, source);
