@@ -44,6 +44,8 @@ constexpr VerbText kSurfaceText = {
     "is proven. It is in mm, or as 0.5voxel in shortest sides of a voxel. Pieces and handles\n"
     "stay, and no triangles cross. With --max-deviation 0 all triangles stay, which takes less\n"
     "time and memory.\n\n"
+    "--method octree merges cells of an octree within the same deviation, proven alike, instead\n"
+    "of collapsing edges; there are more triangles, at most as long as 32 voxels or so.\n\n"
     "--triangles asks for a number, or for a share of all as 5%: half a voxel of deviation is\n"
     "tried first, which may allow fewer, and then more and more until there are so many or less.\n"
     "The deviation that comes of it is proven and printed. Fewer than pieces and handles need are\n"
@@ -84,6 +86,7 @@ struct SurfaceArguments {
   std::string space = "lps";
   std::string max_deviation = "0.5voxel";
   std::optional<std::string> triangles;
+  std::optional<std::string> method;
   int level = 0;
   bool stored = false;
   bool plain = false;
@@ -121,6 +124,7 @@ SurfaceOptions options_of(const SurfaceArguments& arguments, const Context& cont
   if (!arguments.seed.empty()) options.seed = parse_point(arguments.seed, "--seed");
   options.max_deviation = parse_deviation(arguments.max_deviation);
   if (arguments.triangles) options.triangles = parse_triangles(*arguments.triangles);
+  if (arguments.method == "octree") options.method = DecimationMethod::cells;
   options.space = arguments.space == "ras" ? MeshSpace::ras : MeshSpace::lps;
   options.is_plain = arguments.plain;
   options.allows_faults = arguments.allow_open;
@@ -147,6 +151,7 @@ void check_label_options(const SurfaceArguments& arguments) {
   if (arguments.allow_open) reject_option("--allow-open", of_all);
   if (!arguments.report.empty()) reject_option("--report", of_all);
   if (!arguments.seed.empty()) reject_option("--seed", of_all);
+  if (arguments.method) reject_option("--method", of_all);
   if (arguments.part_format && (arguments.interfaces || mesh_format_of(arguments.output))) {
     reject_option("--part-format", "it is of files in a folder, which -o names");
   }
@@ -285,10 +290,15 @@ void add_surface(CLI::App& app, Context& context) {
       verb.add_option("--max-deviation", arguments->max_deviation,
                       "How far fewer triangles may lie from all: mm, or 0.5voxel; 0 keeps all");
   deviation->type_name("DISTANCE")->capture_default_str();
-  verb.add_option("--triangles", arguments->triangles,
-                  "So many at most: a number, or 5% of all; the deviation is proven and printed")
-      ->type_name("N|P%")
-      ->excludes(deviation);
+  Option triangles = verb.add_option(
+      "--triangles", arguments->triangles,
+      "So many at most: a number, or 5% of all; the deviation is proven and printed");
+  triangles->type_name("N|P%")->excludes(deviation);
+  verb.add_option("--method", arguments->method,
+                  "How triangles become fewer: edges collapse, or cells merge (default: collapse)")
+      ->type_name("METHOD")
+      ->check(one_of({"collapse", "octree"}))
+      ->excludes(triangles);
   verb.add_option("--report", arguments->report,
                   "A file for what is known of the surface, as JSON")
       ->type_name("FILE");

@@ -68,6 +68,21 @@ class Surfaces(cli_test.InFolder):
     def json(self, *arguments):
         return json.loads(self.expect(0, *arguments, "--json", "--progress", "none").stdout)
 
+    def test_cells_merge_within_what_is_proven(self):
+        full = self.json("surface", "grey.8vo", "--isovalue", "50", "--max-deviation", "0", "-o",
+                         "full.stl")
+        report = self.json("surface", "grey.8vo", "--isovalue", "50", "--method", "octree", "-o",
+                           "cells.stl")
+        self.assertLess(3 * report["triangles"], full["triangles"])
+        self.assertEqual(report["full_triangles"], full["triangles"])
+        self.assertEqual((report["closed"], report["manifold"], report["self_intersections"]),
+                         (True, True, 0))
+        self.assertEqual(report["max_deviation_mm"], 0.25)
+        self.assertEqual(open_sides(read_stl(self.folder / "cells.stl")[0]), [])
+        for others in (("--triangles", "30"), ("--parts",)):
+            self.expect(2, "surface", "mask.8vo", "--method", "octree", *others, "-o", "none.ply")
+        self.assertFalse((self.folder / "none.ply").exists())
+
     def test_as_few_triangles_as_asked_within_what_is_proven(self):
         for asked, most in (("30", 30), ("5%", None)):
             report = self.json("surface", "grey.8vo", "--isovalue", "50", "--triangles", asked,

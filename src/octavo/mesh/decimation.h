@@ -22,6 +22,11 @@
 
 namespace octavo {
 
+enum class DecimationMethod {
+  collapse,  ///< edges are collapsed in the order of their costs
+  cells      ///< cells of an octree merge (octree_decimation.h)
+};
+
 struct DecimationOptions {
   double max_deviation_mm = 0;  ///< above 0
   Geometry geometry;            ///< of the grid that the surface was taken from

@@ -271,7 +271,7 @@ SurfaceResult surface(const SurfaceOptions& options, const TaskContext& context)
     grid = reduce_mesh_to(triangle_limit(*options.triangles, mesh.triangles.size()), mesh,
                           geometry, wants_grid, context, result);
   } else if (result.max_deviation_mm > 0) {
-    grid = reduce_mesh(mesh, geometry, wants_grid, context, result);
+    grid = reduce_mesh(options.method, mesh, geometry, wants_grid, context, result);
   }
   result.point_count = mesh.points.size();
   result.triangle_count = mesh.triangles.size();

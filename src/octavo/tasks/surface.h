@@ -7,6 +7,7 @@
 #include <string>
 
 #include "octavo/core/hasher.h"
+#include "octavo/mesh/decimation.h"
 #include "octavo/mesh/mesh_check.h"
 #include "octavo/mesh/formats/mesh_file.h"
 #include "octavo/tasks/asked_labels.h"
@@ -52,6 +53,7 @@ struct SurfaceOptions {
   /// Instead of a deviation: the surface has as many triangles at most, and how far it lies is
   /// proven.
   std::optional<AskedTriangles> triangles;
+  DecimationMethod method = DecimationMethod::collapse;  ///< with a deviation
   MeshSpace space = MeshSpace::lps;
   bool is_plain = false;  ///< a .glb file without compression, for programs that know none
   bool allows_faults = false;  ///< a surface that is not closed or not manifold is written as well

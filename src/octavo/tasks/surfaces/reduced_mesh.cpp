@@ -7,6 +7,7 @@
 #include "octavo/core/error.h"
 #include "octavo/mesh/decimation.h"
 #include "octavo/mesh/formats/grid_mesh.h"
+#include "octavo/mesh/octree_decimation/octree_decimation.h"
 #include "octavo/mesh/triangle_limit.h"
 
 namespace octavo {
@@ -23,15 +24,15 @@ std::optional<PointGrid> grid_within(const TriangleMesh& mesh, double deviation_
 
 void require_room(const TriangleMesh& mesh, const TaskContext& context) {
   require_numbered(mesh.triangles.size());
-  constexpr std::uint64_t kBytesPerPoint = 500;
+  constexpr std::uint64_t kBytesPerPoint = 600;
   context.require_memory(kBytesPerPoint * mesh.points.size(), "the surface");
 }
 
 }  // namespace
 
-std::optional<PointGrid> reduce_mesh(TriangleMesh& mesh, const Geometry& geometry,
-                                     bool wants_grid, const TaskContext& context,
-                                     SurfaceResult& result) {
+std::optional<PointGrid> reduce_mesh(DecimationMethod method, TriangleMesh& mesh,
+                                     const Geometry& geometry, bool wants_grid,
+                                     const TaskContext& context, SurfaceResult& result) {
   require_room(mesh, context);
   const double deviation = result.max_deviation_mm;
   std::optional<PointGrid> grid;
@@ -40,7 +41,8 @@ std::optional<PointGrid> reduce_mesh(TriangleMesh& mesh, const Geometry& geometr
   Decimated reduced;
   std::optional<TriangleMesh> moved;
   context.on_threads([&] {
-    reduced = decimate(mesh, {result.max_deviation_mm, geometry}, context.watcher());
+    const auto reduce = method == DecimationMethod::cells ? decimate_by_cells : decimate;
+    reduced = reduce(mesh, {result.max_deviation_mm, geometry}, context.watcher());
     if (!grid || reduced.crossing_triangles > 0) return;
     moved = mesh_on_grid(reduced.mesh, *grid, context.watcher());
   });

@@ -16,9 +16,9 @@ namespace octavo {
 /// Takes triangles away as far as the deviation of the result allows, less what moving points to a
 /// grid takes; sets what the result says of triangles that cross.
 /// Returns the grid that the points lie on in the end, if any
-std::optional<PointGrid> reduce_mesh(TriangleMesh& mesh, const Geometry& geometry,
-                                     bool wants_grid, const TaskContext& context,
-                                     SurfaceResult& result);
+std::optional<PointGrid> reduce_mesh(DecimationMethod method, TriangleMesh& mesh,
+                                     const Geometry& geometry, bool wants_grid,
+                                     const TaskContext& context, SurfaceResult& result);
 
 /// Takes triangles away until there are `limit` or fewer; sets the deviation of the result as well.
 /// Throws Error{invalid_argument} where the surface cannot be made of so few
