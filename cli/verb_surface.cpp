@@ -189,11 +189,12 @@ std::string fault_words(const SurfaceResult& result) {
       result.crossing_triangles.value_or(0));
 }
 
-/// What helps against points at one place, where nothing else is at fault: rounding made them.
+/// What helps against points at one place, where nothing else is at fault than triangles that cross
+/// there: rounding made them.
 std::string advice_words(const SurfaceResult& result) {
   const MeshCheck& check = result.check;
   const bool has_others = check.open_sides > 0 || check.repeated_sides > 0 ||
-                          check.pinched_points > 0 || result.crossing_triangles.value_or(0) > 0;
+                          check.pinched_points > 0;
   if (has_others || check.coincident_points == 0) return "";
   double farthest = 0;
   for (const MeshPoint& corner : result.bounds_mm) {

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "octavo/mesh/point_distance.h"
+#include "octavo/mesh/triangle_tree.h"
 
 namespace octavo {
 
@@ -36,7 +37,7 @@ void CollapsePart::clear() {
   points.clear();
 }
 
-void CollapsePart::run(double tolerance) {
+void CollapsePart::run(double tolerance, const Progress& progress) {
   squared_tolerance_ = tolerance * tolerance;
   marks_.assign(vertices.size(), 0);
   mark_ = 0;
@@ -50,7 +51,8 @@ void CollapsePart::run(double tolerance) {
       if (a < b) push(a, b);
     }
   }
-  while (!heap_.is_empty()) {
+  for (std::size_t i = 0; !heap_.is_empty(); ++i) {
+    stop_now_and_then(i, progress);
     const Candidate best = candidates_.data()[heap_.pop()];
     if (item(fans_, best.a).stamp != best.a_stamp || item(fans_, best.b).stamp != best.b_stamp) {
       continue;

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "octavo/core/geometry.h"
+#include "octavo/core/progress.h"
 #include "octavo/mesh/cost_heap.h"
 #include "octavo/mesh/quadric.h"
 #include "octavo/mesh/triangle_crossing.h"
@@ -51,7 +52,9 @@ class CollapsePart {
   void clear();
 
   /// tolerance  the largest root mean square distance to the planes of a vertex
-  void run(double tolerance);
+  /// progress   is asked whether to stop, and told nothing
+  /// Throws     Error{cancelled}
+  void run(double tolerance, const Progress& progress);
 
  private:
   /// An edge to collapse, as its ends were when its cost was computed.

@@ -4,7 +4,6 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <optional>
@@ -19,6 +18,7 @@
 #include "octavo/mesh/enclosed_volumes.h"
 #include "octavo/mesh/mesh_parts.h"
 #include "octavo/mesh/mesh_pieces.h"
+#include "octavo/mesh/part_space.h"
 #include "octavo/mesh/point_distance.h"
 #include "octavo/mesh/point_triangles.h"
 #include "octavo/mesh/triangle_tree.h"
@@ -68,31 +68,6 @@ struct ProvenRound {
   }
 };
 
-/// What a thread works with.
-struct PartSpace {
-  CollapsePart part;
-  std::vector<std::uint32_t> points;    // of the mesh, by vertex of the part
-  std::vector<std::uint32_t> attached;  // points of the full surface, by point of the part
-  std::vector<std::pair<std::uint32_t, int>> table;  // points and their vertices, by hash
-
-  /// Empties the space for some triangles, keeping its memory.
-  void clear(std::size_t triangle_count) {
-    part.clear();
-    points.clear();
-    attached.clear();
-    table.assign(std::bit_ceil(4 * triangle_count), {kNone, -1});
-  }
-
-  /// The vertex of a point, -1 before it has one.
-  int& vertex_of(std::uint32_t point) {
-    const std::size_t mask = table.size() - 1;
-    std::size_t at = (point * 0x9e3779b1u) & mask;
-    while (table[at].first != point && table[at].first != kNone) at = (at + 1) & mask;
-    table[at].first = point;
-    return table[at].second;
-  }
-};
-
 class Decimation {
  public:
   Decimation(const TriangleMesh& full, const DecimationOptions& options, Progress& progress)
@@ -110,18 +85,10 @@ class Decimation {
     const auto& [x, y, z] = geometry_.spacing_mm;
     deviation_ = options.max_deviation_mm - kRoundingMargin * std::min({x, y, z});
     tolerance_ = kToleranceShare * options.max_deviation_mm;
-    start_.mesh = full;
     volumes_ = piece_volumes(full);
     for (const std::uint32_t point : locked_) {
       is_frozen_[point] = true;
       if (pieces_.of_point[point] != MeshPieces::kNone) is_held_[pieces_.of_point[point]] = true;
-    }
-    set_quadrics();
-    start_.nearest.resize(full.points.size());
-    for (std::size_t i = 0; i < full.triangles.size(); ++i) {
-      for (const std::uint32_t point : full.triangles[i]) {
-        start_.nearest[point] = static_cast<std::uint32_t>(i);
-      }
     }
   }
 
@@ -150,17 +117,49 @@ class Decimation {
     if (progress_.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
   }
 
-  void set_quadrics() {
-    start_.quadrics.resize(full_.points.size());
+  /// Calls visit(corner, normal, place, weight) with the plane of a triangle of the full surface
+  /// for each of its corners, where it has an area.
+  template <class Visit>
+  void visit_planes(const MeshTriangle& t, Visit&& visit) const {
+    const Point3 a = place(full_.points[t[0]]);
+    const Point3 normal = cross(difference(place(full_.points[t[1]]), a),
+                                difference(place(full_.points[t[2]]), a));
+    const double length = std::sqrt(dot(normal, normal));
+    if (!(length > 0)) return;
+    for (std::size_t k = 0; k < 3; ++k) visit(k, scaled(normal, 1 / length), a, length);
+  }
+
+  /// Quadrics of points on seams of the first pass, which it keeps.
+  void set_seam_quadrics() {
+    first_.quadrics.resize(full_.points.size());
     for (const MeshTriangle& t : full_.triangles) {
-      const Point3 a = place(full_.points[t[0]]);
-      const Point3 normal = cross(difference(place(full_.points[t[1]]), a),
-                                  difference(place(full_.points[t[2]]), a));
-      const double length = std::sqrt(dot(normal, normal));
-      if (!(length > 0)) continue;
-      for (const std::uint32_t point : t) {
-        start_.quadrics[point].add_plane(scaled(normal, 1 / length), a, length);
-      }
+      const auto is_seam = [&](std::uint32_t point) { return first_parts_.is_seam[point] != 0; };
+      if (std::none_of(t.begin(), t.end(), is_seam)) continue;
+      visit_planes(t, [&](std::size_t k, const Point3& normal, const Point3& at, double weight) {
+        if (is_seam(t[k])) first_.quadrics[t[k]].add_plane(normal, at, weight);
+      });
+    }
+  }
+
+  /// Quadrics of the other points of a part of the first pass, whose triangles are all there.
+  void set_own_quadrics(std::size_t number, PartSpace& space) {
+    CollapsePart& part = space.part;
+    const auto is_seam = [&](std::size_t vertex) {
+      return first_parts_.is_seam[space.points[vertex]] != 0;
+    };
+    for (std::size_t i = 0; i < part.vertices.size(); ++i) {
+      if (!is_seam(i)) part.vertices[i].quadric = {};
+    }
+    const std::span<const std::uint32_t> triangles = first_parts_.of(number);
+    for (std::size_t i = 0; i < triangles.size(); ++i) {
+      visit_planes(full_.triangles[triangles[i]],
+                   [&](std::size_t k, const Point3& normal, const Point3& at, double weight) {
+        const auto vertex = static_cast<std::size_t>(part.triangles[i].corners[k]);
+        if (!is_seam(vertex)) part.vertices[vertex].quadric.add_plane(normal, at, weight);
+      });
+    }
+    for (std::size_t i = 0; i < part.vertices.size(); ++i) {
+      if (!is_seam(i)) first_.quadrics[space.points[i]] = part.vertices[i].quadric;
     }
   }
 
@@ -196,9 +195,10 @@ class Decimation {
       if (is_stale_[i] == 0 || progress_.is_cancelled()) return;
       is_stale_[i] = 0;
       PartSpace& space = spaces_.local();
-      load(start_, first_parts_, i, start_attached_, space);
-      space.part.run(tolerance_);
-      store(start_, first_parts_, space, first_, first_reduced_[i]);
+      load(full_, first_.quadrics, first_parts_, i, start_attached_, space);
+      set_own_quadrics(i, space);
+      space.part.run(tolerance_, progress_);
+      store(first_parts_, space, first_, first_reduced_[i]);
     });
     stop_if_cancelled();
     join(first_reduced_, first_);
@@ -208,14 +208,21 @@ class Decimation {
   /// Remembers the points of a part that is reduced again.
   void touch(std::size_t part) {
     for (const std::uint32_t triangle : first_parts_.of(part)) {
-      for (const std::uint32_t point : start_.mesh.triangles[triangle]) is_touched_[point] = 1;
+      for (const std::uint32_t point : full_.triangles[triangle]) is_touched_[point] = 1;
     }
   }
 
   void prepare_first() {
-    first_ = start_;
-    first_parts_ = cut_in_parts(start_.mesh, geometry_, part_side_, 0);
-    start_attached_ = attached_points(start_);
+    first_.mesh.points = full_.points;
+    first_.nearest.resize(full_.points.size());
+    for (std::size_t i = 0; i < full_.triangles.size(); ++i) {
+      for (const std::uint32_t point : full_.triangles[i]) {
+        first_.nearest[point] = static_cast<std::uint32_t>(i);
+      }
+    }
+    start_attached_ = attached_points(first_.nearest, full_.triangles.size());
+    first_parts_ = cut_in_parts(full_, geometry_, part_side_, 0);
+    set_seam_quadrics();
     const std::size_t count = first_parts_.ends.size();
     first_reduced_.resize(count);
     is_stale_.assign(count, 1);
@@ -236,7 +243,7 @@ class Decimation {
   ReducedSurface reduce_second() {
     stop_if_cancelled();
     PartTriangles parts = cut_in_parts(first_.mesh, geometry_, part_side_, 0.5);
-    const AttachedPoints attached = attached_points(first_);
+    const AttachedPoints attached = attached_points(first_.nearest, first_.mesh.triangles.size());
     std::vector<ReducedPart> reduced(parts.ends.size());
     ReducedSurface surface;
     surface.mesh.points = first_.mesh.points;
@@ -245,9 +252,9 @@ class Decimation {
       if (progress_.is_cancelled()) return;
       if (take_unchanged(parts, i, surface.mesh, reduced[i])) return;
       PartSpace& space = spaces_.local();
-      load(first_, parts, i, attached, space);
-      space.part.run(tolerance_);
-      store(first_, parts, space, surface, reduced[i]);
+      load(first_.mesh, first_.quadrics, parts, i, attached, space);
+      space.part.run(tolerance_, progress_);
+      store(parts, space, surface, reduced[i]);
       reduced[i].full_count = parts.of(i).size();
     });
     stop_if_cancelled();
@@ -285,28 +292,30 @@ class Decimation {
     return true;
   }
 
-  static AttachedPoints attached_points(const ReducedSurface& surface) {
-    AttachedPoints lists{std::vector<std::uint32_t>(surface.mesh.triangles.size(), kNone),
-                         std::vector<std::uint32_t>(surface.nearest.size(), kNone)};
-    for (std::size_t point = surface.nearest.size(); point-- > 0;) {
-      std::uint32_t& first = lists.first[surface.nearest[point]];
+  static AttachedPoints attached_points(std::span<const std::uint32_t> nearest,
+                                        std::size_t triangle_count) {
+    AttachedPoints lists{std::vector<std::uint32_t>(triangle_count, kNone),
+                         std::vector<std::uint32_t>(nearest.size(), kNone)};
+    for (std::size_t point = nearest.size(); point-- > 0;) {
+      std::uint32_t& first = lists.first[nearest[point]];
       lists.next[point] = std::exchange(first, static_cast<std::uint32_t>(point));
     }
     return lists;
   }
 
-  void load(const ReducedSurface& surface, const PartTriangles& parts, std::size_t number,
-            const AttachedPoints& attached, PartSpace& space) const {
+  void load(const TriangleMesh& mesh, std::span<const Quadric> quadrics,
+            const PartTriangles& parts, std::size_t number, const AttachedPoints& attached,
+            PartSpace& space) const {
     CollapsePart& part = space.part;
     space.clear(parts.of(number).size());
     for (const std::uint32_t triangle : parts.of(number)) {
       CollapseTriangle& t = part.triangles.emplace_back();
       for (std::size_t k = 0; k < 3; ++k) {
-        const std::uint32_t point = surface.mesh.triangles[triangle][k];
+        const std::uint32_t point = mesh.triangles[triangle][k];
         int& vertex = space.vertex_of(point);
         if (vertex < 0) {
           vertex = static_cast<int>(part.vertices.size());
-          part.vertices.push_back({place(surface.mesh.points[point]), surface.quadrics[point],
+          part.vertices.push_back({place(mesh.points[point]), quadrics[point],
                                    parts.is_seam[point] != 0 || is_frozen_[point]});
           space.points.push_back(point);
         }
@@ -323,10 +332,10 @@ class Decimation {
     }
   }
 
-  /// Writes what became of a part of `from`. Points that are not on a seam belong to one part
+  /// Writes what became of a part. Points that are not on a seam belong to one part
   /// alone.
-  void store(const ReducedSurface& from, const PartTriangles& parts, const PartSpace& space,
-             ReducedSurface& to, ReducedPart& reduced) const {
+  void store(const PartTriangles& parts, const PartSpace& space, ReducedSurface& to,
+             ReducedPart& reduced) const {
     const CollapsePart& part = space.part;
     for (std::size_t i = 0; i < part.vertices.size(); ++i) {
       const std::uint32_t point = space.points[i];
@@ -334,9 +343,8 @@ class Decimation {
       const Point3 world = sum(part.vertices[i].place, origin_);
       to.mesh.points[point] = {static_cast<float>(world[0]), static_cast<float>(world[1]),
                                static_cast<float>(world[2])};
-      if (to.quadrics.empty()) continue;
-      const bool is_frozen = is_frozen_[point];
-      to.quadrics[point] = is_frozen ? from.quadrics[point] : part.vertices[i].quadric;
+      if (to.quadrics.empty() || is_frozen_[point]) continue;
+      to.quadrics[point] = part.vertices[i].quadric;
     }
     reduced.triangles.clear();
     reduced.attached.clear();
@@ -401,8 +409,9 @@ class Decimation {
       if (is_new || proven_->is_crossing[earlier[i]] != 0) crossing.push_back(i);
     }
     PointTriangles fans(mesh);
-    failures.far = unproven_triangles(mesh, far, full_tree, deviation_,
-                                      {attached_points(reduced), fans, fans_}, progress_);
+    const AttachedPoints attached = attached_points(reduced.nearest, mesh.triangles.size());
+    failures.far = unproven_triangles(mesh, far, full_tree, deviation_, {attached, fans, fans_},
+                                      progress_);
     failures.crossing = crossing_triangles(tree, crossing, progress_);
     progress_.advance(1);
 
@@ -530,7 +539,6 @@ class Decimation {
   double tolerance_ = 0;
   std::uint64_t crossing_count_ = 0;
   bool is_proven_ = false;  // all but that no triangles cross
-  ReducedSurface start_;
   AttachedPoints start_attached_;
   PartTriangles first_parts_;
   std::vector<ReducedPart> first_reduced_;
