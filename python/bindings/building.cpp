@@ -1,0 +1,300 @@
+#include "building.h"
+
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <cstring>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <vector>
+
+#include "call.h"
+#include "facts.h"
+#include "octavo/builder/builder.h"
+#include "octavo/file/storage/storage.h"
+#include "octavo/file/write/writer.h"
+#include "octavo/planes/plane_cursor.h"
+
+namespace octavo::python {
+
+namespace nb = nanobind;
+using namespace nb::literals;
+
+namespace {
+
+/// A plane, [y][x], of the type that was announced.
+using Plane = nb::ndarray<nb::ro, nb::c_contig, nb::device::cpu>;
+
+/// Planes that `plane_at(z)` gives.
+class PythonPlanes final : public PlaneSource {
+ public:
+  /// can_seek  whether any plane may be asked for at any time
+  PythonPlanes(VolumeDescription description, nb::object plane_at, bool can_seek, Call& call)
+      : description_(std::move(description)),
+        plane_at_(std::move(plane_at)),
+        can_seek_(can_seek),
+        call_(call) {}
+
+  const VolumeDescription& description() const override { return description_; }
+  const std::vector<Warning>& warnings() const override { return warnings_; }
+  bool can_seek() const override { return can_seek_; }
+  void seek(std::int64_t first, std::int64_t end) override {
+    if (first < 0 || first > end || end > description_.size.z) {
+      throw Error(ErrorKind::invalid_argument, "no such planes");
+    }
+    next_ = first;
+  }
+
+  void read_plane(std::span<std::byte> plane) override {
+    call_.with_python([&] {
+      const auto given = nb::cast<Plane>(plane_at_(next_));
+      if (given.nbytes() != plane.size()) {
+        throw Error(ErrorKind::source_rejected, "plane " + std::to_string(next_) + " has " +
+                    std::to_string(given.nbytes()) + " bytes instead of " +
+                    std::to_string(plane.size()));
+      }
+      std::memcpy(plane.data(), given.data(), plane.size());
+    });
+    ++next_;
+  }
+
+ private:
+  VolumeDescription description_;
+  nb::object plane_at_;
+  bool can_seek_;
+  Call& call_;
+  std::vector<Warning> warnings_;
+  std::int64_t next_ = 0;
+};
+
+BuildOptions options_of(const nb::dict& given) {
+  BuildOptions options;
+  const auto text = [&](const char* name) { return nb::cast<std::string>(given[name]); };
+  options.kind = text("kind") == "labels" ? VolumeKind::labels : VolumeKind::grey;
+  options.preset = text("preset") == "fast" ? Preset::fast : Preset::small;
+  const auto access = nb::cast<std::optional<std::string>>(given["access"]);
+  if (access) {
+    options.access = *access == "boxes" ? Access::boxes
+                     : *access == "slices" ? Access::slices : Access::none;
+  }
+  options.max_error = nb::cast<double>(given["max_error"]);
+  options.keep_details = nb::cast<int>(given["keep_details"]);
+  options.repair = {nb::cast<std::optional<float>>(given["nan"]),
+                    nb::cast<std::optional<float>>(given["inf"])};
+  options.has_thumbnail = nb::cast<bool>(given["thumbnail"]);
+  options.overwrite = nb::cast<bool>(given["overwrite"]);
+  const bool is_resuming = nb::cast<bool>(given["resume"]);
+  options.interrupted = is_resuming           ? Interrupted::resume
+                        : options.overwrite   ? Interrupted::discard
+                                              : Interrupted::reject;
+  options.threads = nb::cast<int>(given["threads"]);
+  options.max_memory_bytes = nb::cast<std::uint64_t>(given["max_memory"]);
+  return options;
+}
+
+nb::dict outcome_of(const BuildResult& result) {
+  nb::dict outcome;
+  outcome["file_bytes"] = result.file_bytes;
+  outcome["raw_bytes"] = result.raw_bytes;
+  outcome["resumed_planes"] = result.resumed_planes;
+  outcome["clipped"] = result.clipped.count;
+  return outcome;
+}
+
+nb::dict build(const std::string& path, const Zyx& shape, const nb::dict& facts,
+               nb::object plane_at, const nb::dict& given, nb::object on_progress) {
+  Call call(std::move(on_progress));
+  PythonPlanes planes(description_of(shape, facts), std::move(plane_at), true, call);
+  const BuildOptions options = options_of(given);
+  BuildResult result;
+  call.run_apart([&] { result = build_file(planes, local_storage(), path, options, call); });
+  return outcome_of(result);
+}
+
+/// Planes that one thread hands over and another one, the builder's, takes: one waits at a time.
+class HandedPlanes final : public PlaneSource {
+ public:
+  explicit HandedPlanes(VolumeDescription description) : description_(std::move(description)) {}
+
+  const VolumeDescription& description() const override { return description_; }
+  const std::vector<Warning>& warnings() const override { return warnings_; }
+  bool can_seek() const override { return false; }
+
+  void seek(std::int64_t first, std::int64_t) override {
+    if (first < taken_) {
+      throw Error(ErrorKind::invalid_argument,
+                  "planes that came one after another cannot be read again: give an array that "
+                  "can, or more memory").with_field("max_memory");
+    }
+    pass_until(first);
+  }
+
+  void read_plane(std::span<std::byte> plane) override {
+    std::unique_lock guard(lock_);
+    changed_.wait(guard, [&] { return is_full_ || is_over_; });
+    if (!is_full_) throw Error(ErrorKind::cancelled, "stopped");
+    std::memcpy(plane.data(), plane_.data(), plane.size());
+    is_full_ = false;
+    ++taken_;
+    changed_.notify_all();
+  }
+
+  /// Waits until there is room. False when the builder takes no more.
+  /// Throws Error{cancelled} when `call` is to end
+  bool hand_over(std::span<const std::byte> plane, const Call& call) {
+    constexpr std::chrono::milliseconds kPause{50};
+    std::unique_lock guard(lock_);
+    while (!changed_.wait_for(guard, kPause, [&] { return !is_full_ || is_over_; })) {
+      if (call.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
+    }
+    if (is_over_) return false;
+    plane_.assign(plane.begin(), plane.end());
+    is_full_ = true;
+    changed_.notify_all();
+    return true;
+  }
+
+  /// Nobody gives or takes any more.
+  void end() {
+    const std::lock_guard guard(lock_);
+    is_over_ = true;
+    changed_.notify_all();
+  }
+
+ private:
+  void pass_until(std::int64_t first) {
+    std::vector<std::byte> passed(plane_bytes(description_));
+    while (taken_ < first) read_plane(passed);
+  }
+
+  VolumeDescription description_;
+  std::vector<Warning> warnings_;
+  std::mutex lock_;  // of all below
+  std::condition_variable changed_;
+  std::vector<std::byte> plane_;
+  bool is_full_ = false;
+  bool is_over_ = false;
+  std::int64_t taken_ = 0;  // by the builder alone
+};
+
+/// Cancels the build of a writer that was closed early.
+class Stop final : public Progress {
+ public:
+  void begin(std::string_view, std::int64_t, std::string_view) override {}
+  void advance(std::int64_t) override {}
+  void end() override {}
+  bool is_cancelled() const override { return is_stopped; }
+  std::atomic<bool> is_stopped{false};
+};
+
+/// A build whose planes are pushed: a thread of its own pulls them.
+class PlaneWriter {
+ public:
+  PlaneWriter(const std::string& path, const Zyx& shape, const nb::dict& facts,
+              const nb::dict& given)
+      : planes_(description_of(shape, facts)), options_(options_of(given)), path_(path) {
+    check_target(local_storage(), path, options_.overwrite);
+    thread_ = std::thread([this] { work(); });
+  }
+
+  ~PlaneWriter() {
+    const nb::gil_scoped_release release;
+    stop();
+  }
+
+  /// Throws what the build threw, from then on with every plane.
+  void add(const Plane& plane) {
+    const VolumeDescription& volume = planes_.description();
+    if (plane.nbytes() != plane_bytes(volume)) {
+      throw Error(ErrorKind::invalid_argument, "the plane has another size than the others",
+                  path_);
+    }
+    if (added_ == volume.size.z) {
+      throw Error(ErrorKind::invalid_argument, "all " + std::to_string(added_) +
+                  " planes were added", path_);
+    }
+    const std::span bytes(static_cast<const std::byte*>(plane.data()), plane.nbytes());
+    Call call;
+    call.run([&] {
+      if (!planes_.hand_over(bytes, call)) join();
+    });
+    if (failure_) std::rethrow_exception(failure_);
+    ++added_;
+  }
+
+  /// Seals the file.
+  nb::dict finish() {
+    const std::int64_t wanted = planes_.description().size.z;
+    if (added_ != wanted) {
+      abandon();
+      throw Error(ErrorKind::invalid_argument, std::to_string(added_) + " of " +
+                  std::to_string(wanted) + " planes were added; nothing was written", path_);
+    }
+    {
+      const nb::gil_scoped_release release;
+      join();
+    }
+    if (failure_) std::rethrow_exception(failure_);
+    return outcome_of(result_);
+  }
+
+  /// Leaves nothing under the name; what can be resumed is kept where that was asked for.
+  void abandon() {
+    const nb::gil_scoped_release release;
+    stop();
+  }
+
+  std::int64_t added() const { return added_; }
+
+ private:
+  void work() {
+    try {
+      result_ = build_file(planes_, local_storage(), path_, options_, stop_);
+    } catch (...) {
+      failure_ = std::current_exception();
+    }
+    planes_.end();
+  }
+
+  void join() {
+    if (thread_.joinable()) thread_.join();
+  }
+
+  void stop() {
+    stop_.is_stopped = true;
+    planes_.end();
+    join();
+  }
+
+  HandedPlanes planes_;
+  BuildOptions options_;
+  std::string path_;
+  Stop stop_;
+  BuildResult result_;           // these two are read once the thread has ended
+  std::exception_ptr failure_;
+  std::int64_t added_ = 0;
+  std::thread thread_;
+};
+
+}  // namespace
+
+void bind_building(nb::module_& module) {
+  module.def("build", &build, "path"_a, "shape"_a, "facts"_a, "plane_at"_a, "options"_a,
+             "on_progress"_a.none());
+  nb::class_<PlaneWriter>(module, "PlaneWriter")
+      .def(nb::init<const std::string&, const Zyx&, const nb::dict&, const nb::dict&>(), "path"_a,
+           "shape"_a, "facts"_a, "options"_a)
+      .def("add", &PlaneWriter::add, "plane"_a)
+      .def("finish", &PlaneWriter::finish)
+      .def("abandon", &PlaneWriter::abandon)
+      .def_prop_ro("added", &PlaneWriter::added);
+}
+
+}  // namespace octavo::python

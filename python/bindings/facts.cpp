@@ -1,0 +1,69 @@
+#include "facts.h"
+
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/map.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+
+#include <map>
+#include <optional>
+#include <string>
+
+#include "octavo/core/error.h"
+
+namespace octavo::python {
+
+namespace nb = nanobind;
+
+namespace {
+
+template <class T>
+T fact(const nb::dict& facts, const char* name) {
+  return nb::cast<T>(facts[name]);
+}
+
+VoxelType type_of(const std::string& dtype) {
+  if (const std::optional<VoxelType> type = parse_voxel_type(dtype)) return *type;
+  throw Error(ErrorKind::invalid_argument,
+              "voxels of type " + dtype + " have no place in a file: int8, uint8, int16, uint16, "
+              "int32, uint32 and float32 do").with_field("dtype");
+}
+
+Point3 xyz_of(const std::array<double, 3>& zyx) { return {zyx[2], zyx[1], zyx[0]}; }
+
+}  // namespace
+
+VolumeDescription description_of(const Zyx& shape, const nb::dict& facts) {
+  VolumeDescription volume;
+  MetadataFacts noted;
+  volume.type = type_of(fact<std::string>(facts, "dtype"));
+  volume.kind = fact<std::string>(facts, "kind") == "labels" ? VolumeKind::labels
+                                                             : VolumeKind::grey;
+  volume.size = size_of(shape);
+  const auto spacing = fact<std::optional<std::array<double, 3>>>(facts, "spacing");
+  if (spacing) volume.geometry.spacing_mm = xyz_of(*spacing);
+  noted.spacing_known = spacing.has_value();
+  noted.spacing_source = spacing ? "user" : "assumed";
+  volume.geometry.origin_mm = xyz_of(fact<std::array<double, 3>>(facts, "origin"));
+  volume.geometry.direction = fact<std::array<double, 9>>(facts, "direction");
+  if (!is_valid(volume.geometry)) {
+    throw Error(ErrorKind::invalid_argument,
+                "spacing, origin and direction are no geometry: spacings lie within 1e-9 to 1e9 "
+                "mm, and no axis follows from the others").with_field("spacing_mm");
+  }
+  volume.rescale = {fact<double>(facts, "slope"), fact<double>(facts, "intercept")};
+  if (!is_valid(volume.rescale, volume.type)) {
+    throw Error(ErrorKind::invalid_argument,
+                "the slope is 0, or real values are not finite").with_field("rescale");
+  }
+  noted.unit = fact<std::optional<std::string>>(facts, "unit");
+  for (const auto& [label, name] :
+       fact<std::map<std::int64_t, std::string>>(facts, "label_names")) {
+    noted.labels.set(label, {name, {}});
+  }
+  noted.source.emplace().format = fact<std::string>(facts, "format");
+  volume.metadata = Metadata::of(std::move(noted));
+  return volume;
+}
+
+}  // namespace octavo::python

@@ -1,0 +1,29 @@
+// What describes a volume, between Python's order z, y, x and the library's x, y, z.
+#pragma once
+
+#include <nanobind/nanobind.h>
+
+#include <array>
+#include <cstdint>
+
+#include "octavo/core/volume.h"
+
+namespace octavo::python {
+
+/// Numbers along z, y, x, as Python has shapes.
+using Zyx = std::array<std::int64_t, 3>;
+
+inline Zyx zyx_of(const Size3& size) { return {size.z, size.y, size.x}; }
+inline Zyx zyx_of(const Index3& index) { return {index.z, index.y, index.x}; }
+inline Size3 size_of(const Zyx& shape) { return {shape[2], shape[1], shape[0]}; }
+inline Index3 index_of(const Zyx& index) { return {index[2], index[1], index[0]}; }
+
+/// The description of a volume that Python gives planes of.
+/// shape  z, y, x
+/// facts  dtype, kind, spacing (z, y, x) or None, origin (z, y, x), direction (9 numbers,
+///        row-major, columns x, y, z), slope, intercept, unit or None, label_names (label: name),
+///        format
+/// Throws Error{invalid_argument} for a dtype that files do not hold
+VolumeDescription description_of(const Zyx& shape, const nanobind::dict& facts);
+
+}  // namespace octavo::python

@@ -1,0 +1,201 @@
+#include "reading.h"
+
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/string_view.h>
+
+#include <cmath>
+#include <cstring>
+#include <span>
+
+#include "call.h"
+#include "octavo/core/sha256.h"
+#include "octavo/file/parallel_read.h"
+#include "octavo/file/storage/storage.h"
+#include "octavo/file/verify.h"
+
+namespace octavo::python {
+
+namespace nb = nanobind;
+using namespace nb::literals;
+
+namespace {
+
+/// Bytes that a Python function gives, on whatever thread they are asked for.
+class PythonBytes final : public ByteSource {
+ public:
+  PythonBytes(nb::object read_at, std::uint64_t size, std::string name)
+      : read_at_(std::move(read_at)), size_(size), name_(std::move(name)) {}
+
+  ~PythonBytes() override {
+    const nb::gil_scoped_acquire acquire;
+    read_at_.reset();
+  }
+
+  std::uint64_t size() const override { return size_; }
+  const std::string& name() const override { return name_; }
+
+  void read(std::uint64_t offset, std::span<std::uint8_t> out) const override {
+    if (offset > size_ || out.size() > size_ - offset) {
+      throw Error(ErrorKind::truncated, "ends early", name_, offset);
+    }
+    const nb::gil_scoped_acquire acquire;
+    try {
+      const auto bytes = nb::cast<nb::bytes>(read_at_(offset, out.size()));
+      if (bytes.size() != out.size()) {
+        throw Error(ErrorKind::truncated, "ends early", name_, offset + bytes.size());
+      }
+      std::memcpy(out.data(), bytes.data(), out.size());
+    } catch (const nb::python_error& error) {
+      if (error.matches(PyExc_KeyboardInterrupt)) {
+        throw Error(ErrorKind::cancelled, "stopped", name_);
+      }
+      throw Error(ErrorKind::io, escaped(nb::str(error.value()).c_str()), name_, offset);
+    }
+  }
+
+ private:
+  nb::object read_at_;
+  std::uint64_t size_;
+  std::string name_;
+};
+
+const CallWatcher& watcher() {
+  static const CallWatcher kWatcher;
+  return kWatcher;
+}
+
+ReaderOptions options_with(std::uint64_t cache_bytes) {
+  ReaderOptions options;
+  options.cache_bytes = cache_bytes;
+  options.watcher = &watcher();
+  return options;
+}
+
+nb::tuple level_facts(const FileReader& reader, int level) {
+  const Levels& levels = reader.levels();
+  const Geometry geometry = levels.geometry(reader.description().geometry, level);
+  const auto zyx = [](const Point3& p) { return nb::make_tuple(p[2], p[1], p[0]); };
+  std::array<std::int64_t, 3> factor;
+  for (int axis = 0; axis < 3; ++axis) {
+    factor[static_cast<std::size_t>(2 - axis)] =
+        std::int64_t{1} << levels.halving_count(level, axis);
+  }
+  return nb::make_tuple(zyx_of(levels.size(level)), zyx(geometry.spacing_mm),
+                        zyx(geometry.origin_mm), factor,
+                        zyx_of(brick_side_at(levels, level)));
+}
+
+nb::object real_end(const VolumeDescription& volume, std::int64_t code) {
+  if (volume.is_unbounded(code)) return nb::float_(code > 0 ? INFINITY : -INFINITY);
+  if (is_integer(volume.type)) return nb::int_(code);
+  return nb::float_(volume.voxel_of(code));
+}
+
+nb::dict facts_of(const OpenFile& file) {
+  const FileReader& reader = file.reader();
+  const VolumeDescription& volume = reader.description();
+  nb::list levels;
+  for (int level = 0; level < reader.levels().count(); ++level) {
+    levels.append(level_facts(reader, level));
+  }
+  nb::dict names;
+  for (const auto& [label, name] : volume.metadata.facts().labels.all()) {
+    names[nb::int_(label)] = name.name;
+  }
+  nb::dict facts;
+  facts["dtype"] = voxel_type_name(volume.type);
+  facts["kind"] = volume.kind == VolumeKind::labels ? "labels" : "grey";
+  facts["levels"] = levels;
+  facts["direction"] = volume.geometry.direction;
+  facts["slope"] = volume.rescale.slope;
+  facts["intercept"] = volume.rescale.intercept;
+  facts["unit"] = volume.metadata.facts().unit;
+  facts["is_spacing_known"] = volume.metadata.is_spacing_known();
+  facts["metadata"] = nb::bytes(volume.metadata.text().data(), volume.metadata.text().size());
+  facts["label_names"] = names;
+  facts["min"] = real_end(volume, reader.range().min);
+  facts["max"] = real_end(volume, reader.range().max);
+  facts["max_error"] = reader.max_error();
+  facts["detail_level"] = reader.detail_level();
+  facts["file_bytes"] = reader.file_bytes();
+  facts["voxels_sha256"] = hex_text(reader.voxel_digest());
+  facts["format_version"] = reader.format_version();
+  return facts;
+}
+
+using Writable = nb::ndarray<nb::c_contig, nb::device::cpu>;
+
+void require_room(const FileReader& reader, const Box& box, const Writable& out) {
+  const auto voxels = static_cast<std::uint64_t>(box.size().voxel_count());
+  const auto bytes = static_cast<std::uint64_t>(bytes_per_voxel(reader.description().type));
+  if (box.is_empty() || out.nbytes() != bytes * voxels) {
+    throw Error(ErrorKind::invalid_argument, "out does not hold what the box has");
+  }
+}
+
+void read_box(const OpenFile& file, const Zyx& start, const Zyx& stop, int level,
+              const Writable& out, int threads) {
+  const Box box{index_of(start), index_of(stop)};
+  require_room(file.reader(), box, out);
+  void* const voxels = out.data();
+  Call call;
+  call.run([&] { read_parallel(file.reader(), box, level, voxels, threads); });
+}
+
+/// The smallest and the largest voxel of each brick of level 0, as the index has them.
+void read_brick_ranges(const OpenFile& file, nb::ndarray<double, nb::c_contig, nb::device::cpu> low,
+                       nb::ndarray<double, nb::c_contig, nb::device::cpu> high) {
+  const FileReader& reader = file.reader();
+  const VolumeDescription& volume = reader.description();
+  const Size3 grid = reader.levels().brick_grid(0);
+  const auto count = static_cast<std::size_t>(grid.voxel_count());
+  if (low.size() != count || high.size() != count) {
+    throw Error(ErrorKind::invalid_argument, "out does not hold what the grid has");
+  }
+  double* lowest = low.data();
+  double* highest = high.data();
+  const auto end_of = [&](std::int64_t code) {
+    return volume.is_unbounded(code) ? (code > 0 ? INFINITY : -INFINITY) : volume.voxel_of(code);
+  };
+  Call call;
+  call.run([&] {
+    visit_cells(box_of(grid), {1, 1, 1}, [&](const Index3& at) {
+      const ValueRange range = reader.brick(0, at).range;
+      *lowest++ = end_of(range.min);
+      *highest++ = end_of(range.max);
+      if (call.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
+      return true;
+    });
+  });
+}
+
+}  // namespace
+
+OpenFile::OpenFile(const std::string& path, std::uint64_t cache_bytes) {
+  Call call;
+  call.run([&] {
+    reader_ = FileReader::open(open_byte_source(local_storage(), path), options_with(cache_bytes));
+  });
+}
+
+OpenFile::OpenFile(nb::object read_at, std::uint64_t size, const std::string& name,
+                   std::uint64_t cache_bytes) {
+  auto source = std::make_shared<PythonBytes>(std::move(read_at), size, name);
+  Call call;
+  call.run([&] { reader_ = FileReader::open(std::move(source), options_with(cache_bytes)); });
+}
+
+void bind_reading(nb::module_& module) {
+  nb::class_<OpenFile>(module, "OpenFile")
+      .def(nb::init<const std::string&, std::uint64_t>(), "path"_a, "cache_bytes"_a)
+      .def(nb::init<nb::object, std::uint64_t, const std::string&, std::uint64_t>(), "read_at"_a,
+           "size"_a, "name"_a, "cache_bytes"_a)
+      .def("facts", &facts_of)
+      .def("read", &read_box, "start"_a, "stop"_a, "level"_a, "out"_a, "threads"_a)
+      .def("read_brick_ranges", &read_brick_ranges, "low"_a, "high"_a);
+}
+
+}  // namespace octavo::python

@@ -1,0 +1,31 @@
+// An .8vo file that Python has open.
+#pragma once
+
+#include <nanobind/nanobind.h>
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "facts.h"
+#include "octavo/file/reader.h"
+
+namespace octavo::python {
+
+class OpenFile {
+ public:
+  /// Of a path. Throws as FileReader::open
+  OpenFile(const std::string& path, std::uint64_t cache_bytes);
+  /// Of what `read_at(offset, length)` gives as bytes: `size` of them. `name` stands in messages.
+  OpenFile(nanobind::object read_at, std::uint64_t size, const std::string& name,
+           std::uint64_t cache_bytes);
+
+  const FileReader& reader() const { return *reader_; }
+
+ private:
+  std::shared_ptr<FileReader> reader_;
+};
+
+void bind_reading(nanobind::module_& module);
+
+}  // namespace octavo::python

@@ -1,0 +1,380 @@
+"""Files out of arrays, of planes as they come, and of scans on disk."""
+
+import contextlib
+import os
+import shutil
+import subprocess
+
+import numpy as np
+
+from . import _octavo
+from ._errors import ArgumentError, Error, SourceError, StorageError
+from ._volume import View, Volume
+
+_BLOCK_BYTES = 64 << 20
+
+
+def build(source, path, *, kind=None, spacing=None, origin=(0.0, 0.0, 0.0), direction=None,
+          unit=None, slope=1.0, intercept=0.0, label_names=None, preset="small", access=None,
+          max_error=0.0, keep_details=0, nan=None, inf=None, thumbnail=False, overwrite=False,
+          resume=False, threads=0, max_memory=0, progress=None):
+    """Build an .8vo file.
+
+    Parameters
+    ----------
+    source : array, Volume or View, path
+        Anything of three dimensions [z, y, x] with `shape`, `dtype` and slices: a numpy, dask, zarr
+        or h5py array. It is read some planes at a time, never as a whole, and may have any strides
+        and byte order. Or a path that the program `octavo` reads: a folder of DICOM or TIFF
+        slices, NIfTI, NRRD, MetaImage and others; the program has to be on PATH.
+    path : str or os.PathLike
+        Ends in .8vo. Nothing stands there before the file is whole.
+    kind : {"grey", "labels"}, optional
+        "labels" for arrays of bool, else "grey".
+    spacing, origin : sequence of float, optional
+        mm along z, y, x; the world position of voxel [0, 0, 0], LPS. Without a spacing the file
+        says that it is not known.
+    direction : 3 x 3 array, optional
+        Columns: the unit vectors of the axes x, y, z in the world, as ITK has it. None: identity.
+    unit : str, optional
+        Of real values; "HU" is understood.
+    slope, intercept : float
+        real value = slope * voxel + intercept.
+    label_names : dict of int to str, optional
+    preset : {"small", "fast"}
+        Fewest bytes, or several times faster.
+    access : {"none", "slices", "boxes"}, optional
+        What shall decode alone; by the preset where not given.
+    max_error : float
+        The most that a real value may change; 0: nothing does.
+    keep_details : int
+        The finest level whose details are kept.
+    nan, inf : float, optional
+        Take the place of NaN and infinities; without a max error these are kept as they are.
+    thumbnail : bool
+        Put a small picture into the file: it may show a face.
+    overwrite, resume : bool
+        Replace a file; continue an interrupted build of the same voxels.
+    threads, max_memory : int
+        0: all cores, no limit (bytes).
+    progress : callable or True, optional
+        Called as progress(done, total, what); True shows a bar of tqdm.
+
+    Returns
+    -------
+    Volume
+        The file, opened.
+
+    Raises
+    ------
+    octavo.ArgumentError, octavo.SourceError, octavo.StorageError, octavo.LimitError
+    """
+    given = _given(preset, access, max_error, keep_details, nan, inf, thumbnail, overwrite, resume,
+                   threads, max_memory)
+    path = _output(path)
+    if isinstance(source, (str, os.PathLike)):
+        options = dict(kind=kind, spacing=spacing, unit=unit, slope=slope, intercept=intercept,
+                       label_names=label_names, origin=origin, direction=direction)
+        _build_by_program(os.fspath(source), path, options, given)
+        return Volume(path)
+    if isinstance(source, View):
+        facts = _facts_of_view(source)
+        shape, read = source.shape, source.__getitem__
+        if kind not in (None, facts["kind"]):
+            facts["kind"] = kind
+        _require_not_own_source(source, path)
+    else:
+        shape, dtype = _shape_and_type(source)
+        facts = _facts(dtype, kind, spacing, origin, direction, unit, slope, intercept,
+                       label_names)
+        read = source.__getitem__
+    planes = _Planes(read, shape, np.dtype(facts["dtype"]), getattr(source, "chunks", None))
+    given["kind"] = facts["kind"]
+    with _reporter(progress) as report:
+        _octavo.build(path, shape, facts, planes.plane, given, report)
+    return Volume(path)
+
+
+class Writer:
+    """Builds a file of planes as they come, in the order of z.
+
+        with octavo.Writer("scan.8vo", (512, 2048, 2048), "uint16", spacing=(1, .5, .5)) as w:
+            for plane in camera:
+                w.add(plane)
+
+    The file is sealed where the block ends; where it raises, or planes are missing, nothing stands
+    under the name. Memory is that of `build`.
+
+    Parameters
+    ----------
+    path : str or os.PathLike
+    shape : (int, int, int)
+        z, y, x.
+    dtype : numpy.dtype
+    **options
+        As of `build`; with resume=True planes that an interrupted writer has encoded are compared
+        with those given again, and not encoded again.
+    """
+
+    def __init__(self, path, shape, dtype, *, kind=None, spacing=None, origin=(0.0, 0.0, 0.0),
+                 direction=None, unit=None, slope=1.0, intercept=0.0, label_names=None,
+                 preset="small", access=None, max_error=0.0, keep_details=0, nan=None, inf=None,
+                 thumbnail=False, overwrite=False, resume=False, threads=0, max_memory=0):
+        given = _given(preset, access, max_error, keep_details, nan, inf, thumbnail, overwrite,
+                       resume, threads, max_memory)
+        self.path = _output(path)
+        self.shape = tuple(int(n) for n in shape)
+        if len(self.shape) != 3 or min(self.shape) < 1:
+            raise ArgumentError(f"shape {self.shape} is not z, y, x of one voxel or more")
+        facts = _facts(np.dtype(dtype), kind, spacing, origin, direction, unit, slope, intercept,
+                       label_names)
+        given["kind"] = facts["kind"]
+        self.dtype = np.dtype(facts["dtype"])
+        self._given_type = np.dtype(dtype)
+        self._writer = _octavo.PlaneWriter(self.path, self.shape, facts, given)
+
+    @property
+    def added(self):
+        """Number of planes so far."""
+        return self._open().added
+
+    def add(self, planes):
+        """Append a plane [y, x], or several [z, y, x].
+
+        Raises
+        ------
+        octavo.ArgumentError
+            For planes of another shape or dtype, and more of them than announced.
+        """
+        planes = np.asarray(planes)
+        if planes.ndim == 2:
+            planes = planes[None]
+        if planes.ndim != 3 or planes.shape[1:] != self.shape[1:]:
+            raise ArgumentError(f"a plane has the shape {self.shape[1:]}, not {planes.shape}",
+                                path=self.path)
+        if not np.can_cast(planes.dtype, self._given_type, "equiv"):
+            raise ArgumentError(f"planes are of {self._given_type}, not of {planes.dtype}",
+                                path=self.path)
+        for plane in planes:
+            self._open().add(np.ascontiguousarray(plane, self.dtype))
+
+    def close(self):
+        """Seal the file.
+
+        Raises
+        ------
+        octavo.ArgumentError
+            Where planes are missing; then nothing is written.
+        """
+        writer, self._writer = self._open(), None
+        writer.finish()
+
+    def abandon(self):
+        """Give up: nothing is left under the name."""
+        if self._writer is not None:
+            writer, self._writer = self._writer, None
+            writer.abandon()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, kind, *_):
+        if self._writer is None:
+            return
+        if kind is None:
+            self.close()
+        else:
+            self.abandon()
+
+    def _open(self):
+        if self._writer is None:
+            raise ArgumentError(f"{self.path}: the writer is closed", path=self.path)
+        return self._writer
+
+
+class _Planes:
+    """Planes of an array that is sliced, read in blocks as deep as its chunks are."""
+
+    def __init__(self, read, shape, dtype, chunks):
+        self._read = read
+        self._shape = shape
+        self._dtype = dtype
+        plane = max(1, shape[1] * shape[2] * dtype.itemsize)
+        self._depth = min(_depth_of(chunks), max(1, _BLOCK_BYTES // plane))
+        self._first = 0
+        self._block = None
+
+    def plane(self, z):
+        if self._block is None or not 0 <= z - self._first < len(self._block):
+            self._first = z - z % self._depth
+            end = min(self._first + self._depth, self._shape[0])
+            self._block = np.asarray(self._read(slice(self._first, end)))
+            if self._block.shape != (end - self._first, *self._shape[1:]):
+                raise SourceError(f"planes {self._first} to {end - 1} have the shape "
+                                  f"{self._block.shape}")
+        return np.ascontiguousarray(self._block[z - self._first], self._dtype)
+
+
+def _depth_of(chunks):
+    if chunks is None or chunks is True or len(chunks) == 0:
+        return 1
+    depth = chunks[0]
+    return int(max(depth)) if isinstance(depth, (tuple, list)) else int(depth)
+
+
+def _shape_and_type(source):
+    shape, dtype = getattr(source, "shape", None), getattr(source, "dtype", None)
+    if shape is None or dtype is None or not hasattr(source, "__getitem__"):
+        raise ArgumentError("give an array, a path or an open volume; planes one after another go "
+                            f"into octavo.Writer, not {type(source).__name__}")
+    shape = tuple(int(n) for n in shape)
+    if len(shape) != 3 or min(shape) < 1:
+        raise ArgumentError(f"an array of shape {shape} is no volume [z, y, x]")
+    return shape, np.dtype(dtype)
+
+
+def _stored_type(dtype):
+    if dtype == np.bool_:
+        return "uint8"
+    if dtype == np.float16:
+        return "float32"
+    return dtype.name
+
+
+def _facts(dtype, kind, spacing, origin, direction, unit, slope, intercept, label_names):
+    if kind not in (None, "grey", "labels"):
+        raise ArgumentError(f'kind is "grey" or "labels", not {kind!r}')
+    direction = np.eye(3) if direction is None else np.asarray(direction, float)
+    if direction.size != 9:
+        raise ArgumentError("direction has 3 x 3 numbers")
+    return dict(dtype=_stored_type(dtype),
+                kind=kind or ("labels" if dtype == np.bool_ else "grey"),
+                spacing=None if spacing is None else _three(spacing, "spacing"),
+                origin=_three(origin, "origin"),
+                direction=tuple(map(float, direction.ravel())),
+                slope=float(slope), intercept=float(intercept),
+                unit="[hnsf'U]" if unit == "HU" else unit,
+                label_names={int(k): str(v) for k, v in (label_names or {}).items()},
+                format="array")
+
+
+def _facts_of_view(view):
+    facts = view._file.facts
+    return dict(dtype=facts["dtype"], kind=facts["kind"],
+                spacing=view.spacing if facts["is_spacing_known"] else None, origin=view.origin,
+                direction=tuple(facts["direction"]), slope=facts["slope"],
+                intercept=facts["intercept"], unit=facts["unit"],
+                label_names=facts["label_names"], format="array")
+
+
+def _three(numbers, what):
+    numbers = tuple(map(float, np.ravel(numbers)))
+    if len(numbers) != 3:
+        raise ArgumentError(f"{what} has three numbers, along z, y, x")
+    return numbers
+
+
+def _given(preset, access, max_error, keep_details, nan, inf, thumbnail, overwrite, resume,
+           threads, max_memory):
+    if preset not in ("small", "fast"):
+        raise ArgumentError(f'preset is "small" or "fast", not {preset!r}')
+    if access not in (None, "none", "slices", "boxes"):
+        raise ArgumentError(f'access is "none", "slices" or "boxes", not {access!r}')
+    if not max_error >= 0:
+        raise ArgumentError("max_error is 0 or more")
+    if overwrite and resume:
+        raise ArgumentError("overwrite starts anew, resume goes on: give one of them")
+    if int(threads) < 0 or int(max_memory) < 0:
+        raise ArgumentError("threads and max_memory are 0 or more")
+    return dict(preset=preset, access=access, max_error=float(max_error),
+                keep_details=int(keep_details), nan=nan, inf=inf, thumbnail=bool(thumbnail),
+                overwrite=bool(overwrite), resume=bool(resume), threads=int(threads),
+                max_memory=int(max_memory))
+
+
+def _output(path):
+    path = os.fspath(path)
+    if not path.endswith(".8vo"):
+        raise ArgumentError(f"{path}: the name of a volume ends in .8vo", path=path)
+    return path
+
+
+def _require_not_own_source(view, path):
+    # Bytes and URLs are no file here.
+    with contextlib.suppress(OSError):
+        is_same = os.path.samefile(view._file.name, path)
+        if is_same:
+            raise ArgumentError(f"{path}: is the volume that is read", path=path)
+
+
+@contextlib.contextmanager
+def _reporter(progress):
+    if progress is not True:
+        yield progress or None
+        return
+    try:
+        from tqdm.auto import tqdm
+    except ImportError:
+        raise ArgumentError("progress=True needs tqdm (pip install tqdm); a function "
+                            "progress(done, total, what) does without it") from None
+    with tqdm() as bar:
+        def report(done, total, what):
+            bar.total = total
+            bar.set_description(what, refresh=False)
+            bar.update(done - bar.n)
+        yield report
+
+
+def _program():
+    program = shutil.which("octavo")
+    if program is None:
+        raise ArgumentError("files and folders are read by the program octavo, which is not on "
+                            "PATH; install it, or give an array")
+    from . import __version__
+    said = subprocess.run([program, "--version"], capture_output=True, text=True).stdout.split()
+    if __version__ not in said:
+        raise ArgumentError(f"{program} is another version than this package, {__version__}")
+    return program
+
+
+def _build_by_program(source, path, options, given):
+    program = _program()
+    if not os.path.exists(source) and "://" not in source:
+        raise StorageError(f"{source}: is not there", path=source)
+    fixed = {"slope": 1.0, "intercept": 0.0, "unit": None, "label_names": None, "direction": None,
+             "origin": (0.0, 0.0, 0.0)}
+    for name, default in fixed.items():
+        value = options[name]
+        if (tuple(value) if name == "origin" else value) != default:
+            raise ArgumentError(f"{name} comes from the files of a scan; it is for arrays")
+    command = [program, "build", source, "-o", path, "--json", "--preset", given["preset"]]
+    if options["kind"]:
+        command.append(f"--{options['kind']}")
+    if options["spacing"] is not None:
+        command += ["--spacing", ",".join(map(repr, _three(options["spacing"], "spacing")[::-1]))]
+    for name, flag in (("access", "--access"), ("nan", "--nan"), ("inf", "--inf")):
+        if given[name] is not None:
+            command += [flag, str(given[name])]
+    for name, flag in (("max_error", "--max-error"), ("keep_details", "--keep-details"),
+                       ("threads", "--threads"), ("max_memory", "--max-memory")):
+        if given[name]:
+            command += [flag, repr(given[name])]
+    for name, flag in (("thumbnail", "--thumbnail"), ("overwrite", "--force"),
+                       ("resume", "--resume")):
+        if given[name]:
+            command.append(flag)
+    done = subprocess.run(command, capture_output=True, text=True)
+    if done.returncode != 0:
+        raise _error_of_program(done)
+
+
+_KIND_OF_EXIT = {2: "invalid_argument", 3: "unsupported_version", 4: "corrupt", 5: "io",
+                 6: "limit_exceeded", 7: "source_rejected"}
+
+
+def _error_of_program(done):
+    from ._errors import _CLASSES
+    lines = [line for line in done.stderr.splitlines() if line.strip()]
+    text = "\n".join(lines).removeprefix("octavo: ").removeprefix("error: ")
+    kind = _KIND_OF_EXIT.get(done.returncode, "internal")
+    return _CLASSES.get(kind, Error)(text or f"octavo ended with {done.returncode}")

@@ -1,0 +1,126 @@
+"""What goes wrong, as exceptions."""
+
+
+class Error(ValueError):
+    """A failure of Octavo.
+
+    Attributes
+    ----------
+    kind : str
+        "invalid_argument", "not_octavo", "unsupported_version", "corrupt", "truncated",
+        "limit_exceeded", "source_rejected", "io", "out_of_memory", "cancelled" or "internal",
+        as in the JSON output of the program.
+    detail : str
+        What went wrong, without the path and without advice.
+    path : str
+        The file it is about; empty where there is none.
+    offset : int or None
+        Where in the file, in bytes.
+    """
+
+    kind = "internal"
+
+    def __init__(self, text, detail="", path="", offset=None):
+        super().__init__(text)
+        self.detail = detail or text
+        self.path = path
+        self.offset = offset
+
+    def __str__(self):
+        return str(self.args[0])
+
+
+class ArgumentError(Error):
+    """What was asked for makes no sense, or not for this file."""
+    kind = "invalid_argument"
+
+
+class FormatError(Error):
+    """The file is no .8vo file."""
+    kind = "not_octavo"
+
+
+class VersionError(Error):
+    """The file needs a newer Octavo."""
+    kind = "unsupported_version"
+
+
+class CorruptError(Error):
+    """Bytes of the file are damaged; nothing of the damaged part is returned."""
+    kind = "corrupt"
+
+
+class TruncatedError(CorruptError):
+    """The file ends early."""
+    kind = "truncated"
+
+
+class LimitError(Error):
+    """A limit of memory, voxels or the format would be passed."""
+    kind = "limit_exceeded"
+
+
+class SourceError(Error):
+    """The voxels or files given to a build cannot be taken as they are."""
+    kind = "source_rejected"
+
+
+class StorageError(Error, OSError):
+    """Reading or writing failed."""
+    kind = "io"
+
+
+class OutOfMemoryError(Error, MemoryError):
+    """Memory ran out."""
+    kind = "out_of_memory"
+
+
+class Cancelled(Error):
+    """The work was asked to stop."""
+    kind = "cancelled"
+
+
+class InternalError(Error):
+    """A fault of Octavo itself."""
+    kind = "internal"
+
+
+_CLASSES = {c.kind: c for c in (
+    ArgumentError, FormatError, VersionError, CorruptError, TruncatedError, LimitError,
+    SourceError, StorageError, OutOfMemoryError, Cancelled, InternalError)}
+
+# (kind or None for any, field, value or None for any): what helps. The first row that fits counts.
+_ADVICE = (
+    (None, "dtype", None, "convert it with .astype()"),
+    (None, "keep_details", None, "keep_details={}"),
+    ("source_rejected", "max_error", None, "max_error={} would do"),
+    (None, "max_error", "0", "leave out max_error"),
+    (None, "max_memory", None, "raise max_memory"),
+    (None, "output.overwrite", None, "overwrite=True replaces it"),
+    (None, "overwrite", None, "overwrite=True replaces it"),
+    (None, "repair.nan", None, "nan=VALUE replaces NaN"),
+    (None, "repair.infinity", None, "inf=VALUE replaces infinities"),
+    (None, "spacing_mm", None, "give spacing=(z, y, x) in mm"),
+    (None, "interrupted", "resume", "resume=True goes on behind them"),
+    (None, "interrupted", "discard", "overwrite=True starts anew"),
+)
+
+
+def _advice_of(kind, hints):
+    for field, value in hints:
+        for row_kind, row_field, row_value, text in _ADVICE:
+            if row_field != field or (row_kind or kind) != kind:
+                continue
+            if row_value not in (None, value) or ("{}" in text and not value):
+                continue
+            return text.format(value)
+    return ""
+
+
+def make_error(kind, detail, path="", offset=None, hints=()):
+    """The exception for a failure of the library: its words and what would help in Python."""
+    text = f"{path}: {detail}" if path else detail
+    advice = _advice_of(kind, hints)
+    if advice:
+        text = f"{text} ({advice})"
+    return _CLASSES.get(kind, InternalError)(text, detail, path, offset)

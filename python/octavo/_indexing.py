@@ -1,0 +1,118 @@
+"""numpy's rules of basic indexing, for arrays of which only boxes can be read."""
+
+import operator
+
+import numpy as np
+
+
+class Selection:
+    """What an index asks of an array.
+
+    Attributes
+    ----------
+    ranges : list of range
+        The indices along each axis, in the order in which they are wanted; one for an integer.
+    shape : tuple of int
+        Of the result.
+    """
+
+    def __init__(self, key, shape):
+        entries = _entries_of(key, len(shape))
+        self.ranges = []
+        self.shape = ()
+        axis = 0
+        for entry in entries:
+            if entry is None:
+                self.shape += (1,)
+                continue
+            chosen, is_kept = _range_of(entry, axis, shape[axis])
+            self.ranges.append(chosen)
+            if is_kept:
+                self.shape += (len(chosen),)
+            axis += 1
+
+    @property
+    def is_empty(self):
+        """Whether no voxel is chosen."""
+        return any(len(chosen) == 0 for chosen in self.ranges)
+
+    @property
+    def is_box(self):
+        """Whether all voxels of a box are chosen, in their order."""
+        return all(chosen.step == 1 or len(chosen) == 1 for chosen in self.ranges)
+
+
+def _entries_of(key, ndim):
+    """The key with an ellipsis written out, and slices for what it leaves open."""
+    entries = list(key) if isinstance(key, tuple) else [key]
+    places = [place for place, entry in enumerate(entries) if entry is Ellipsis]
+    if len(places) > 1:
+        raise IndexError("an index can only have a single ellipsis ('...')")
+    given = sum(entry is not None and entry is not Ellipsis for entry in entries)
+    if given > ndim:
+        raise IndexError(f"too many indices: the array has {ndim} dimensions, {given} were given")
+    rest = [slice(None)] * (ndim - given)
+    if places:
+        return entries[:places[0]] + rest + entries[places[0] + 1:]
+    return entries + rest
+
+
+def _range_of(entry, axis, size):
+    """The indices that an entry chooses, and whether the axis stays in the result."""
+    if isinstance(entry, slice):
+        return range(*entry.indices(size)), True
+    if isinstance(entry, (bool, np.bool_)):
+        raise IndexError("only integers, slices, ... and None are indices; read the box, then "
+                         "choose voxels by a mask")
+    try:
+        at = operator.index(entry)
+    except TypeError:
+        raise IndexError("only integers, slices, ... and None are indices; read the box, then "
+                         "choose voxels by arrays") from None
+    if not -size <= at < size:
+        raise IndexError(f"index {at} is out of bounds for axis {axis} with size {size}")
+    at %= size
+    return range(at, at + 1), False
+
+
+def boxes_of(ranges, side):
+    """The boxes to read for a selection, so that no read holds much more than is wanted.
+
+    An axis with a step is read brick by brick; one whose steps pass whole bricks, index by index.
+
+    Parameters
+    ----------
+    ranges : list of range
+    side : sequence of int
+        Of a brick, z, y, x.
+
+    Yields
+    ------
+    (start, stop, picks, places)
+        The box; what to take of it along each axis; where that goes in the result: slices.
+    """
+    def runs(chosen, brick):
+        if len(chosen) == 0:
+            return
+        if chosen.step == 1:
+            yield chosen.start, chosen.stop, slice(None), slice(0, len(chosen))
+            return
+        first = 0
+        while first < len(chosen):
+            last = first
+            row = chosen[first] // brick
+            while last + 1 < len(chosen) and chosen[last + 1] // brick == row:
+                last += 1
+            low, high = sorted((chosen[first], chosen[last]))
+            if chosen.step > 0:
+                picks = slice(0, None, chosen.step)
+            else:
+                picks = slice(None, None, chosen.step)
+            yield low, high + 1, picks, slice(first, last + 1)
+            first = last + 1
+
+    for z in runs(ranges[0], side[0]):
+        for y in runs(ranges[1], side[1]):
+            for x in runs(ranges[2], side[2]):
+                start, stop, picks, places = zip(z, y, x)
+                yield start, stop, picks, places

@@ -1,0 +1,482 @@
+"""An open .8vo file: the scan, its coarser levels, its real values."""
+
+import json
+import math
+import os
+import warnings
+
+import numpy as np
+
+from ._errors import ArgumentError, StorageError
+from ._indexing import Selection, boxes_of
+from ._sources import source_of
+
+DEFAULT_CACHE_BYTES = 256 << 20
+
+
+class View:
+    """A level of a volume as an array that is read where it is indexed, [z, y, x].
+
+    Indexing follows numpy's basic rules (integers, slices with any step, ``...``, ``None``) and
+    returns a new ``numpy.ndarray``, or a scalar. Whatever cannot be read raises; nothing is
+    filled in.
+
+    Attributes
+    ----------
+    level : int
+        0 is the scan; each further level halves what is finest.
+    shape : tuple of int
+    dtype : numpy.dtype
+    chunks : tuple of int
+        Of the bricks that voxels are stored in; reads that follow them decode nothing twice.
+    spacing : tuple of float
+        mm along z, y, x.
+    origin : tuple of float
+        Of the center of voxel [0, 0, 0]: LPS, mm, in the order z, y, x.
+    factor : tuple of int
+        How many voxels of level 0 a voxel spans along z, y, x.
+    """
+
+    ndim = 3
+
+    def __init__(self, file, level):
+        self._file = file
+        self.level = level
+        (self.shape, self.spacing, self.origin, self.factor, side) = map(
+            tuple, file.facts["levels"][level])
+        self._side = side
+        self.chunks = tuple(min(a, b) for a, b in zip(side, self.shape))
+        self.dtype = np.dtype(file.facts["dtype"])
+
+    @property
+    def translation(self):
+        """How far the first voxel lies from that of level 0, mm along the axes z, y, x."""
+        return tuple((f - 1) / 2 * s / f for f, s in zip(self.factor, self.spacing))
+
+    @property
+    def size(self):
+        """Number of voxels."""
+        return math.prod(self.shape)
+
+    @property
+    def nbytes(self):
+        """Bytes of all voxels without compression."""
+        return self.size * self.dtype.itemsize
+
+    @property
+    def affine(self):
+        """4 x 4: the index (z, y, x, 1) of a voxel to its center in the world, LPS x, y, z, mm."""
+        direction = np.array(self._file.facts["direction"]).reshape(3, 3)[:, ::-1]
+        matrix = np.eye(4)
+        matrix[:3, :3] = direction * np.array(self.spacing)
+        matrix[:3, 3] = self.origin[::-1]
+        return matrix
+
+    @property
+    def affine_ras(self):
+        """The same in RAS, as NIfTI and nibabel count."""
+        return np.diag([-1.0, -1.0, 1.0, 1.0]) @ self.affine
+
+    def __len__(self):
+        return self.shape[0]
+
+    def __array__(self, dtype=None, copy=None):
+        if copy is False:
+            raise ValueError("voxels are decoded, so an array of them is always a copy")
+        return np.asarray(self[...], dtype=dtype)
+
+    def __getitem__(self, key):
+        chosen = Selection(key, self.shape)
+        if chosen.is_empty:
+            return np.empty(chosen.shape, self.dtype)
+        self._warn_of_size(chosen)
+        if chosen.is_box:
+            out = np.empty(tuple(map(len, chosen.ranges)), self.dtype)
+            self._read_into([r.start for r in chosen.ranges],
+                            [r.start + len(r) for r in chosen.ranges], out, 0)
+        else:
+            out = self._read_steps(chosen.ranges)
+        return out.reshape(chosen.shape)[()]
+
+    def read(self, box=None, *, out=None, threads=0):
+        """Voxels of a box.
+
+        Parameters
+        ----------
+        box : ((z0, y0, x0), (z1, y1, x1)), optional
+            Half-open, in voxels of this level; all of it by default.
+        out : numpy.ndarray, optional
+            What to fill, of the shape of the box and the dtype of the volume; any strides.
+        threads : int
+            To decode on; 0: all cores.
+
+        Returns
+        -------
+        numpy.ndarray
+            `out`, or a new array [z, y, x].
+
+        Raises
+        ------
+        octavo.ArgumentError
+            For a box that is empty or not inside, and an `out` that does not fit.
+        octavo.CorruptError
+            Where stored bytes are damaged.
+        """
+        start, stop = ((0, 0, 0), self.shape) if box is None else map(_whole_numbers, box)
+        if not all(0 <= a < b <= n for a, b, n in zip(start, stop, self.shape)):
+            raise ArgumentError(f"box {tuple(start)} to {tuple(stop)} is empty or not inside "
+                                f"the {self.shape} voxels of level {self.level}")
+        shape = tuple(b - a for a, b in zip(start, stop))
+        if out is None:
+            out = np.empty(shape, self.dtype)
+        elif not isinstance(out, np.ndarray) or out.shape != shape or out.dtype != self.dtype:
+            raise ArgumentError(f"out must be an array of shape {shape} and dtype {self.dtype}")
+        elif not out.flags.writeable:
+            raise ArgumentError("out cannot be written")
+        if out.flags.c_contiguous and out.dtype.isnative:
+            self._read_into(start, stop, out, threads)
+        else:
+            dense = np.empty(shape, self.dtype)
+            self._read_into(start, stop, dense, threads)
+            out[...] = dense
+        return out
+
+    def at_mm(self, box_mm):
+        """Voxels at places in the world.
+
+        Parameters
+        ----------
+        box_mm : (z, y, x) or ((z0, y0, x0), (z1, y1, x1))
+            LPS, mm: a point, or two opposite corners of a box whose sides are parallel to the
+            axes of the world.
+
+        Returns
+        -------
+        scalar or numpy.ndarray
+            The voxel nearest to the point; or all voxels between the first and the last one
+            whose center lies in the box, along each axis of the grid.
+
+        Raises
+        ------
+        octavo.ArgumentError
+            Where the point or the whole box lies outside the volume.
+        """
+        corners = np.atleast_2d(np.asarray(box_mm, float))
+        if corners.shape not in ((1, 3), (2, 3)) or not np.isfinite(corners).all():
+            raise ArgumentError("give (z, y, x), or two such corners, in mm")
+        low, high = corners.min(0), corners.max(0)
+        world = np.array([[(low, high)[c >> a & 1][a] for a in range(3)] for c in range(8)])
+        inverse = np.linalg.inv(self.affine)
+        index = world[:, ::-1] @ inverse[:3, :3].T + inverse[:3, 3]
+        if len(corners) == 1:
+            at = np.floor(index[0] + 0.5).astype(int)
+            if not all(0 <= a < n for a, n in zip(at, self.shape)):
+                raise ArgumentError(f"{tuple(corners[0])} mm lies outside the volume")
+            return self[tuple(at)]
+        tolerance = 1e-6
+        start = np.maximum(np.ceil(index.min(0) - tolerance), 0).astype(int)
+        stop = np.minimum(np.floor(index.max(0) + tolerance) + 1, self.shape).astype(int)
+        if not (start < stop).all():
+            raise ArgumentError("no voxel has its center in that box")
+        return self.read((start, stop))
+
+    def __repr__(self):
+        size = " x ".join(map(str, self.shape))
+        return f"<octavo level {self.level}: {size} {self.dtype} of {self._file.name}>"
+
+    def _read_into(self, start, stop, out, threads):
+        self._file.read(start, stop, self.level, out, threads)
+
+    def _read_steps(self, ranges):
+        out = np.empty(tuple(map(len, ranges)), self.dtype)
+        for start, stop, picks, places in boxes_of(ranges, self._side):
+            part = np.empty(tuple(b - a for a, b in zip(start, stop)), self.dtype)
+            self._read_into(start, stop, part, 0)
+            out[places] = part[picks]
+        return out
+
+    def _warn_of_size(self, chosen):
+        wanted = math.prod(map(len, chosen.ranges)) * self.dtype.itemsize
+        share = _memory_bytes() // 4
+        if wanted > share:
+            fitting = self._file.level_in(share)
+            warnings.warn(f"{wanted / 1e9:.1f} GB of voxels are more than a quarter of this "
+                          f"machine's memory; level {fitting} of the whole volume would fit",
+                          stacklevel=3)
+
+
+class RealView:
+    """A level in real values: slope * stored value + intercept, as float32.
+
+    It has what `View` has, but for `read`.
+    """
+
+    def __init__(self, view):
+        self._view = view
+        self.dtype = np.dtype(np.float32)
+
+    def __getattr__(self, name):
+        if name.startswith("__") or name == "read":
+            raise AttributeError(name)
+        return getattr(self._view, name)
+
+    def __len__(self):
+        return len(self._view)
+
+    def __getitem__(self, key):
+        return self._real(self._view[key])
+
+    def at_mm(self, box_mm):
+        """As `View.at_mm`, in real values."""
+        return self._real(self._view.at_mm(box_mm))
+
+    def __array__(self, dtype=None, copy=None):
+        return np.asarray(self[...], dtype=dtype)
+
+    @property
+    def nbytes(self):
+        """Bytes of all voxels as float32."""
+        return self._view.size * self.dtype.itemsize
+
+    @property
+    def levels(self):
+        """All levels in real values, level 0 first."""
+        return tuple(RealView(level) for level in self._view._file.levels)
+
+    def __repr__(self):
+        return repr(self._view).replace(str(self._view.dtype), "real values", 1)
+
+    def _real(self, stored):
+        facts = self._view._file.facts
+        real = np.asarray(stored, np.float64) * facts["slope"] + facts["intercept"]
+        return real.astype(np.float32)[()]
+
+
+class Volume(View):
+    """An open .8vo file; as an array, its level 0.
+
+    Made by `octavo.open`; a context manager. It pickles as the place it was opened from, may be
+    used by many threads at once, and stays usable in processes forked behind it.
+
+    Attributes
+    ----------
+    levels : tuple of View
+        The scan and all coarser levels, down to a single voxel.
+    real : RealView
+        The scan in real values.
+    kind : str
+        "grey" or "labels".
+    unit : str or None
+        Of real values, a UCUM code: "[hnsf'U]" is HU.
+    slope, intercept : float
+        real value = slope * stored value + intercept.
+    min, max : int or float
+        Smallest and largest stored voxel, from the index; bounds where the file is lossy or holds
+        exact floats.
+    max_error : float
+        No voxel differs from its source by more, in stored units; 0: lossless.
+    attrs : dict
+        What the file says of where its voxels are from.
+    label_names : dict of int to str
+    voxels_sha256 : str
+        Equal for equal voxels; see the format.
+    """
+
+    def __init__(self, source, cache_bytes=DEFAULT_CACHE_BYTES):
+        self._opened = (source, cache_bytes)
+        super().__init__(_File(source, cache_bytes), 0)
+        facts = self._file.facts
+        self.kind = facts["kind"]
+        self.unit = facts["unit"]
+        self.slope = facts["slope"]
+        self.intercept = facts["intercept"]
+        self.min = facts["min"]
+        self.max = facts["max"]
+        self.max_error = facts["max_error"]
+        self.label_names = facts["label_names"]
+        self.voxels_sha256 = facts["voxels_sha256"]
+        self.is_spacing_known = facts["is_spacing_known"]
+
+    @property
+    def name(self):
+        """What it was opened from."""
+        return self._file.name
+
+    @property
+    def file_bytes(self):
+        """Length of the file."""
+        return self._file.facts["file_bytes"]
+
+    @property
+    def attrs(self):
+        """The metadata as a dictionary; empty where they cannot be read."""
+        try:
+            return json.loads(self._file.facts["metadata"])
+        except ValueError:
+            return {}
+
+    @property
+    def levels(self):
+        """The scan and all coarser levels."""
+        return self._file.levels
+
+    @property
+    def real(self):
+        """Level 0 in real values."""
+        return RealView(self)
+
+    def read(self, box=None, level=0, *, out=None, threads=0):
+        """As `View.read`, of any level: the box counts that level's voxels."""
+        if level == 0:
+            return super().read(box, out=out, threads=threads)
+        return self._level(level).read(box, out=out, threads=threads)
+
+    def at_mm(self, box_mm, level=0):
+        """As `View.at_mm`, of any level."""
+        return super().at_mm(box_mm) if level == 0 else self._level(level).at_mm(box_mm)
+
+    def level_for(self, spacing_mm):
+        """The number of the coarsest level whose spacings are all `spacing_mm` or finer; 0 where
+        even the scan is coarser."""
+        fitting = [view.level for view in self.levels if max(view.spacing) <= spacing_mm]
+        return max(fitting, default=0)
+
+    def at_budget(self, nbytes):
+        """The finest level whose voxels take `nbytes` at most, as a view.
+
+        Raises
+        ------
+        octavo.ArgumentError
+            Where not even the last level, a single voxel, does.
+        """
+        return self.levels[self._file.level_in(nbytes)]
+
+    def brick_ranges(self):
+        """The smallest and the largest voxel of each brick of level 0, without decoding any.
+
+        Returns
+        -------
+        (low, high) : numpy.ndarray of float64
+            Of the shape of the grid of bricks, whose sides are `chunks`. Bounds where the file is
+            lossy or holds exact floats.
+        """
+        grid = tuple(-(-n // side) for n, side in zip(self.shape, self._side))
+        low, high = np.empty(grid), np.empty(grid)
+        self._file.read_brick_ranges(low, high)
+        return low, high
+
+    def close(self):
+        """Lets go of the file; reading raises from then on. May be called again."""
+        self._file.close()
+
+    @property
+    def closed(self):
+        """Whether it was closed."""
+        return self._file.is_closed
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.close()
+
+    def __reduce__(self):
+        source, cache_bytes = self._opened
+        if isinstance(source, os.PathLike):
+            source = os.fspath(source)
+        if isinstance(source, str) and "://" not in source:
+            source = os.path.abspath(source)
+        return (Volume, (source, cache_bytes))
+
+    def __repr__(self):
+        if self.closed:
+            return f"<octavo volume {self.name}, closed>"
+        size = " x ".join(map(str, self.shape))
+        spacing = " x ".join(f"{s:.4g}" for s in self.spacing)
+        unit = {"[hnsf'U]": " HU"}.get(self.unit, f" {self.unit}" if self.unit else "")
+        return (f"<octavo volume {self.name}: {size} {self.dtype}{unit}, {spacing} mm "
+                f"(z, y, x), {len(self.levels)} levels>")
+
+    def _level(self, level):
+        if not 0 <= level < len(self.levels):
+            raise ArgumentError(f"level {level} is not there: {self.name} has levels 0 to "
+                                f"{len(self.levels) - 1}")
+        return self.levels[level]
+
+
+class _File:
+    """The file behind the views: opened once, and anew in a process that was forked."""
+
+    def __init__(self, source, cache_bytes):
+        self._source = source_of(source)
+        self._cache_bytes = cache_bytes
+        self._only_thread = False
+        self._open()
+        self.facts = self._handle.facts()
+
+    @property
+    def name(self):
+        return self._source.name
+
+    @property
+    def levels(self):
+        # Made when asked for: what a file holds on to, only the collector of cycles would close.
+        return tuple(View(self, level) for level in range(len(self.facts["levels"])))
+
+    @property
+    def is_closed(self):
+        return self._handle is None
+
+    def _open(self):
+        self._handle = self._source.open(self._cache_bytes)
+        self._process = os.getpid()
+
+    def _opened(self):
+        if self._process != os.getpid():
+            digest = self.facts["voxels_sha256"]
+            # Threads do not live on in a forked process; what waits for them would wait for ever.
+            self._only_thread = True
+            if self._handle is not None:
+                _kept_for_good.append(self._handle)
+                self._open()
+                if self._handle.facts()["voxels_sha256"] != digest:
+                    raise StorageError(f"{self.name}: was replaced by another file", path=self.name)
+        handle = self._handle
+        if handle is None:
+            raise ArgumentError(f"{self.name}: is closed")
+        return handle
+
+    def read(self, start, stop, level, out, threads):
+        handle = self._opened()
+        handle.read(tuple(map(int, start)), tuple(map(int, stop)), level, out,
+                    1 if self._only_thread else int(threads))
+
+    def read_brick_ranges(self, low, high):
+        self._opened().read_brick_ranges(low, high)
+
+    def level_in(self, nbytes):
+        for view in self.levels:
+            if view.nbytes <= nbytes:
+                return view.level
+        raise ArgumentError(f"{nbytes} bytes hold no voxel")
+
+    def close(self):
+        self._handle = None
+
+
+# Handles of the process before a fork: taking them down could wait for locks of its threads.
+_kept_for_good = []
+
+
+def _whole_numbers(point):
+    numbers = tuple(int(n) for n in point)
+    if len(numbers) != 3:
+        raise ArgumentError("a corner of a box has three numbers, z, y, x")
+    return numbers
+
+
+def _memory_bytes():
+    try:
+        return os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    except (ValueError, OSError, AttributeError):
+        return 1 << 62

@@ -1,0 +1,226 @@
+"""Building: arrays of every form, planes as they come, scans by the program."""
+
+import os
+import signal
+import threading
+
+import numpy as np
+import pytest
+
+import octavo
+from conftest import steps
+
+
+@pytest.mark.parametrize("dtype", ["int8", "uint8", "int16", "uint16", "int32", "uint32",
+                                   "float32"])
+@pytest.mark.parametrize("preset", ["small", "fast"])
+def test_every_type_comes_back(tmp_path, dtype, preset):
+    array = steps((20, 30, 70), dtype)
+    assert np.array_equal(octavo.build(array, tmp_path / "a.8vo", preset=preset)[...], array)
+
+
+FORMS = {
+    "Fortran order": np.asfortranarray,
+    "negative strides": lambda a: a[::-1, ::-1, ::-1],
+    "steps": lambda a: a[::2, ::3, ::2],
+    "turned axes": lambda a: a.transpose(2, 0, 1),
+    "other byte order": lambda a: a.astype(a.dtype.newbyteorder()),
+    "read-only": lambda a: np.frombuffer(a.tobytes(), a.dtype).reshape(a.shape),
+}
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_every_form_of_an_array_is_copied_right(tmp_path, form):
+    array = FORMS[form](steps((40, 31, 50), np.int16))
+    assert np.array_equal(octavo.build(array, tmp_path / "a.8vo")[...], array)
+
+
+def test_the_file_is_that_of_the_program(tmp_path, voxels, run):
+    raw = tmp_path / "a.raw"
+    voxels.tofile(raw)
+    z, y, x = voxels.shape
+    done = run("build", raw, "--raw", f"{x},{y},{z},int16", "--spacing", "1,1,2", "-o",
+               tmp_path / "a.8vo")
+    assert done.returncode == 0, done.stderr
+    built = octavo.build(voxels, tmp_path / "b.8vo", spacing=(2, 1, 1))
+    assert built.voxels_sha256 == octavo.open(tmp_path / "a.8vo").voxels_sha256
+    assert run("verify", built.name).returncode == 0
+
+
+def test_bool_becomes_a_mask_and_half_becomes_float(tmp_path):
+    mask = steps((20, 20, 20), np.int16) > 0
+    built = octavo.build(mask, tmp_path / "m.8vo", label_names={1: "bone"})
+    assert (built.kind, built.dtype, built.label_names) == ("labels", np.uint8, {1: "bone"})
+    assert np.array_equal(built[...], mask)
+    half = steps((9, 9, 9), np.float16) / 8
+    built = octavo.build(half, tmp_path / "h.8vo")
+    assert built.dtype == np.float32 and np.array_equal(built[...], half.astype(np.float32))
+
+
+def test_floats_come_back_bit_by_bit(tmp_path):
+    array = np.random.default_rng(3).normal(size=(20, 30, 40)).astype(np.float32)
+    array[3, 2, 1], array[4, 5, 6], array[7, 8, 9] = np.nan, np.inf, -0.0
+    built = octavo.build(array, tmp_path / "f.8vo")
+    assert np.array_equal(built[...].view(np.uint32), array.view(np.uint32))
+    lossy = octavo.build(array, tmp_path / "g.8vo", max_error=0.1, nan=0, inf=9)
+    assert np.abs(lossy[0] - array[0]).max() <= 0.1
+    with pytest.raises(octavo.SourceError, match="nan=VALUE replaces NaN"):
+        octavo.build(array, tmp_path / "h.8vo", max_error=0.1, inf=9)
+    assert not (tmp_path / "h.8vo").exists()
+
+
+def test_real_values_stay_within_a_max_error(tmp_path, voxels):
+    built = octavo.build(voxels, tmp_path / "a.8vo", max_error=3)
+    assert 0 < np.abs(built[...].astype(int) - voxels).max() <= 3
+    assert built.max_error == 3
+
+
+class Sliced:
+    """An array that only gives planes, and says which."""
+
+    def __init__(self, array, chunks):
+        self.array, self.shape, self.dtype, self.chunks = array, array.shape, array.dtype, chunks
+        self.reads = []
+
+    def __getitem__(self, key):
+        self.reads.append((key.start, key.stop))
+        return self.array[key]
+
+
+@pytest.mark.parametrize("chunks", [(64, 97, 150), ((64, 64, 2), (97,), (150,)), None])
+def test_arrays_of_others_are_read_in_order_and_once(tmp_path, voxels, chunks):
+    source = Sliced(voxels, chunks)
+    assert np.array_equal(octavo.build(source, tmp_path / "a.8vo")[...], voxels)
+    assert [a for a, _ in source.reads] == sorted({a for a, _ in source.reads})
+    if chunks:
+        assert source.reads == [(0, 64), (64, 128), (128, 130)]
+
+
+def test_a_level_of_a_volume_is_built_like_an_array(tmp_path, volume):
+    level = volume.levels[2]
+    built = octavo.build(level, tmp_path / "a.8vo")
+    assert np.array_equal(built[...], level[...])
+    assert (built.spacing, built.origin, built.unit) == (level.spacing, level.origin, volume.unit)
+    with pytest.raises(octavo.ArgumentError, match="is the volume that is read"):
+        octavo.build(volume, volume.name, overwrite=True)
+
+
+BAD = {
+    "int64": (np.zeros((2, 2, 2), np.int64), {}, "voxels of type int64"),
+    "complex": (np.zeros((2, 2, 2), np.complex64), {}, "voxels of type complex64"),
+    "2-D": (np.zeros((2, 2), np.int16), {}, r"shape \(2, 2\) is no volume"),
+    "empty": (np.zeros((2, 0, 2), np.int16), {}, "is no volume"),
+    "a number": (5, {}, "give an array, a path or an open volume"),
+    "preset": (np.zeros((2, 2, 2), np.int16), {"preset": "tiny"}, "preset is"),
+    "kind": (np.zeros((2, 2, 2), np.int16), {"kind": "gray"}, "kind is"),
+    "spacing": (np.zeros((2, 2, 2), np.int16), {"spacing": (1, 1)}, "spacing has three numbers"),
+    "spacing 0": (np.zeros((2, 2, 2), np.int16), {"spacing": (0, 1, 1)}, "no geometry"),
+    "slope": (np.zeros((2, 2, 2), np.int16), {"slope": 0}, "slope is 0"),
+    "max error": (np.zeros((2, 2, 2), np.int16), {"max_error": -1}, "max_error is 0 or more"),
+}
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_what_cannot_be_built_is_one_error(tmp_path, case):
+    array, options, text = BAD[case]
+    with pytest.raises(octavo.ArgumentError, match=text):
+        octavo.build(array, tmp_path / "a.8vo", **options)
+    assert not list(tmp_path.iterdir())
+
+
+def test_names_are_checked(tmp_path, voxels):
+    with pytest.raises(octavo.ArgumentError, match="ends in .8vo"):
+        octavo.build(voxels, tmp_path / "a.nii")
+    octavo.build(voxels[:3], tmp_path / "a.8vo")
+    with pytest.raises(octavo.StorageError, match="overwrite=True replaces it"):
+        octavo.build(voxels[:3], tmp_path / "a.8vo")
+    assert np.array_equal(octavo.build(voxels[:2], tmp_path / "a.8vo", overwrite=True)[...],
+                          voxels[:2])
+
+
+def test_an_array_that_fails_leaves_nothing(tmp_path, voxels):
+    class Failing(Sliced):
+        def __getitem__(self, key):
+            if key.start > 100:
+                raise RuntimeError("the camera is off")
+            return super().__getitem__(key)
+
+    with pytest.raises(RuntimeError, match="the camera is off"):
+        octavo.build(Failing(voxels, None), tmp_path / "a.8vo")
+    assert not list(tmp_path.iterdir())
+
+
+def test_progress_is_told_and_may_end_the_work(tmp_path, voxels):
+    told = []
+    octavo.build(voxels, tmp_path / "a.8vo", progress=lambda *what: told.append(what))
+    assert told[-1][0] == told[-1][1] > 0
+
+    def stop(*_):
+        raise StopIteration("enough")
+
+    with pytest.raises(StopIteration):
+        octavo.build(steps((300, 150, 150), np.int16), tmp_path / "b.8vo", progress=stop)
+    assert [p.name for p in tmp_path.iterdir()] == ["a.8vo"]
+
+
+def test_an_interrupt_ends_a_build(tmp_path):
+    array = steps((300, 300, 200), np.int16)
+    threading.Timer(0.2, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+    with pytest.raises(KeyboardInterrupt):
+        octavo.build(array, tmp_path / "a.8vo")
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_writer_makes_the_file_of_the_array(tmp_path, voxels):
+    octavo.build(voxels, tmp_path / "a.8vo", spacing=(2, 1, 1))
+    with octavo.Writer(tmp_path / "b.8vo", voxels.shape, voxels.dtype, spacing=(2, 1, 1)) as w:
+        w.add(voxels[0])
+        w.add(voxels[1:100])
+        assert w.added == 100
+        for plane in voxels[100:]:
+            w.add(np.asfortranarray(plane))
+    assert (tmp_path / "a.8vo").read_bytes() == (tmp_path / "b.8vo").read_bytes()
+
+
+def test_a_writer_leaves_nothing_of_what_is_not_whole(tmp_path, voxels):
+    with pytest.raises(octavo.ArgumentError, match="9 of 130 planes"):
+        with octavo.Writer(tmp_path / "a.8vo", voxels.shape, voxels.dtype) as w:
+            w.add(voxels[:9])
+    with pytest.raises(RuntimeError, match="mine"):
+        with octavo.Writer(tmp_path / "a.8vo", voxels.shape, voxels.dtype) as w:
+            w.add(voxels[:9])
+            raise RuntimeError("mine")
+    w = octavo.Writer(tmp_path / "a.8vo", voxels.shape, voxels.dtype)
+    w.add(voxels[:9])
+    del w
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_writer_takes_the_planes_that_were_announced(tmp_path, voxels):
+    with pytest.raises(octavo.ArgumentError, match="closed"):
+        with octavo.Writer(tmp_path / "a.8vo", (2, 97, 150), np.int16) as w:
+            with pytest.raises(octavo.ArgumentError, match=r"shape \(97, 150\)"):
+                w.add(voxels[0, 1:])
+            with pytest.raises(octavo.ArgumentError, match="planes are of int16"):
+                w.add(voxels[0].astype(np.int32))
+            w.add(voxels[:2])
+            with pytest.raises(octavo.ArgumentError, match="all 2 planes were added"):
+                w.add(voxels[0])
+            w.close()
+            w.add(voxels[0])
+    assert np.array_equal(octavo.open(tmp_path / "a.8vo")[...], voxels[:2])
+
+
+def test_a_scan_on_disk_goes_through_the_program(tmp_path, voxels, monkeypatch):
+    folder = os.path.dirname(os.environ["OCTAVO"])
+    octavo.build(voxels[:20], tmp_path / "a.8vo", spacing=(2, 1, 1))
+    monkeypatch.setenv("PATH", folder, prepend=os.pathsep)
+    built = octavo.build(tmp_path / "a.8vo", tmp_path / "b.8vo", preset="fast")
+    assert np.array_equal(built[...], voxels[:20])
+    with pytest.raises(octavo.StorageError, match="is not there"):
+        octavo.build(tmp_path / "none", tmp_path / "c.8vo")
+    with pytest.raises(octavo.StorageError, match="exist"):
+        octavo.build(tmp_path / "a.8vo", tmp_path / "b.8vo")
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(octavo.ArgumentError, match="not on PATH"):
+        octavo.build(tmp_path / "a.8vo", tmp_path / "d.8vo")

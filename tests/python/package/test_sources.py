@@ -1,0 +1,210 @@
+"""Where files come from: bytes, URLs; damage; processes and threads that share a volume."""
+
+import concurrent.futures
+import gc
+import http.server
+import multiprocessing
+import os
+import pathlib
+import pickle
+import re
+import threading
+
+import numpy as np
+import pytest
+
+import octavo
+
+
+def test_bytes_are_a_file(path, voxels):
+    volume = octavo.open(pathlib.Path(path).read_bytes())
+    assert np.array_equal(volume[60:70], voxels[60:70])
+    assert np.array_equal(pickle.loads(pickle.dumps(volume))[5], voxels[5])
+
+
+class RangedFiles(http.server.SimpleHTTPRequestHandler):
+    """A server of ranges that counts what it sends."""
+
+    sent = 0
+    has_ranges = True
+
+    def log_message(self, *_):
+        pass
+
+    def do_HEAD(self):
+        self.answer(False)
+
+    def do_GET(self):
+        self.answer(True)
+
+    def answer(self, has_body):
+        file = pathlib.Path(self.directory, self.path.lstrip("/"))
+        if not file.exists():
+            self.send_error(404)
+            return
+        held = file.read_bytes()
+        asked = re.fullmatch(r"bytes=(\d+)-(\d+)", self.headers.get("Range", ""))
+        part = held
+        if asked and self.has_ranges:
+            first, last = map(int, asked.groups())
+            part = held[first:last + 1]
+            self.send_response(206)
+            self.send_header("Content-Range", f"bytes {first}-{first + len(part) - 1}/{len(held)}")
+        else:
+            self.send_response(200)
+        if self.has_ranges:
+            self.send_header("Accept-Ranges", "bytes")
+        self.send_header("Content-Length", str(len(part)))
+        self.end_headers()
+        if has_body:
+            type(self).sent += len(part)
+            self.wfile.write(part)
+
+
+@pytest.fixture
+def served(path):
+    handler = type("Handler", (RangedFiles,), {"directory": os.path.dirname(path)})
+    server = http.server.ThreadingHTTPServer(
+        ("127.0.0.1", 0), lambda *a: handler(*a, directory=os.path.dirname(path)))
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    yield handler, f"http://127.0.0.1:{server.server_port}"
+    server.shutdown()
+    server.server_close()
+
+
+def test_of_a_url_only_what_is_needed_is_fetched(served, voxels, path):
+    pytest.importorskip("aiohttp")
+    handler, root = served
+    volume = octavo.open(f"{root}/scan.8vo")
+    assert np.array_equal(volume[64], voxels[64])
+    assert handler.sent < os.path.getsize(path) / 2
+    assert np.array_equal(volume[...], voxels)
+
+
+def test_a_url_that_is_not_there_says_so(served):
+    pytest.importorskip("aiohttp")
+    _, root = served
+    with pytest.raises(octavo.StorageError, match="none.8vo: is not there"):
+        octavo.open(f"{root}/none.8vo")
+    with pytest.raises(octavo.Error, match="nosuch"):
+        octavo.open("nosuch://a/b.8vo")
+
+
+def test_a_server_without_ranges_is_named(served):
+    pytest.importorskip("aiohttp")
+    handler, root = served
+    handler.has_ranges = False
+    with pytest.raises(octavo.StorageError, match="range"):
+        octavo.open(f"{root}/scan.8vo")[0]
+
+
+def test_a_block_that_fails_is_fetched_again():
+    from octavo._sources import _Blocks
+    held = bytes(range(200)) * 5
+    asked = []
+
+    def fetch(start, stop):
+        asked.append((start, stop))
+        if len(asked) == 2:
+            raise OSError("broke off")
+        return held[start:stop]
+
+    blocks = _Blocks(fetch, len(held), 100, 4)
+    assert blocks.read(250, 20) == held[250:270]
+    with pytest.raises(OSError, match="broke off"):
+        blocks.read(90, 700)  # blocks 0 and 1, and behind the one that is there 3 to 7
+    assert blocks.read(90, 700) == held[90:790]
+    assert asked == [(200, 300), (0, 200), (0, 200), (300, 800)]
+
+
+def test_threads_fetch_no_block_twice():
+    from octavo._sources import _Blocks
+    held = os.urandom(64000)
+    asked = []
+
+    def fetch(start, stop):
+        asked.append((start, stop))
+        return held[start:stop]
+
+    blocks = _Blocks(fetch, len(held), 1000, 100)
+    with concurrent.futures.ThreadPoolExecutor(8) as pool:
+        places = [(7 * i * 613 % 60000, 3000) for i in range(200)]
+        for (at, length), part in zip(places, pool.map(lambda p: blocks.read(*p), places)):
+            assert part == held[at:at + length]
+    fetched = [n for start, stop in asked for n in range(start, stop, 1000)]
+    assert len(fetched) == len(set(fetched))
+
+
+def test_damage_raises_and_fills_nothing(path, tmp_path):
+    held = bytearray(pathlib.Path(path).read_bytes())
+    held[len(held) // 3] ^= 64
+    with octavo.open(bytes(held)) as volume:
+        with pytest.raises(octavo.CorruptError) as caught:
+            volume[...]
+        assert caught.value.kind == "corrupt"
+    with pytest.raises(octavo.TruncatedError):
+        octavo.open(bytes(held[:len(held) // 2]))
+    with pytest.raises(octavo.FormatError):
+        octavo.open(b"no file of ours, but long enough to be looked at" * 9)
+    with pytest.raises(octavo.StorageError, match="none.8vo"):
+        octavo.open(tmp_path / "none.8vo")
+    with pytest.raises(octavo.ArgumentError, match="not int"):
+        octavo.open(5)
+
+
+def test_a_volume_pickles_as_its_place(volume, voxels, monkeypatch, tmp_path):
+    there = pickle.dumps(volume)
+    assert len(there) < 1000
+    monkeypatch.chdir(tmp_path)
+    assert np.array_equal(pickle.loads(there)[9], voxels[9])
+
+
+def test_many_threads_read_one_volume(volume, voxels):
+    with concurrent.futures.ThreadPoolExecutor(8) as pool:
+        for z, plane in enumerate(pool.map(volume.__getitem__, range(voxels.shape[0]))):
+            assert np.array_equal(plane, voxels[z])
+
+
+shared = None
+
+
+def sum_of_plane(z):
+    return int(shared[z].astype(np.int64).sum())
+
+
+def test_forked_processes_read_a_volume_that_was_open(path, voxels):
+    global shared
+    shared = octavo.open(path)
+    shared.read(threads=4)
+    is_over = threading.Event()
+
+    def keep_reading():
+        while not is_over.is_set():
+            shared[10:30]
+
+    reading = threading.Thread(target=keep_reading)
+    reading.start()
+    try:
+        with multiprocessing.get_context("fork").Pool(3) as pool:
+            sums = pool.map_async(sum_of_plane, range(voxels.shape[0])).get(120)
+    finally:
+        is_over.set()
+        reading.join()
+    assert sums == voxels.astype(np.int64).sum((1, 2)).tolist()
+
+
+def resident_bytes():
+    return int(pathlib.Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+
+
+def test_a_thousand_openings_leave_nothing_behind(path):
+    def many():
+        for i in range(500):
+            octavo.open(path)[i % 130]
+
+    many()
+    gc.collect()
+    files, memory = len(os.listdir("/proc/self/fd")), resident_bytes()
+    many()
+    assert len(os.listdir("/proc/self/fd")) == files
+    assert resident_bytes() - memory < 8 << 20
