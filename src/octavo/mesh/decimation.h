@@ -48,7 +48,7 @@ struct Decimated {
 /// Requires a manifold that is closed, or ends at locked points; that no piece is turned inside out
 /// is proven of those without locked points. Uses the threads of the calling task arena.
 /// Throws  Error{cancelled}; as require_numbered
-/// Memory  about 500 bytes per point of the full surface, and a part of it per thread
+/// Memory  450 to 600 bytes per point of the full surface, and a part of it per thread
 Decimated decimate(const TriangleMesh& full, const DecimationOptions& options,
                    Progress& progress);
 
