@@ -26,7 +26,7 @@ namespace octavo {
 
 namespace {
 
-constexpr double kCellToleranceShare = 0.6;  // of the deviation, for attached points
+constexpr double kCellToleranceShare = 0.8;  // of the deviation, for attached points
 constexpr int kCellLockingRound = 2;         // from which nothing in a failing cell merges
 constexpr double kCellMargin = 1e-5;         // voxels, taken off the deviation that is proven
 
