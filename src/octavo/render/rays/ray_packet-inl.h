@@ -167,6 +167,13 @@ class Packet {
     const Reals v = hn::Add(real(tile.v), hn::Load(kRays, kTileOrder.row.data() + first));
     start(u, v);
     gathered_ = hn::Load(kRays, tile.gathered.data() + first);
+    if constexpr (kMode == RayMode::iso) {
+      // Of lanes without a hit a sample that has neighbors on all sides.
+      hits_ = hn::FirstN(kRays, 0);
+      hit_k_ = hn::Zero(kRays);
+      hit_corner_.at = whole(kApronBelow * (frame.bricks.plane + frame.bricks.row + 1));
+      for (Wholes& before : hit_before_) before = hn::Zero(kWhole);
+    }
     if constexpr (kMode != RayMode::extreme) red_ = hn::Load(kRays, tile.red.data() + first);
     if constexpr (kMode == RayMode::volume || kMode == RayMode::iso) {
       green_ = hn::Load(kRays, tile.green.data() + first);
@@ -207,6 +214,10 @@ class Packet {
       }
       k_ = hn::IfThenElse(active, next, k_);
       active = hn::And(active, hn::Le(k_, leave_));
+    }
+    // All lanes find their places together.
+    if constexpr (kMode == RayMode::iso) {
+      if (!hn::AllFalse(kRays, hits_)) hit();
     }
     keep(waits_for);
     return taken;
@@ -340,7 +351,13 @@ class Packet {
     } else {
       const RayMask inside =
           hn::And(taking, hn::Ge(hn::Mul(value, real(f_.sign)), real(f_.isovalue)));
-      if (!hn::AllFalse(kRays, inside)) hit(inside, corner);
+      hits_ = hn::Or(hits_, inside);
+      hit_k_ = hn::IfThenElse(inside, k_, hit_k_);
+      hit_corner_.at = hn::IfThenElse(of_wholes(inside), corner.at, hit_corner_.at);
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        hit_before_[axis] =
+            hn::IfThenElse(of_wholes(inside), before_[axis], hit_before_[axis]);
+      }
       return inside;
     }
   }
@@ -377,46 +394,47 @@ class Packet {
     return hn::And(seen, hn::Ge(gathered_, real(f_.enough)));
   }
 
-  /// The corners of places that lie less than a step from those of `corner`.
-  HWY_INLINE Corners near_corners(Reals k, const Corners& corner) const {
+  /// The corners of places that lie less than a step from those that were hit.
+  HWY_INLINE Corners near_corners(Reals k) const {
     const BrickTables& b = f_.bricks;
     Corners moved;
     Reals place[3];
     Wholes by[3];
     place_at(k, place);
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const Wholes before = before_[axis];
+      const Wholes before = hit_before_[axis];
       const Wholes at =
           clamped(floor_of(place[axis]), hn::Sub(before, whole(1)), hn::Add(before, whole(1)));
       by[axis] = hn::Sub(at, before);
       moved.share[axis] = hn::Sub(place[axis], hn::ConvertTo(kRays, at));
     }
     moved.at = hn::Add(
-        corner.at,
+        hit_corner_.at,
         hn::Add(hn::Add(hn::Mul(by[2], whole(b.plane)), hn::Mul(by[1], whole(b.row))), by[0]));
     return moved;
   }
 
-  HWY_INLINE RayMask is_inside(Reals k, const Corners& corner) const {
-    const Reals value = value_at<kIsWide>(f_.bricks, near_corners(k, corner));
+  HWY_INLINE RayMask is_inside(Reals k) const {
+    const Reals value = value_at<kIsWide>(f_.bricks, near_corners(k));
     return hn::Ge(hn::Mul(value, real(f_.sign)), real(f_.isovalue));
   }
 
-  HWY_INLINE void hit(RayMask lanes, const Corners& corner) {
-    const Reals k_before = hn::Sub(k_, real(1));
+  HWY_INLINE void hit() {
+    const RayMask lanes = hits_;
+    const Reals k_before = hn::Sub(hit_k_, real(1));
     // What other lanes would look at lies nowhere: they look where they are.
-    Reals outside = hn::IfThenElse(lanes, hn::Max(k_before, enter_), k_);
-    Reals inside = k_;
+    Reals outside = hn::IfThenElse(lanes, hn::Max(k_before, enter_), hit_k_);
+    Reals inside = hit_k_;
     const RayMask is_cut =
-        hn::And(hn::And(lanes, hn::Gt(enter_, k_before)), is_inside(outside, corner));
+        hn::And(hn::And(lanes, hn::Gt(enter_, k_before)), is_inside(outside));
     inside = hn::IfThenElse(is_cut, outside, inside);
     for (int i = 0; i < kHitHalvings; ++i) {
       const Reals middle = hn::Mul(hn::Add(outside, inside), real(0.5f));
-      const RayMask is_in = is_inside(middle, corner);
+      const RayMask is_in = is_inside(middle);
       inside = hn::IfThenElse(is_in, middle, inside);
       outside = hn::IfThenElse(is_in, outside, middle);
     }
-    Gradients gradient = gradient_at<kIsWide>(f_.bricks, near_corners(inside, corner));
+    Gradients gradient = gradient_at<kIsWide>(f_.bricks, near_corners(inside));
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const auto is_axis = hn::Eq(enter_axis_, whole(static_cast<std::int32_t>(axis)));
       const Reals face = hn::IfThenElseZero(of_reals(is_axis), real(kCutGradient));
@@ -458,6 +476,10 @@ class Packet {
   Wholes slot_;
   Wholes brick_at_;
   Reals brick_bound_;
+  RayMask hits_;
+  Reals hit_k_;
+  Corners hit_corner_;
+  Wholes hit_before_[3];
   Reals gathered_;
   Reals red_;
   Reals green_;
