@@ -60,6 +60,21 @@ class PageJoiner {
   Bytes bytes_;
 };
 
+/// A page of so many bricks of tier 0, whose piece_start holds the lengths of its pieces, read as
+/// if it were all of an index.
+IndexPage parse_band_page(ByteSpan bytes, const PageRef& ref, std::int64_t bricks,
+                          const Levels& levels, const FileHeader& header) {
+  IndexRoot root;
+  TierIndex& tier = root.tiers.emplace_back();
+  tier.grid = {bricks, 1, 1};
+  tier.layer_bricks = bricks;
+  tier.layer_pages = 1;
+  tier.pages = {ref};
+  tier.pages.front().piece_start = {};
+  tier.piece_end = ref.piece_start;
+  return parse_page(bytes, root, levels, 0, 0, header);
+}
+
 /// The length of piece 0 of each brick, 0 of a uniform one.
 void add_lengths(const IndexPage& page, std::vector<std::uint64_t>& lengths) {
   const auto step = static_cast<std::size_t>(page.piece_count);
@@ -157,8 +172,8 @@ BandedGroup::Made BandedGroup::make() const {
           throw Error(ErrorKind::corrupt, "the index pages of the part end early");
         }
         const IndexPage page =
-            parse_new_page(ByteSpan(bytes).subspan(at, ref.length), ref,
-                           static_cast<std::size_t>(end - brick), levels_, 0, header_);
+            parse_band_page(ByteSpan(bytes).subspan(at, ref.length), ref, end - brick, levels_,
+                            header_);
         add_lengths(page, trailer.lengths);
         pages.add(page, ref);
       } catch (const Error& error) {

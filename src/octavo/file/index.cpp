@@ -170,11 +170,38 @@ void place_pages(IndexRoot& root, const FileHeader& header, const ByteReader& in
   if (cursor != header.pages.end()) in.fail("pages do not fill their section");
 }
 
-using PieceEnds = std::array<std::uint64_t, kTierPieces>;
+}  // namespace
 
-// A page of `count` bricks whose pieces stand from ref.piece_start to `ends`.
-IndexPage parse_page_of(ByteSpan bytes, const PageRef& ref, const PieceEnds& ends,
-                        std::size_t count, const TierRules& rules) {
+IndexRoot parse_root(ByteSpan bytes, const Levels& levels, const FileHeader& header) {
+  ByteReader in(bytes, "index root");
+  IndexRoot root;
+  parse_models(in, levels.brick_grid(0).z - (levels.tier_count() > 1 ? 0 : 1), root);
+  for (int tier = 0; tier < levels.tier_count(); ++tier) {
+    root.tiers.push_back(make_tier_index(levels, tier));
+    parse_tier(in, rules_of(header, levels, tier), tier, root);
+  }
+  in.expect_end();
+
+  // Lengths become offsets; they must come out at the first page.
+  std::uint64_t cursor = kHeaderBytes;
+  place_slabs(root, cursor, in);
+  for (int tier = 0; tier < levels.tier_count(); ++tier) {
+    const int count = piece_count(levels.tier_level_count(tier));
+    for (int piece = tier == 0 ? 1 : 0; piece < count; ++piece) {
+      place_pieces(root.tiers[static_cast<std::size_t>(tier)], static_cast<std::size_t>(piece),
+                   cursor, in);
+    }
+  }
+  if (cursor != header.pages.offset) in.fail("pieces do not fill the data of the file");
+  place_pages(root, header, in);
+  return root;
+}
+
+IndexPage parse_page(ByteSpan bytes, const IndexRoot& root, const Levels& levels, int tier_number,
+                     std::size_t number, const FileHeader& header) {
+  const TierIndex& tier = root.tiers[static_cast<std::size_t>(tier_number)];
+  const PageRef& ref = tier.pages[number];
+  const auto count = static_cast<std::size_t>(tier.brick_count(number));
   // Flags, and a length that can hold the bricks
   ByteReader in(bytes, "index page");
   const std::uint8_t flags = in.u8();
@@ -186,6 +213,7 @@ IndexPage parse_page_of(ByteSpan bytes, const PageRef& ref, const PieceEnds& end
 
   // Ranges and errors: equal ends mark a uniform brick.
   IndexPage page;
+  const TierRules rules = rules_of(header, levels, tier_number);
   page.piece_count = rules.piece_count;
   std::int64_t previous_min = 0;
   std::uint32_t slot_count = 0;
@@ -218,61 +246,15 @@ IndexPage parse_page_of(ByteSpan bytes, const PageRef& ref, const PieceEnds& end
           static_cast<std::uint32_t>(take_bounded(in, kMaxPieceBytes, "a piece"));
       cursor += page.pieces[i].length;
     }
-    if (cursor != ends[piece]) in.fail("contradicts the index root");
+    if (cursor != root.piece_end(tier_number, number, static_cast<int>(piece))) {
+      in.fail("contradicts the index root");
+    }
     for (std::size_t i = piece; i < page.pieces.size(); i += step) {
       if (page.pieces[i].length > 0) page.pieces[i].crc = in.u32();
     }
   }
   in.expect_end();
   return page;
-}
-
-}  // namespace
-
-IndexRoot parse_root(ByteSpan bytes, const Levels& levels, const FileHeader& header) {
-  ByteReader in(bytes, "index root");
-  IndexRoot root;
-  parse_models(in, levels.brick_grid(0).z - (levels.tier_count() > 1 ? 0 : 1), root);
-  for (int tier = 0; tier < levels.tier_count(); ++tier) {
-    root.tiers.push_back(make_tier_index(levels, tier));
-    parse_tier(in, rules_of(header, levels, tier), tier, root);
-  }
-  in.expect_end();
-
-  // Lengths become offsets; they must come out at the first page.
-  std::uint64_t cursor = kHeaderBytes;
-  place_slabs(root, cursor, in);
-  for (int tier = 0; tier < levels.tier_count(); ++tier) {
-    const int count = piece_count(levels.tier_level_count(tier));
-    for (int piece = tier == 0 ? 1 : 0; piece < count; ++piece) {
-      place_pieces(root.tiers[static_cast<std::size_t>(tier)], static_cast<std::size_t>(piece),
-                   cursor, in);
-    }
-  }
-  if (cursor != header.pages.offset) in.fail("pieces do not fill the data of the file");
-  place_pages(root, header, in);
-  return root;
-}
-
-IndexPage parse_page(ByteSpan bytes, const IndexRoot& root, const Levels& levels, int tier_number,
-                     std::size_t number, const FileHeader& header) {
-  const TierIndex& tier = root.tiers[static_cast<std::size_t>(tier_number)];
-  const PageRef& ref = tier.pages[number];
-  const TierRules rules = rules_of(header, levels, tier_number);
-  PieceEnds ends{};
-  for (int piece = 0; piece < rules.piece_count; ++piece) {
-    ends[static_cast<std::size_t>(piece)] = root.piece_end(tier_number, number, piece);
-  }
-  const auto count = static_cast<std::size_t>(tier.brick_count(number));
-  return parse_page_of(bytes, ref, ends, count, rules);
-}
-
-IndexPage parse_new_page(ByteSpan bytes, const PageRef& ref, std::size_t brick_count,
-                         const Levels& levels, int tier, const FileHeader& header) {
-  PageRef from_0 = ref;
-  from_0.piece_start = {};
-  return parse_page_of(bytes, from_0, ref.piece_start, brick_count,
-                       rules_of(header, levels, tier));
 }
 
 }  // namespace octavo

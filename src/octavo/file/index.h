@@ -121,11 +121,6 @@ struct IndexPage {
 IndexPage parse_page(ByteSpan bytes, const IndexRoot& root, const Levels& levels, int tier,
                      std::size_t page, const FileHeader& header);
 
-/// The same of a page of an index that is being made, of so many bricks: piece_start of `ref` holds
-/// the total lengths of its pieces, whose offsets are counted from 0.
-IndexPage parse_new_page(ByteSpan bytes, const PageRef& ref, std::size_t brick_count,
-                         const Levels& levels, int tier, const FileHeader& header);
-
 /// What the errors in the index count, in voxel units: 1 for integer types, a 1024th of the max
 /// error for float32.
 double error_step(const FileHeader& header);

@@ -545,7 +545,7 @@ class Decimation {
   std::vector<std::uint8_t> is_stale_;    // first parts that are to be reduced again
   std::vector<std::uint32_t> part_of_;    // of points: the first part they are attached to
   std::vector<std::uint8_t> is_touched_;  // points of parts that are reduced again in this round
-  std::vector<PartPlace> second_places_;     // of the round before
+  std::vector<MeshPartPlace> second_places_;     // of the round before
   std::vector<ReducedPart> second_reduced_;  // of them
   ReducedSurface first_;                  // behind the first pass
   std::optional<ProvenRound> proven_;      // the last one

@@ -19,7 +19,7 @@ constexpr std::uint32_t kNoPart = 0xffffffff;
 
 PartTriangles cut_in_parts(const TriangleMesh& mesh, const Geometry& geometry, double side,
                            double shift) {
-  std::vector<std::pair<PartPlace, std::uint32_t>> placed(mesh.triangles.size());
+  std::vector<std::pair<MeshPartPlace, std::uint32_t>> placed(mesh.triangles.size());
   tbb::parallel_for(std::size_t{0}, placed.size(), [&](std::size_t i) {
     const TrianglePlaces places = places_of(mesh, mesh.triangles[i]);
     const Point3 middle =

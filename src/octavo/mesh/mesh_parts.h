@@ -13,12 +13,12 @@
 namespace octavo {
 
 /// Where the cube of a part lies: z, y, x.
-using PartPlace = std::array<std::int32_t, 3>;
+using MeshPartPlace = std::array<std::int32_t, 3>;
 
 /// The triangles of all parts, one part after the other, ascending by their places.
 struct PartTriangles {
   std::vector<std::uint32_t> order;
-  std::vector<PartPlace> places;
+  std::vector<MeshPartPlace> places;
   std::vector<std::size_t> ends;      ///< behind the triangles of each part
   std::vector<std::uint8_t> is_seam;  ///< points that several parts have
 
