@@ -109,7 +109,7 @@ def test_a_block_that_fails_is_fetched_again():
             raise OSError("broke off")
         return held[start:stop]
 
-    blocks = _Blocks(fetch, len(held), 100, 4)
+    blocks = _Blocks(fetch, len(held), 100, 20)
     assert blocks.read(250, 20) == held[250:270]
     with pytest.raises(OSError, match="broke off"):
         blocks.read(90, 700)  # blocks 0 and 1, and behind the one that is there 3 to 7
