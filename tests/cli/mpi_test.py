@@ -147,7 +147,7 @@ class BuildByRanks(ByRanks):
         self.assertIn("thesis 2.9", text)
 
     def test_a_limit_below_a_group_says_what_needs_less(self):
-        _, error = self.build(2, "--max-memory", "60M", code=6)
+        _, error = self.build(2, "--max-memory", "290M", code=6)
         self.assertRegex(error, r"the build needs about \d+ MiB of memory; the limit is \d+ MiB")
         self.assertIn("ranks encode whole groups; the parts of a plan may encode bands", error)
         self.assertEqual(self.left(), [])
