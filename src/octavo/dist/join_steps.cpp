@@ -28,7 +28,7 @@ constexpr const char* kSealedEnding = "-sealed-";
 constexpr const char* kDoneEnding = "-done-";
 
 [[noreturn]] void fail_layout(const std::string& why) {
-  throw Error(ErrorKind::corrupt, "the layout of the join " + why + "; lay it out again");
+  throw Error(ErrorKind::corrupt, "the layout " + why);
 }
 
 /// What joins leave beside a name: ".NAME.join" as temporary names are made, so that long ones fit.
@@ -119,25 +119,30 @@ std::uint64_t most_layout_bytes(const BuildPlan& plan) {
   return (parts * streams + 1) * kMostLineBytes;
 }
 
-/// Whether a join by another plan has begun beside this name.
-bool is_begun_by_another(const BuildPlan& plan, Storage& storage, const std::string& path) {
-  if (!storage.exists(layout_name(path))) return false;
-  if (storage.list(join_prefix(path) + kCopiedEnding).empty()) return false;
+/// Why what stands beside this name is not this join's to remove: it may be all that is left of
+/// parts that are gone. Empty where it may be removed.
+std::string why_kept(const BuildPlan& plan, Storage& storage, const std::string& path) {
+  if (!storage.exists(layout_name(path))) return {};
+  if (storage.list(join_prefix(path) + kCopiedEnding).empty()) return {};
+  const std::string growing = escaped(joined_name(path));
   try {
-    return parse_layout(file_text(storage, layout_name(path), kMostLayoutBytes)).plan != plan.id;
+    const std::string text = file_text(storage, layout_name(path), kMostLayoutBytes);
+    if (parse_layout(text).plan == plan.id) return {};
+    return "a join by another plan has begun here (" + growing +
+           " and what is called so); finish it, or remove that";
   } catch (const Error& error) {
     if (error.kind() == ErrorKind::io) throw;
+    if (!storage.exists(joined_name(path))) return {};
+    return "a join has begun here whose layout cannot be read (" + error.detail() + "): " +
+           growing + " may be all that is left of parts that were copied; where they are still "
+           "there, or can be made again, remove " + growing + "*";
   }
-  return false;
 }
 
 /// A join that was not finished may be all that is left of parts that are gone.
 void require_none_of_others(const BuildPlan& plan, Storage& storage, const std::string& path) {
-  if (!is_begun_by_another(plan, storage, path)) return;
-  throw Error(ErrorKind::io,
-              "a join by another plan has begun here (" + escaped(joined_name(path)) +
-                  " and what is called so); finish it, or remove that",
-              path);
+  const std::string why = why_kept(plan, storage, path);
+  if (!why.empty()) throw Error(ErrorKind::io, why, path);
 }
 
 /// What the end of a file says of all its bytes; empty for what is too short.
@@ -294,7 +299,7 @@ bool is_joined(const BuildPlan& plan, Storage& storage, const std::string& path)
 
 void discard_steps(const BuildPlan& plan, Storage& storage, const std::string& path) {
   if (storage.list(joined_name(path)).empty()) return;
-  if (is_begun_by_another(plan, storage, path)) return;
+  if (!why_kept(plan, storage, path).empty()) return;
   remove_all(storage, storage.list(join_prefix(path) + kDoneEnding));
   discard_join(storage, path);
 }
@@ -359,7 +364,7 @@ JoinLayout parse_layout(std::string_view text) {
   const JsonObject object = json_members(take());
   if (object.json_of("octavo_join").empty()) fail_layout("is none");
   if (object.json_of("octavo_join") != std::to_string(kLayoutVersion)) {
-    throw Error(ErrorKind::unsupported_version, "a layout of another version of the program");
+    throw Error(ErrorKind::unsupported_version, "the layout is of another version of the program");
   }
   JoinLayout layout;
   JsonReader plan(object.json_of("plan"));
@@ -496,7 +501,7 @@ std::uint64_t seal_join(const BuildPlan& plan, Storage& storage, const std::stri
   std::vector<std::string> older = storage.list(join_prefix(path) + kDoneEnding);
   std::erase(older, done);
   remove_all(storage, older);
-  if (!is_begun_by_another(plan, storage, path)) discard_join(storage, path);
+  if (why_kept(plan, storage, path).empty()) discard_join(storage, path);
   return bytes;
 }
 

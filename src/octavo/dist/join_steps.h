@@ -77,7 +77,7 @@ bool is_sealed(const BuildPlan& plan, Storage& storage, const std::string& path)
 bool is_joined(const BuildPlan& plan, Storage& storage, const std::string& path);
 
 /// Removes what steps of a join have left beside a name, unless a join by another plan has begun
-/// there.
+/// there, or one whose layout cannot be read.
 /// Throws Error{io}
 void discard_steps(const BuildPlan& plan, Storage& storage, const std::string& path);
 
@@ -88,7 +88,8 @@ std::optional<JoinLayout> find_layout(const BuildPlan& plan, Storage& storage,
 
 /// Lays out the file for `path`; where that was done for this plan, what stands there counts and
 /// no part is asked for.
-/// Throws as join_parts
+/// Throws as join_parts; Error{io} where parts were copied for another plan, or for a layout that
+///        cannot be read
 JoinLayout lay_out_join(const BuildPlan& plan, const std::vector<std::shared_ptr<PartFile>>& parts,
                         Storage& storage, const std::string& path, bool overwrite,
                         const PartWork& work, Progress& progress);

@@ -185,7 +185,37 @@ TEST_F(JoinSteps, ALayoutThatIsLongerThanThatOfAnyPlanIsNotRead) {
   disk.long_file = joined_name("a.8vo") + "-layout";
   EXPECT_FALSE(find_layout(plan_, disk, "a.8vo"));
   discard_steps(plan_, disk, "a.8vo");
-  EXPECT_FALSE(storage_.files.contains(joined_name("a.8vo")));
+  EXPECT_TRUE(storage_.files.contains(joined_name("a.8vo"))) << "the part may be gone";
+}
+
+// The hidden file may be all that is left of parts that were removed once they were copied.
+TEST_F(JoinSteps, WhatALayoutThatCannotBeReadBelongsToStays) {
+  const std::string text = layout_text(lay_out(runs_));
+  copy({0, 1});
+  auto& layout = *storage_.files.at(joined_name("a.8vo") + "-layout");
+  std::string older = text;
+  const std::size_t version = older.find('2', older.find("octavo_join"));
+  ASSERT_LT(version, older.size());
+  older[version] = '1';
+  std::string damaged = text;
+  damaged.back() = ' ';
+  for (const std::string& other : {older, damaged, std::string("{"), std::string()}) {
+    layout.assign(other.begin(), other.end());
+    EXPECT_FALSE(find_layout(plan_, storage_, "a.8vo"));
+    discard_steps(plan_, storage_, "a.8vo");
+    const std::string why = failure_of([&] { lay_out(runs_); }, ErrorKind::io);
+    EXPECT_NE(why.find("layout cannot be read"), std::string::npos) << why;
+    EXPECT_NE(why.find("remove .a.8vo.join*"), std::string::npos) << why;
+    failure_of([&] { consume(); }, ErrorKind::io);
+    ASSERT_TRUE(storage_.files.contains(joined_name("a.8vo")));
+    EXPECT_EQ(open_parts(storage_, runs_).size(), 3U);
+  }
+  layout.assign(text.begin(), text.end());
+  storage_.files.erase(part_name({0, 1}));
+  copy({1, 4});
+  copy({4, 6});
+  EXPECT_EQ(seal_join(plan_, storage_, "a.8vo", false), whole_.size());
+  expect_done(2);
 }
 
 TEST_F(JoinSteps, OnlyTheFileThatWasSealedIsTakenForThatOfItsPlan) {
