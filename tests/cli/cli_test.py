@@ -228,7 +228,7 @@ class Outputs(InFolder):
         os.link(self.folder / "v.raw", self.folder / "same.8vo")
         os.symlink("v.raw", self.folder / "link.8vo")
         for name in ["same.8vo", "link.8vo"]:
-            self.expect_error(2, [name, "source itself"], "build", "v.raw", "--raw", layout,
+            self.expect_error(2, [name, "input itself"], "build", "v.raw", "--raw", layout,
                               "--spacing", "1", "-o", name, "--force")
         self.assertEqual((self.folder / "v.raw").read_bytes(), before)
         self.expect(0, "build", "v.raw", "--raw", layout, "--spacing", "1", "-o", "v.8vo")
