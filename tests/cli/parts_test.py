@@ -194,6 +194,22 @@ class JoinedInOtherWays(InParts):
         self.assertEqual(self.files(),
                          ["parts", "scan.8vo", "scan.plan", "scan.raw", "whole.8vo"])
 
+    def test_a_part_that_is_copied_already_is_consumed_as_well(self):
+        self.step(0, "--step", "layout")
+        self.step(0, "--step", "copy", "--part", "1")
+        self.assertEqual(len([n for n in self.files() if ".part-" in n]), 3)
+        arguments = ("--step", "copy", "--consume", "--json")
+        told = json.loads(self.step(0, *arguments, "--part", "1").stdout)
+        self.assertEqual((told["copied"], told["uncopied"]), ([], [0, 2]))
+        self.assertEqual(len([n for n in self.files() if ".part-" in n]), 2)
+        self.step(0, "--step", "copy", "--part", "2")
+        told = json.loads(self.step(0, *arguments).stdout)
+        self.assertEqual((told["copied"], told["uncopied"]), ([0], []))
+        self.assertEqual([n for n in self.files() if ".part-" in n], [])
+        self.step(0, *arguments)
+        self.step(0, "--step", "seal")
+        self.assertEqual(self.bytes_of("scan.8vo"), self.whole)
+
     def test_nothing_is_consumed_where_a_part_is_damaged(self):
         name = "parts/scan.part-0002-of-0003"
         bad = bytearray(self.bytes_of(name))

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <numeric>
 #include <utility>
 
 #include "octavo/core/error.h"
@@ -65,7 +66,13 @@ std::vector<std::int64_t> numbers_to_copy(const JoinStepOptions& options, const 
       return scheduled->parts;
     }
   }
-  return uncopied_numbers(plan, layout, options.join.output.path);
+  if (!options.join.consumes_parts) {
+    return uncopied_numbers(plan, layout, options.join.output.path);
+  }
+  // Who was killed may have left parts that are copied.
+  std::vector<std::int64_t> all(static_cast<std::size_t>(plan.part_count));
+  std::iota(all.begin(), all.end(), 0);
+  return all;
 }
 
 void copy_numbers(const JoinStepOptions& options, const BuildPlan& plan, const JoinLayout& layout,
@@ -74,8 +81,10 @@ void copy_numbers(const JoinStepOptions& options, const BuildPlan& plan, const J
   const auto found = found_parts(plan, places_of(options.join), options.join.plan);
   const std::vector<std::int64_t> left = uncopied_numbers(plan, layout, path);
   for (const std::int64_t number : numbers_to_copy(options, plan, layout, context)) {
-    if (!std::ranges::binary_search(left, number)) continue;
+    const bool is_copied = !std::ranges::binary_search(left, number);
     const auto file = found.find(number);
+    const bool is_there = file != found.end() && local_storage().exists(file->second);
+    if (is_copied && !(options.join.consumes_parts && is_there)) continue;
     if (file == found.end()) {
       throw Error(ErrorKind::io, "part " + std::to_string(number) + " is not there", path)
           .with_field("parts.missing", std::to_string(number))
@@ -84,7 +93,7 @@ void copy_numbers(const JoinStepOptions& options, const BuildPlan& plan, const J
     copy_part(plan, open_part(plan, number, file->second), local_storage(), path,
               context.watcher());
     if (options.join.consumes_parts) local_storage().remove(file->second);
-    result.copied.push_back(number);
+    if (!is_copied) result.copied.push_back(number);
   }
 }
 
