@@ -31,11 +31,12 @@ constexpr const char* kDoneEnding = "-done-";
   throw Error(ErrorKind::corrupt, "the layout " + why);
 }
 
-/// What joins leave beside a name: ".NAME.join" as temporary names are made, so that long ones fit.
+/// What joins leave beside a name: ".NAME.join" and an ending, the longest that of a copied band.
 std::string join_prefix(const std::string& path) {
-  constexpr std::string_view kEnding = ".tmp-";
-  const std::string prefix = temporary_prefix(path);
-  return prefix.substr(0, prefix.size() - kEnding.size()) + ".join";
+  constexpr std::size_t kMostDigits = 20;
+  constexpr std::size_t kLongestEnding =
+      std::string_view(".join-copied-").size() + 4 * kMostDigits + 3;
+  return hidden_prefix(path, kLongestEnding) + ".join";
 }
 
 std::string layout_name(const std::string& path) { return join_prefix(path) + kLayoutEnding; }

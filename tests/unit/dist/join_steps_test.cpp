@@ -9,6 +9,7 @@
 
 #include "octavo/builder/group_reader.h"
 #include "octavo/core/error.h"
+#include "octavo/file/storage/temporary.h"
 #include "support/failure_text.h"
 #include "support/small_parts.h"
 #include "support/stopping_progress.h"
@@ -334,6 +335,30 @@ TEST_F(JoinSteps, AFileThatStandsThereIsReplacedOnlyWhenAsked) {
   EXPECT_EQ(storage_.files.at("a.8vo")->size(), 3U);
   seal_join(plan_, storage_, "a.8vo", true);
   expect_done(3);
+}
+
+// The longest stands there only while the file takes its name.
+TEST_F(JoinSteps, WhatStandsBesideALongNameHasNoLongerNameThanFilesMay) {
+  const auto before = copied(storage_.files);
+  for (const std::size_t bytes : {150U, 200U, 215U, 223U, 255U}) {
+    storage_.files = copied(before);
+    const std::string path = "folder/" + std::string(bytes - 4, 'n') + ".8vo";
+    const auto expect_names = [&](const std::string&) {
+      for (const auto& [name, file] : storage_.files) {
+        ASSERT_LE(base_name_of(name).size(), kMaxNameBytes) << name;
+      }
+    };
+    storage_.meanwhile = expect_names;
+    lay_out_join(plan_, open_parts(storage_, runs_), storage_, path, false, {.threads = 1},
+                 progress_);
+    for (const GroupRun& run : runs_) {
+      copy_part(plan_, PartFile::open(storage_, part_name(run)), storage_, path, progress_);
+    }
+    EXPECT_EQ(seal_join(plan_, storage_, path, false), whole_.size());
+    EXPECT_TRUE(is_joined(plan_, storage_, path));
+    storage_.meanwhile = {};
+    expect_names("");
+  }
 }
 
 TEST_F(JoinSteps, ConsumedPartsAreGoneAndTheFileIsThere) {

@@ -18,25 +18,29 @@ namespace {
 
 constexpr int kMaxNameTries = 100;
 constexpr int kMaxMakeTries = 10;
-constexpr std::size_t kLongestEnding = 32;
-constexpr std::size_t kKeptNameBytes = kMaxNameBytes - kLongestEnding;
+constexpr std::size_t kLongestEnding = 31;
 
-// A name of kKeptNameBytes; names that differ only behind its end get others.
-std::string shortened(const std::string& name) {
+// A name of so many bytes; names that differ only behind its end get others.
+std::string shortened(const std::string& name, std::size_t bytes) {
   char ending[16];
   std::snprintf(ending, sizeof ending, "~%08x",
                 crc32c({reinterpret_cast<const std::uint8_t*>(name.data()), name.size()}));
-  return name.substr(0, kKeptNameBytes - std::strlen(ending)) + ending;
+  return name.substr(0, bytes - std::strlen(ending)) + ending;
 }
 
 }  // namespace
 
-std::string temporary_prefix(const std::string& path) {
+std::string hidden_prefix(const std::string& path, std::size_t longest_ending) {
+  const std::size_t kept = kMaxNameBytes - 1 - longest_ending;
   const std::string base = base_name_of(path);
   std::string name = path.substr(0, path.size() - base.size());
   name += '.';
-  name += base.size() <= kKeptNameBytes ? base : shortened(base);
-  return name + ".tmp-";
+  name += base.size() <= kept ? base : shortened(base, kept);
+  return name;
+}
+
+std::string temporary_prefix(const std::string& path) {
+  return hidden_prefix(path, kLongestEnding) + ".tmp-";
 }
 
 std::string earlier_name(const std::string& path) { return temporary_prefix(path) + "earlier"; }

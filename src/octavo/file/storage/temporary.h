@@ -21,8 +21,11 @@ inline constexpr std::size_t kMaxNameBytes = 255;
 
 inline constexpr const char* kJournalEnding = ".journal";
 
-/// The part before the process number: ".NAME.tmp-" in the folder of `path`. A long name is cut so
-/// that the whole fits into kMaxNameBytes, and ends in a checksum of all of it.
+/// ".NAME" in the folder of `path`, for names that have up to `longest_ending` bytes more. A long
+/// name is cut so that the whole fits into kMaxNameBytes, and ends in a checksum of all of it.
+std::string hidden_prefix(const std::string& path, std::size_t longest_ending);
+
+/// The part before the process number: ".NAME.tmp-" as a hidden_prefix.
 std::string temporary_prefix(const std::string& path);
 
 /// What stands at `path` is called so while another thing takes its place: ".NAME.tmp-earlier". It
