@@ -166,8 +166,10 @@ bool is_marked(Storage& storage, const std::string& mark, const std::string& pat
 
 /// What a mark is to hold of the file at `path`.
 std::string mark_of(Storage& storage, const std::string& path, const ClippedVoxels& clipped) {
+  const std::string end = end_of(storage, path);
+  if (end.empty()) throw Error(ErrorKind::io, "is no whole file", path);
   const Bytes counts = clipped_bytes(clipped);
-  return end_of(storage, path) + std::string(counts.begin(), counts.end());
+  return end + std::string(counts.begin(), counts.end());
 }
 
 /// Requires a mark that is_marked.
@@ -237,11 +239,16 @@ std::uint64_t name_joined(const BuildPlan& plan, Storage& storage, const std::st
     for (const PartPlace& place : missing) text += (text.empty() ? "" : ", ") + place_text(place);
     throw Error(ErrorKind::io, "parts were not copied: those of " + text, path);
   }
-  check_target(storage, path, overwrite);
   const std::string growing = joined_name(path);
-  put_file(storage, sealed_name(path, plan), mark_of(storage, growing, layout->clipped));
-  if (overwrite) storage.rename(growing, path);
-  else storage.rename_new(growing, path);
+  try {
+    check_target(storage, path, overwrite);
+    put_file(storage, sealed_name(path, plan), mark_of(storage, growing, layout->clipped));
+    if (overwrite) storage.rename(growing, path);
+    else storage.rename_new(growing, path);
+  } catch (const Error&) {
+    // Where folders have no locks another program may have sealed it meanwhile.
+    if (storage.exists(growing) || !is_joined(plan, storage, path)) throw;
+  }
   storage.sync_folder(folder_of(path));
   return layout->file_bytes;
 }
@@ -404,7 +411,9 @@ std::optional<JoinLayout> find_layout(const BuildPlan& plan, Storage& storage,
         storage.open_read(joined_name(path))->size() == layout.file_bytes;
     if (layout.plan == plan.id && is_whole) return layout;
   } catch (const Error& error) {
-    if (error.kind() == ErrorKind::io) throw;
+    // Both go while another program seals.
+    const bool is_there = storage.exists(layout_name(path)) && storage.exists(joined_name(path));
+    if (error.kind() == ErrorKind::io && is_there) throw;
   }
   return std::nullopt;
 }
@@ -491,6 +500,8 @@ std::vector<PartPlace> uncopied_parts(const JoinLayout& layout, Storage& storage
 
 std::uint64_t seal_join(const BuildPlan& plan, Storage& storage, const std::string& path,
                         bool overwrite) {
+  // Of two that seal at once the second finds the file sealed.
+  const auto lock = storage.lock_folder(folder_of(path));
   if (!find_layout(plan, storage, path) && !is_joined(plan, storage, path)) {
     throw Error(ErrorKind::io, "nothing is laid out for this plan", path);
   }

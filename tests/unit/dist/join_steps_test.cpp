@@ -290,6 +290,28 @@ TEST_F(JoinSteps, WhatAnotherPlanHasBegunIsNotTakenAway) {
   EXPECT_TRUE(*storage_.files.at("a.8vo") == whole_);
 }
 
+// Also where folders have no locks, as here.
+TEST_F(JoinSteps, WhoSealsWhileAnotherDoesFindsTheFileSealed) {
+  const auto before = copied(storage_.files);
+  for (const std::string call : {"create", "rename"}) {
+    for (const bool overwrite : {false, true}) {
+      storage_.files = copied(before);
+      lay_out(runs_);
+      for (const GroupRun& run : runs_) copy(run);
+      bool is_over = false;
+      storage_.meanwhile = [&](const std::string& what) {
+        if (what != call || std::exchange(is_over, true)) return;
+        EXPECT_EQ(seal_join(plan_, storage_, "a.8vo", overwrite), whole_.size());
+      };
+      EXPECT_EQ(seal_join(plan_, storage_, "a.8vo", overwrite), whole_.size()) << call;
+      storage_.meanwhile = {};
+      EXPECT_TRUE(is_over) << call;
+      EXPECT_TRUE(is_joined(plan_, storage_, "a.8vo")) << call;
+      expect_done(3);
+    }
+  }
+}
+
 TEST_F(JoinSteps, SealingAgainKeepsWhatAnotherPlanHasBegun) {
   lay_out(runs_);
   for (const GroupRun& run : runs_) copy(run);
