@@ -109,7 +109,9 @@ bool MemoryStorage::exists(const std::string& path) { return files.count(path) !
 
 void MemoryStorage::rename(const std::string& from, const std::string& to) {
   call("rename", to);
-  files[to] = files.at(from);
+  const auto found = files.find(from);
+  if (found == files.end()) throw Error(ErrorKind::io, "cannot rename: no such file", to);
+  files[to] = found->second;
   files.erase(from);
 }
 
