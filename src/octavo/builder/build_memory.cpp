@@ -82,7 +82,8 @@ std::uint64_t share_band_bytes(const PlaneSource& source, const BuildOptions& op
   if (limit == 0 || checked_add(base, share_bytes, "the memory of a share") <= limit) {
     return share_bytes;
   }
-  check_build_memory(base + 2 * fewest_band_bytes(volume, options), limit);
+  const std::uint64_t fewest = 2 * fewest_band_bytes(volume, options);
+  check_build_memory(base + std::min(share_bytes, fewest), limit);
   return (limit - base) / 2;
 }
 
