@@ -52,7 +52,7 @@ constexpr VerbText kPlanText = {
     "  octavo plan slices/ --spacing 0.0195 -o scan.plan\n"
     "  octavo plan slices/ --spacing 0.0195 --part-size 8G -o scan.plan\n"
     "  octavo plan scans/head/ --max-error 2 --parts 16 -o head.plan\n"
-    "  octavo plan wide/ --spacing 0.005 --bands 8 -o wide.plan\n"
+    "  octavo plan wide/ --spacing 0.005 --bands 8 --max-memory 4G -o wide.plan\n"
     "  octavo plan --parts 64 -o turned.plan -- transform bone.8vo --rotate z:30"};
 
 struct PlanArguments {

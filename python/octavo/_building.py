@@ -14,8 +14,8 @@ from ._volume import View, Volume
 _BLOCK_BYTES = 64 << 20
 
 
-def build(source, path, *, kind=None, spacing=None, origin=(0.0, 0.0, 0.0), direction=None,
-          unit=None, slope=1.0, intercept=0.0, label_names=None, preset="small", access=None,
+def build(source, path, *, kind=None, spacing=None, origin=None, direction=None, unit=None,
+          slope=None, intercept=None, label_names=None, preset="small", access=None,
           max_error=0.0, keep_details=0, nan=None, inf=None, thumbnail=False, overwrite=False,
           resume=False, threads=0, max_memory=0, progress=None):
     """Build an .8vo file.
@@ -26,7 +26,8 @@ def build(source, path, *, kind=None, spacing=None, origin=(0.0, 0.0, 0.0), dire
         Anything of three dimensions [z, y, x] with `shape`, `dtype` and slices: a numpy, dask, zarr
         or h5py array. It is read some planes at a time, never as a whole, and may have any strides
         and byte order. Or a path that the program `octavo` reads: a folder of DICOM or TIFF
-        slices, NIfTI, NRRD, MetaImage and others; the program has to be on PATH.
+        slices, NIfTI, NRRD, MetaImage and others; the program has to be on PATH. Of a volume or one
+        of its levels, what is not given below stays as it is.
     path : str or os.PathLike
         Ends in .8vo. Nothing stands there before the file is whole.
     kind : {"grey", "labels"}, optional
@@ -38,8 +39,8 @@ def build(source, path, *, kind=None, spacing=None, origin=(0.0, 0.0, 0.0), dire
         Columns: the unit vectors of the axes x, y, z in the world, as ITK has it. None: identity.
     unit : str, optional
         Of real values; "HU" is understood.
-    slope, intercept : float
-        real value = slope * voxel + intercept.
+    slope, intercept : float, optional
+        real value = slope * voxel + intercept; 1 and 0 where not given.
     label_names : dict of int to str, optional
     preset : {"small", "fast"}
         Fewest bytes, or several times faster.
@@ -72,22 +73,21 @@ def build(source, path, *, kind=None, spacing=None, origin=(0.0, 0.0, 0.0), dire
     given = _given(preset, access, max_error, keep_details, nan, inf, thumbnail, overwrite, resume,
                    threads, max_memory)
     path = _output(path)
+    said = dict(kind=kind, spacing=spacing, origin=origin, direction=direction, unit=unit,
+                slope=slope, intercept=intercept, label_names=label_names)
     if isinstance(source, (str, os.PathLike)):
-        options = dict(kind=kind, spacing=spacing, unit=unit, slope=slope, intercept=intercept,
-                       label_names=label_names, origin=origin, direction=direction)
-        _build_by_program(os.fspath(source), path, options, given)
+        if progress is not None:
+            raise ArgumentError("progress is told of arrays; files are read by a program of its own")
+        _build_by_program(os.fspath(source), path, said, given)
         return Volume(path)
     if isinstance(source, View):
-        facts = _facts_of_view(source)
-        shape, read = source.shape, source.__getitem__
-        if kind not in (None, facts["kind"]):
-            facts["kind"] = kind
         _require_not_own_source(source, path)
+        shape, dtype = source.shape, source.dtype
+        said = {**_facts_of_view(source), **{k: v for k, v in said.items() if v is not None}}
     else:
         shape, dtype = _shape_and_type(source)
-        facts = _facts(dtype, kind, spacing, origin, direction, unit, slope, intercept,
-                       label_names)
-        read = source.__getitem__
+    facts = _facts(dtype, **said)
+    read = source.__getitem__
     planes = _Planes(read, shape, np.dtype(facts["dtype"]), getattr(source, "chunks", None))
     given["kind"] = facts["kind"]
     with _reporter(progress) as report:
@@ -116,8 +116,8 @@ class Writer:
         with those given again, and not encoded again.
     """
 
-    def __init__(self, path, shape, dtype, *, kind=None, spacing=None, origin=(0.0, 0.0, 0.0),
-                 direction=None, unit=None, slope=1.0, intercept=0.0, label_names=None,
+    def __init__(self, path, shape, dtype, *, kind=None, spacing=None, origin=None,
+                 direction=None, unit=None, slope=None, intercept=None, label_names=None,
                  preset="small", access=None, max_error=0.0, keep_details=0, nan=None, inf=None,
                  thumbnail=False, overwrite=False, resume=False, threads=0, max_memory=0):
         given = _given(preset, access, max_error, keep_details, nan, inf, thumbnail, overwrite,
@@ -242,6 +242,7 @@ def _stored_type(dtype):
 
 
 def _facts(dtype, kind, spacing, origin, direction, unit, slope, intercept, label_names):
+    """What the extension is told of a volume; None: by default."""
     if kind not in (None, "grey", "labels"):
         raise ArgumentError(f'kind is "grey" or "labels", not {kind!r}')
     direction = np.eye(3) if direction is None else np.asarray(direction, float)
@@ -250,9 +251,10 @@ def _facts(dtype, kind, spacing, origin, direction, unit, slope, intercept, labe
     return dict(dtype=_stored_type(dtype),
                 kind=kind or ("labels" if dtype == np.bool_ else "grey"),
                 spacing=None if spacing is None else _three(spacing, "spacing"),
-                origin=_three(origin, "origin"),
+                origin=_three((0, 0, 0) if origin is None else origin, "origin"),
                 direction=tuple(map(float, direction.ravel())),
-                slope=float(slope), intercept=float(intercept),
+                slope=1.0 if slope is None else float(slope),
+                intercept=0.0 if intercept is None else float(intercept),
                 unit="[hnsf'U]" if unit == "HU" else unit,
                 label_names={int(k): str(v) for k, v in (label_names or {}).items()},
                 format="array")
@@ -260,11 +262,10 @@ def _facts(dtype, kind, spacing, origin, direction, unit, slope, intercept, labe
 
 def _facts_of_view(view):
     facts = view._file.facts
-    return dict(dtype=facts["dtype"], kind=facts["kind"],
-                spacing=view.spacing if facts["is_spacing_known"] else None, origin=view.origin,
-                direction=tuple(facts["direction"]), slope=facts["slope"],
+    return dict(kind=facts["kind"], spacing=view.spacing if facts["is_spacing_known"] else None,
+                origin=view.origin, direction=facts["direction"], slope=facts["slope"],
                 intercept=facts["intercept"], unit=facts["unit"],
-                label_names=facts["label_names"], format="array")
+                label_names=facts["label_names"])
 
 
 def _three(numbers, what):
@@ -341,11 +342,8 @@ def _build_by_program(source, path, options, given):
     program = _program()
     if not os.path.exists(source) and "://" not in source:
         raise StorageError(f"{source}: is not there", path=source)
-    fixed = {"slope": 1.0, "intercept": 0.0, "unit": None, "label_names": None, "direction": None,
-             "origin": (0.0, 0.0, 0.0)}
-    for name, default in fixed.items():
-        value = options[name]
-        if (tuple(value) if name == "origin" else value) != default:
+    for name in ("slope", "intercept", "unit", "label_names", "direction", "origin"):
+        if options[name] is not None:
             raise ArgumentError(f"{name} comes from the files of a scan; it is for arrays")
     command = [program, "build", source, "-o", path, "--json", "--preset", given["preset"]]
     if options["kind"]:

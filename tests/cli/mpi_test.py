@@ -45,6 +45,8 @@ def voxels():
 
 VOXELS = voxels()
 SOURCE = ("scan.raw", "--raw", "512,512,268,uint16", "--spacing", "1", "--preset", "fast")
+# Training on a group of it takes a second: who stops a job of it is in time.
+SLOW_SOURCE = (*SOURCE[:-1], "small")
 
 
 def environment():
@@ -228,9 +230,9 @@ class LostRanks(ByRanks):
             return {}
         self.fail("the job ended before a rank could be lost: " + job.communicate()[1])
 
-    def lose(self, ranks, rank, how, *options, after=0.0, for_a_group=False):
+    def lose(self, ranks, rank, how, *options, source=SOURCE, after=0.0, for_a_group=False):
         """A job of which one rank gets a signal; returns what it said."""
-        job = self.start(ranks, "build", *SOURCE, *options, "-o", "scan.8vo")
+        job = self.start(ranks, "build", *source, *options, "-o", "scan.8vo")
         found = self.wait_for_work(job, ranks, for_a_group)
         time.sleep(after)
         try:
@@ -272,13 +274,12 @@ class LostRanks(ByRanks):
               f"{resumed} continued")
 
     def test_a_rank_that_hangs_ends_the_job(self):
-        said = self.lose(3, 1, signal.SIGSTOP, "--silent-limit", "3")
+        said = self.lose(3, 1, signal.SIGSTOP, "--silent-limit", "3", source=SLOW_SOURCE)
         self.assertIn("rank 1 has been silent for 3 s", said)
 
     def test_a_rank_whose_work_stands_still_ends_the_job(self):
         # Training on a group takes several times the time between two looks at the work.
-        job = self.start(2, "build", *SOURCE[:-1], "small", "--stall-limit", "0.01",
-                         "-o", "scan.8vo")
+        job = self.start(2, "build", *SLOW_SOURCE, "--stall-limit", "0.01", "-o", "scan.8vo")
         _, error = job.communicate()
         self.assertNotEqual(job.returncode, 0, error)
         self.assertRegex(error, r"the work of rank [01] has stood still for \d+ s; the job ends")
@@ -290,7 +291,7 @@ class LostRanks(ByRanks):
         self.assertEqual(self.bytes_built(), expected)
 
     def test_a_signal_ends_the_job(self):
-        job = self.start(2, "build", *SOURCE, "-o", "scan.8vo")
+        job = self.start(2, "build", *SLOW_SOURCE, "-o", "scan.8vo")
         found = self.wait_for_work(job, 2)
         ended = time.monotonic()
         job.send_signal(signal.SIGTERM)

@@ -101,6 +101,9 @@ def test_a_level_of_a_volume_is_built_like_an_array(tmp_path, volume):
     built = octavo.build(level, tmp_path / "a.8vo")
     assert np.array_equal(built[...], level[...])
     assert (built.spacing, built.origin, built.unit) == (level.spacing, level.origin, volume.unit)
+    built = octavo.build(level, tmp_path / "b.8vo", spacing=(9, 8, 7), slope=3, unit="mm")
+    assert (built.spacing, built.slope, built.unit) == ((9, 8, 7), 3, "mm")
+    assert (built.origin, built.intercept) == (level.origin, volume.intercept)
     with pytest.raises(octavo.ArgumentError, match="is the volume that is read"):
         octavo.build(volume, volume.name, overwrite=True)
 
@@ -217,6 +220,9 @@ def test_a_scan_on_disk_goes_through_the_program(tmp_path, voxels, monkeypatch):
     monkeypatch.setenv("PATH", folder, prepend=os.pathsep)
     built = octavo.build(tmp_path / "a.8vo", tmp_path / "b.8vo", preset="fast")
     assert np.array_equal(built[...], voxels[:20])
+    for option in ({"unit": "HU"}, {"origin": (0, 0, 0)}, {"progress": print}):
+        with pytest.raises(octavo.ArgumentError, match="array"):
+            octavo.build(tmp_path / "a.8vo", tmp_path / "c.8vo", **option)
     with pytest.raises(octavo.StorageError, match="is not there"):
         octavo.build(tmp_path / "none", tmp_path / "c.8vo")
     with pytest.raises(octavo.StorageError, match="exist"):
