@@ -141,6 +141,9 @@ void check_label_options(const SurfaceArguments& arguments) {
   const std::string of_all = "leave it out, or --parts and --interfaces";
   const bool is_of_labels = arguments.parts || arguments.interfaces;
   if (!is_of_labels) {
+    if (arguments.method && parse_deviation(arguments.max_deviation).amount == 0) {
+      reject_option("--method", "leave it out, or --max-deviation 0, which keeps all triangles");
+    }
     if (arguments.smooth) reject_option("--smooth", of_labels);
     if (arguments.part_format) reject_option("--part-format", of_labels);
     return;

@@ -211,13 +211,14 @@ class PlaneWriter {
 
   /// Throws what the build threw, from then on with every plane.
   void add(const Plane& plane) {
+    const Turn turn(turn_);
     const VolumeDescription& volume = planes_.description();
     if (plane.nbytes() != plane_bytes(volume)) {
       throw Error(ErrorKind::invalid_argument, "the plane has another size than the others",
                   path_);
     }
     if (added_ == volume.size.z) {
-      throw Error(ErrorKind::invalid_argument, "all " + std::to_string(added_) +
+      throw Error(ErrorKind::invalid_argument, "all " + std::to_string(added_.load()) +
                   " planes were added", path_);
     }
     const std::span bytes(static_cast<const std::byte*>(plane.data()), plane.nbytes());
@@ -231,10 +232,14 @@ class PlaneWriter {
 
   /// Seals the file.
   nb::dict finish() {
+    const Turn turn(turn_);
     const std::int64_t wanted = planes_.description().size.z;
     if (added_ != wanted) {
-      abandon();
-      throw Error(ErrorKind::invalid_argument, std::to_string(added_) + " of " +
+      {
+        const nb::gil_scoped_release release;
+        stop();
+      }
+      throw Error(ErrorKind::invalid_argument, std::to_string(added_.load()) + " of " +
                   std::to_string(wanted) + " planes were added; nothing was written", path_);
     }
     {
@@ -247,6 +252,7 @@ class PlaneWriter {
 
   /// Leaves nothing under the name; what can be resumed is kept where that was asked for.
   void abandon() {
+    const Turn turn(turn_);
     const nb::gil_scoped_release release;
     stop();
   }
@@ -254,6 +260,18 @@ class PlaneWriter {
   std::int64_t added() const { return added_; }
 
  private:
+  /// One thread of Python after the other; who waits lets go of the GIL.
+  class Turn {
+   public:
+    explicit Turn(std::mutex& turn) : guard_(turn, std::defer_lock) {
+      const nb::gil_scoped_release release;
+      guard_.lock();
+    }
+
+   private:
+    std::unique_lock<std::mutex> guard_;
+  };
+
   void work() {
     try {
       result_ = build_file(planes_, local_storage(), path_, options_, stop_);
@@ -279,7 +297,8 @@ class PlaneWriter {
   Stop stop_;
   BuildResult result_;           // these two are read once the thread has ended
   std::exception_ptr failure_;
-  std::int64_t added_ = 0;
+  std::mutex turn_;
+  std::atomic<std::int64_t> added_ = 0;
   std::thread thread_;
 };
 

@@ -77,7 +77,7 @@ def build(source, path, *, kind=None, spacing=None, origin=None, direction=None,
                 slope=slope, intercept=intercept, label_names=label_names)
     if isinstance(source, (str, os.PathLike)):
         if progress is not None:
-            raise ArgumentError("progress is told of arrays; files are read by a program of its own")
+            raise ArgumentError("progress is told of arrays; files are read by another program")
         _build_by_program(os.fspath(source), path, said, given)
         return Volume(path)
     if isinstance(source, View):
@@ -345,7 +345,8 @@ def _build_by_program(source, path, options, given):
     for name in ("slope", "intercept", "unit", "label_names", "direction", "origin"):
         if options[name] is not None:
             raise ArgumentError(f"{name} comes from the files of a scan; it is for arrays")
-    command = [program, "build", source, "-o", path, "--json", "--preset", given["preset"]]
+    command = [program, "build", _no_option(source), "-o", _no_option(path), "--json", "--preset",
+               given["preset"]]
     if options["kind"]:
         command.append(f"--{options['kind']}")
     if options["spacing"] is not None:
@@ -364,6 +365,11 @@ def _build_by_program(source, path, options, given):
     done = subprocess.run(command, capture_output=True, text=True)
     if done.returncode != 0:
         raise _error_of_program(done)
+
+
+def _no_option(path):
+    """The path in a form that no program takes for an option."""
+    return os.path.join(os.curdir, path) if path.startswith("-") else path
 
 
 _KIND_OF_EXIT = {2: "invalid_argument", 3: "unsupported_version", 4: "corrupt", 5: "io",

@@ -79,7 +79,7 @@ class Surfaces(cli_test.InFolder):
                          (True, True, 0))
         self.assertEqual(report["max_deviation_mm"], 0.25)
         self.assertEqual(open_sides(read_stl(self.folder / "cells.stl")[0]), [])
-        for others in (("--triangles", "30"), ("--parts",)):
+        for others in (("--triangles", "30"), ("--parts",), ("--max-deviation", "0")):
             self.expect(2, "surface", "mask.8vo", "--method", "octree", *others, "-o", "none.ply")
         self.assertFalse((self.folder / "none.ply").exists())
 

@@ -199,6 +199,27 @@ def test_a_writer_leaves_nothing_of_what_is_not_whole(tmp_path, voxels):
     assert not list(tmp_path.iterdir())
 
 
+def test_threads_that_share_a_writer_take_turns(tmp_path, voxels):
+    w = octavo.Writer(tmp_path / "a.8vo", voxels.shape, voxels.dtype)
+    failed = []
+
+    def add():
+        try:
+            while True:
+                w.add(voxels[0])
+        except octavo.ArgumentError as error:
+            failed.append(str(error))
+
+    threads = [threading.Thread(target=add) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(failed) == 4 and all("all 130 planes were added" in text for text in failed)
+    w.close()
+    assert (octavo.open(tmp_path / "a.8vo")[...] == voxels[0]).all()
+
+
 def test_a_writer_takes_the_planes_that_were_announced(tmp_path, voxels):
     with pytest.raises(octavo.ArgumentError, match="closed"):
         with octavo.Writer(tmp_path / "a.8vo", (2, 97, 150), np.int16) as w:
@@ -223,6 +244,9 @@ def test_a_scan_on_disk_goes_through_the_program(tmp_path, voxels, monkeypatch):
     for option in ({"unit": "HU"}, {"origin": (0, 0, 0)}, {"progress": print}):
         with pytest.raises(octavo.ArgumentError, match="array"):
             octavo.build(tmp_path / "a.8vo", tmp_path / "c.8vo", **option)
+    monkeypatch.chdir(tmp_path)
+    octavo.build(voxels[:3], "--force.8vo")
+    assert np.array_equal(octavo.build("--force.8vo", "-o.8vo")[...], voxels[:3])
     with pytest.raises(octavo.StorageError, match="is not there"):
         octavo.build(tmp_path / "none", tmp_path / "c.8vo")
     with pytest.raises(octavo.StorageError, match="exist"):

@@ -48,6 +48,21 @@ RayBricks::Options brick_options(const RenderOptions& asked, const TaskContext& 
   return options;
 }
 
+/// More steps than rays of the largest volumes take.
+constexpr double kMostRaySteps = 1 << 18;
+
+/// From sample to sample: the finest spacing, but where an axis is so thin beside the others that
+/// rays along these would take forever.
+double ray_step_mm(const Point3& spacing, const Size3& size) {
+  double squared = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double side = spacing[static_cast<std::size_t>(axis)] * static_cast<double>(size[axis]);
+    squared += side * side;
+  }
+  return std::max(*std::min_element(spacing.begin(), spacing.end()),
+                  std::sqrt(squared) / kMostRaySteps);
+}
+
 class RayScene final : public RenderScene {
  public:
   RayScene(const std::shared_ptr<const FileReader>& reader, const RenderOptions& options,
@@ -68,7 +83,7 @@ class RayScene final : public RenderScene {
                   options.input);
     }
     const Point3 spacing = reader_->levels().geometry(volume.geometry, level_).spacing_mm;
-    step_mm_ = *std::min_element(spacing.begin(), spacing.end());
+    step_mm_ = ray_step_mm(spacing, reader_->levels().size(level_));
     const bool is_lowest = asked_.mode == RenderMode::minip;
     sign_ = (rescale_.slope < 0) != is_lowest ? -1.0f : 1.0f;
     if (asked_.transfer || mode_ == RayMode::volume) choose_transfer();

@@ -117,7 +117,14 @@ class LabelSurfaceWriter {
   /// Where only some labels are asked for, the names of their files are known from the beginning.
   void check_names() const {
     if (!folder_) return;
-    for (const std::string& name : file_names(asked_)) folder_->require_free(name);
+    require_names(file_names(asked_));
+  }
+
+  void require_names(const std::vector<std::string>& names) const {
+    for (const std::string& name : names) {
+      require_no_input(folder_->file(name), {options_.input});
+      folder_->require_free(name);
+    }
   }
 
   /// Of which labels the files will be is known from the beginning where they are asked for, and
@@ -363,7 +370,7 @@ class LabelSurfaceWriter {
     std::vector<std::int64_t> labels;
     for (const LabelSurface& surface : result_.labels) labels.push_back(surface.label);
     const std::vector<std::string> names = file_names(labels);
-    for (const std::string& name : names) folder_->require_free(name);
+    require_names(names);
     const ProgressScope scope(context_.watcher(), "parts",
                               static_cast<std::int64_t>(labels.size()), "surfaces");
     for (std::size_t i = 0; i < labels.size(); ++i) {

@@ -193,6 +193,20 @@ TEST_F(RayScenes, WhatDoesNotGoTogetherIsRejected) {
                   [&](auto& o) { o.input = folder_.file("labels.8vo"); });
 }
 
+TEST_F(RayScenes, RaysBesideAThinAxisEnd) {
+  testing::Volume volume;
+  volume.description.size = {9, 9, 9};
+  volume.description.type = VoxelType::uint8;
+  volume.description.geometry.spacing_mm = {1e-6, 1, 1};
+  volume.description.metadata = Metadata::read(R"({"spacing_known":true})");
+  for (int i = 0; i < 9 * 9 * 9; ++i) volume.voxels.push_back(static_cast<std::byte>(i % 251));
+  testing::build_volume(volume, folder_.file("thin.8vo"), 1);
+  options_.input = folder_.file("thin.8vo");
+  options_.width = options_.height = 8;
+  draw(RenderMode::mip);
+  EXPECT_GT(result_.counts.rays.samples, 0);
+}
+
 TEST_F(RayScenes, MemoryForNoBrickIsRejected) {
   options_.mode = RenderMode::volume;
   context_.max_memory_bytes = 1'500'000;
