@@ -222,11 +222,9 @@ class PlaneWriter {
                   " planes were added", path_);
     }
     const std::span bytes(static_cast<const std::byte*>(plane.data()), plane.nbytes());
-    Call call;
-    call.run([&] {
-      if (!planes_.hand_over(bytes, call)) join();
-    });
-    if (failure_) std::rethrow_exception(failure_);
+    // With the last plane the builder would seal the file, which is for finish() to say.
+    if (added_ + 1 == volume.size.z) last_.assign(bytes.begin(), bytes.end());
+    else hand_over(bytes);
     ++added_;
   }
 
@@ -242,6 +240,7 @@ class PlaneWriter {
       throw Error(ErrorKind::invalid_argument, std::to_string(added_.load()) + " of " +
                   std::to_string(wanted) + " planes were added; nothing was written", path_);
     }
+    hand_over(last_);
     {
       const nb::gil_scoped_release release;
       join();
@@ -272,6 +271,14 @@ class PlaneWriter {
     std::unique_lock<std::mutex> guard_;
   };
 
+  void hand_over(std::span<const std::byte> plane) {
+    Call call;
+    call.run([&] {
+      if (!planes_.hand_over(plane, call)) join();
+    });
+    if (failure_) std::rethrow_exception(failure_);
+  }
+
   void work() {
     try {
       result_ = build_file(planes_, local_storage(), path_, options_, stop_);
@@ -294,6 +301,7 @@ class PlaneWriter {
   HandedPlanes planes_;
   BuildOptions options_;
   std::string path_;
+  std::vector<std::byte> last_;  // plane of all
   Stop stop_;
   BuildResult result_;           // these two are read once the thread has ended
   std::exception_ptr failure_;

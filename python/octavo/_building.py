@@ -1,6 +1,7 @@
 """Files out of arrays, of planes as they come, and of scans on disk."""
 
 import contextlib
+import operator
 import os
 import shutil
 import subprocess
@@ -9,7 +10,8 @@ import numpy as np
 
 from . import _octavo
 from ._errors import ArgumentError, Error, SourceError, StorageError
-from ._volume import View, Volume
+from ._sources import require_name
+from ._volume import View, Volume, whole_number
 
 _BLOCK_BYTES = 64 << 20
 
@@ -88,7 +90,7 @@ def build(source, path, *, kind=None, spacing=None, origin=None, direction=None,
         shape, dtype = _shape_and_type(source)
     facts = _facts(dtype, **said)
     read = source.__getitem__
-    planes = _Planes(read, shape, np.dtype(facts["dtype"]), getattr(source, "chunks", None))
+    planes = _Planes(read, shape, np.dtype(facts["dtype"]), dtype, getattr(source, "chunks", None))
     given["kind"] = facts["kind"]
     with _reporter(progress) as report:
         _octavo.build(path, shape, facts, planes.plane, given, report)
@@ -123,9 +125,7 @@ class Writer:
         given = _given(preset, access, max_error, keep_details, nan, inf, thumbnail, overwrite,
                        resume, threads, max_memory)
         self.path = _output(path)
-        self.shape = tuple(int(n) for n in shape)
-        if len(self.shape) != 3 or min(self.shape) < 1:
-            raise ArgumentError(f"shape {self.shape} is not z, y, x of one voxel or more")
+        self.shape = _volume_shape(shape)
         facts = _facts(np.dtype(dtype), kind, spacing, origin, direction, unit, slope, intercept,
                        label_names)
         given["kind"] = facts["kind"]
@@ -146,6 +146,7 @@ class Writer:
         octavo.ArgumentError
             For planes of another shape or dtype, and more of them than announced.
         """
+        _require_no_mask(planes)
         planes = np.asarray(planes)
         if planes.ndim == 2:
             planes = planes[None]
@@ -155,6 +156,9 @@ class Writer:
         if not np.can_cast(planes.dtype, self._given_type, "equiv"):
             raise ArgumentError(f"planes are of {self._given_type}, not of {planes.dtype}",
                                 path=self.path)
+        if self.added + len(planes) > self.shape[0]:
+            raise ArgumentError(f"{self.added} of {self.shape[0]} planes were added: there is no "
+                                f"room for {len(planes)} more", path=self.path)
         for plane in planes:
             self._open().add(np.ascontiguousarray(plane, self.dtype))
 
@@ -195,7 +199,8 @@ class Writer:
 class _Planes:
     """Planes of an array that is sliced, read in blocks as deep as its chunks are."""
 
-    def __init__(self, read, shape, dtype, chunks):
+    def __init__(self, read, shape, dtype, given_type, chunks):
+        self._given_type = given_type
         self._read = read
         self._shape = shape
         self._dtype = dtype
@@ -208,11 +213,19 @@ class _Planes:
         if self._block is None or not 0 <= z - self._first < len(self._block):
             self._first = z - z % self._depth
             end = min(self._first + self._depth, self._shape[0])
-            self._block = np.asarray(self._read(slice(self._first, end)))
+            self._block = np.asanyarray(self._read(slice(self._first, end)))
+            self._require_type()
             if self._block.shape != (end - self._first, *self._shape[1:]):
                 raise SourceError(f"planes {self._first} to {end - 1} have the shape "
                                   f"{self._block.shape}")
         return np.ascontiguousarray(self._block[z - self._first], self._dtype)
+
+    def _require_type(self):
+        # Some arrays say another type than their slices have.
+        _require_no_mask(self._block)
+        if not np.can_cast(self._block.dtype, self._given_type, "equiv"):
+            raise SourceError(f"the array is of {self._given_type}, and slices of it are of "
+                              f"{self._block.dtype}")
 
 
 def _depth_of(chunks):
@@ -227,13 +240,29 @@ def _shape_and_type(source):
     if shape is None or dtype is None or not hasattr(source, "__getitem__"):
         raise ArgumentError("give an array, a path or an open volume; planes one after another go "
                             f"into octavo.Writer, not {type(source).__name__}")
-    shape = tuple(int(n) for n in shape)
-    if len(shape) != 3 or min(shape) < 1:
-        raise ArgumentError(f"an array of shape {shape} is no volume [z, y, x]")
-    return shape, np.dtype(dtype)
+    _require_no_mask(source)
+    return _volume_shape(shape), np.dtype(dtype)
+
+
+def _volume_shape(shape):
+    try:
+        numbers = tuple(operator.index(n) for n in shape)
+    except TypeError:
+        numbers = ()
+    if len(numbers) != 3 or min(numbers) < 1:
+        raise ArgumentError(f"shape {shape} is no volume of one voxel or more, z, y, x")
+    return numbers
+
+
+def _require_no_mask(array):
+    if isinstance(array, np.ma.MaskedArray):
+        raise ArgumentError("files hold no mask: give .filled(value) of a masked array")
 
 
 def _stored_type(dtype):
+    if dtype.kind not in "biuf":
+        raise ArgumentError(f"voxels of type {dtype} have no place in a file (convert them with "
+                            ".astype())")
     if dtype == np.bool_:
         return "uint8"
     if dtype == np.float16:
@@ -245,18 +274,25 @@ def _facts(dtype, kind, spacing, origin, direction, unit, slope, intercept, labe
     """What the extension is told of a volume; None: by default."""
     if kind not in (None, "grey", "labels"):
         raise ArgumentError(f'kind is "grey" or "labels", not {kind!r}')
-    direction = np.eye(3) if direction is None else np.asarray(direction, float)
-    if direction.size != 9:
-        raise ArgumentError("direction has 3 x 3 numbers")
+    direction = np.eye(3) if direction is None else direction
+    slope = 1 if slope is None else slope
+    intercept = 0 if intercept is None else intercept
+    if unit is not None:
+        _require_text(unit)
+    if not isinstance(label_names or {}, dict):
+        raise ArgumentError("label_names is a dictionary, label: name")
+    for name in (label_names or {}).values():
+        _require_text(name)
     return dict(dtype=_stored_type(dtype),
                 kind=kind or ("labels" if dtype == np.bool_ else "grey"),
                 spacing=None if spacing is None else _three(spacing, "spacing"),
                 origin=_three((0, 0, 0) if origin is None else origin, "origin"),
-                direction=tuple(map(float, direction.ravel())),
-                slope=1.0 if slope is None else float(slope),
-                intercept=0.0 if intercept is None else float(intercept),
+                direction=_numbers(direction, 9, "direction has 3 x 3 numbers"),
+                slope=_numbers(slope, 1, "slope is a number")[0],
+                intercept=_numbers(intercept, 1, "intercept is a number")[0],
                 unit="[hnsf'U]" if unit == "HU" else unit,
-                label_names={int(k): str(v) for k, v in (label_names or {}).items()},
+                label_names={whole_number(label, "a label", -(1 << 62)): name
+                             for label, name in (label_names or {}).items()},
                 format="array")
 
 
@@ -269,10 +305,26 @@ def _facts_of_view(view):
 
 
 def _three(numbers, what):
-    numbers = tuple(map(float, np.ravel(numbers)))
-    if len(numbers) != 3:
-        raise ArgumentError(f"{what} has three numbers, along z, y, x")
+    return _numbers(numbers, 3, f"{what} has three numbers, along z, y, x")
+
+
+def _numbers(given, count, what):
+    try:
+        numbers = tuple(map(float, np.ravel(np.asarray(given, float))))
+    except (TypeError, ValueError):
+        numbers = ()
+    if len(numbers) != count:
+        raise ArgumentError(f"{what}, not {given!r}")
     return numbers
+
+
+def _require_text(text):
+    try:
+        is_text = isinstance(text, str) and "\0" not in text and text.encode() is not None
+    except UnicodeEncodeError:
+        is_text = False
+    if not is_text:
+        raise ArgumentError("unit is text, and label_names gives text to labels")
 
 
 def _given(preset, access, max_error, keep_details, nan, inf, thumbnail, overwrite, resume,
@@ -285,16 +337,23 @@ def _given(preset, access, max_error, keep_details, nan, inf, thumbnail, overwri
         raise ArgumentError("max_error is 0 or more")
     if overwrite and resume:
         raise ArgumentError("overwrite starts anew, resume goes on: give one of them")
-    if int(threads) < 0 or int(max_memory) < 0:
-        raise ArgumentError("threads and max_memory are 0 or more")
+    keep_details = whole_number(keep_details, "keep_details", 0, 31)
+    threads = whole_number(threads, "threads", 0, 1 << 16)
+    max_memory = whole_number(max_memory, "max_memory", 0)
     return dict(preset=preset, access=access, max_error=float(max_error),
-                keep_details=int(keep_details), nan=nan, inf=inf, thumbnail=bool(thumbnail),
-                overwrite=bool(overwrite), resume=bool(resume), threads=int(threads),
-                max_memory=int(max_memory))
+                keep_details=keep_details, nan=nan, inf=inf, thumbnail=bool(thumbnail),
+                overwrite=bool(overwrite), resume=bool(resume), threads=threads,
+                max_memory=max_memory)
 
 
 def _output(path):
-    path = os.fspath(path)
+    try:
+        path = os.fspath(path)
+    except TypeError:
+        path = None
+    if not isinstance(path, str):
+        raise ArgumentError("the file to write is a path")
+    require_name(path)
     if not path.endswith(".8vo"):
         raise ArgumentError(f"{path}: the name of a volume ends in .8vo", path=path)
     return path

@@ -17,7 +17,19 @@ def source_of(place):
     if not isinstance(place, str):
         raise ArgumentError("give a path, a URL or the bytes of a file, not "
                             f"{type(place).__name__}")
+    require_name(place)
     return _Url(place) if "://" in place else _Path(place)
+
+
+def require_name(path):
+    """Raises ArgumentError for names that the library cannot pass on whole."""
+    if "\0" in path:
+        raise ArgumentError(f"{path!r}: no file has a NUL in its name")
+    try:
+        path.encode()
+    except UnicodeEncodeError:
+        raise ArgumentError(f"{path!r}: names that are no UTF-8 cannot be opened from Python; "
+                            "a link with another name helps") from None
 
 
 class _Path:

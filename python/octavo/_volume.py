@@ -2,6 +2,7 @@
 
 import json
 import math
+import operator
 import os
 import warnings
 
@@ -184,6 +185,9 @@ class View:
         size = " x ".join(map(str, self.shape))
         return f"<octavo level {self.level}: {size} {self.dtype} of {self._file.name}>"
 
+    def __reduce__(self):
+        return (_opened_view, (self.level, *_lasting(self._file.opened)))
+
     def _read_into(self, start, stop, out, threads):
         self._file.read(start, stop, self.level, out, threads)
 
@@ -283,7 +287,6 @@ class Volume(View):
     """
 
     def __init__(self, source, cache_bytes=DEFAULT_CACHE_BYTES):
-        self._opened = (source, cache_bytes)
         super().__init__(_File(source, cache_bytes), 0)
         facts = self._file.facts
         self.kind = facts["kind"]
@@ -381,12 +384,7 @@ class Volume(View):
         self.close()
 
     def __reduce__(self):
-        source, cache_bytes = self._opened
-        if isinstance(source, os.PathLike):
-            source = os.fspath(source)
-        if isinstance(source, str) and "://" not in source:
-            source = os.path.abspath(source)
-        return (Volume, (source, cache_bytes))
+        return (Volume, _lasting(self._file.opened))
 
     def __repr__(self):
         if self.closed:
@@ -409,7 +407,8 @@ class _File:
 
     def __init__(self, source, cache_bytes):
         self._source = source_of(source)
-        self._cache_bytes = cache_bytes
+        self.opened = (source, cache_bytes)
+        self._cache_bytes = whole_number(cache_bytes, "cache_bytes", 0)
         self._only_thread = False
         self._open()
         self.facts = self._handle.facts()
@@ -464,15 +463,43 @@ class _File:
         self._handle = None
 
 
+def _lasting(opened):
+    """What a file was opened from, in a form that holds in other folders."""
+    source, cache_bytes = opened
+    if isinstance(source, os.PathLike):
+        source = os.fspath(source)
+    if isinstance(source, str) and "://" not in source:
+        source = os.path.abspath(source)
+    return source, cache_bytes
+
+
+def _opened_view(level, source, cache_bytes):
+    return View(_File(source, cache_bytes), level)
+
+
 # Handles of the process before a fork: taking them down could wait for locks of its threads.
 _kept_for_good = []
 
 
 def _whole_numbers(point):
-    numbers = tuple(int(n) for n in point)
+    try:
+        numbers = tuple(operator.index(n) for n in point)
+    except TypeError:
+        numbers = ()
     if len(numbers) != 3:
-        raise ArgumentError("a corner of a box has three numbers, z, y, x")
+        raise ArgumentError("a corner of a box has three whole numbers, z, y, x")
     return numbers
+
+
+def whole_number(given, name, lowest, highest=(1 << 63) - 1):
+    """`given` as an int. Raises ArgumentError for other things and other numbers."""
+    try:
+        number = operator.index(given)
+    except TypeError:
+        number = None
+    if number is None or not lowest <= number <= highest:
+        raise ArgumentError(f"{name} is a whole number from {lowest} on, not {given!r}")
+    return number
 
 
 def _memory_bytes():

@@ -3,6 +3,7 @@
 import os
 import signal
 import threading
+import time
 
 import numpy as np
 import pytest
@@ -111,6 +112,15 @@ def test_a_level_of_a_volume_is_built_like_an_array(tmp_path, volume):
 BAD = {
     "int64": (np.zeros((2, 2, 2), np.int64), {}, "voxels of type int64"),
     "complex": (np.zeros((2, 2, 2), np.complex64), {}, "voxels of type complex64"),
+    "text": (np.full((2, 2, 2), "a"), {}, "voxels of type <U1"),
+    "structures": (np.zeros((2, 2, 2), "i2,i2"), {}, "voxels of type"),
+    "a mask": (np.ma.masked_less(np.zeros((2, 2, 2), np.int16), 1), {}, "files hold no mask"),
+    "spacing of text": (np.zeros((2, 2, 2), np.int16), {"spacing": "abc"}, "spacing has three"),
+    "unit": (np.zeros((2, 2, 2), np.int16), {"unit": 5}, "unit is text"),
+    "names": (np.zeros((2, 2, 2), np.int16), {"label_names": ["a"]}, "label_names is"),
+    "name": (np.zeros((2, 2, 2), np.int16), {"label_names": {1: None}}, "gives text to labels"),
+    "memory": (np.zeros((2, 2, 2), np.int16), {"max_memory": 1 << 70}, "max_memory is a whole"),
+    "details": (np.zeros((2, 2, 2), np.int16), {"keep_details": 1.5}, "keep_details is a whole"),
     "2-D": (np.zeros((2, 2), np.int16), {}, r"shape \(2, 2\) is no volume"),
     "empty": (np.zeros((2, 0, 2), np.int16), {}, "is no volume"),
     "a number": (5, {}, "give an array, a path or an open volume"),
@@ -131,7 +141,28 @@ def test_what_cannot_be_built_is_one_error(tmp_path, case):
     assert not list(tmp_path.iterdir())
 
 
+def test_slices_are_of_the_type_of_the_array(tmp_path, voxels):
+    class Rising(Sliced):
+        def __getitem__(self, key):
+            return super().__getitem__(key) + 0.75
+
+    with pytest.raises(octavo.SourceError, match="of int16, and slices of it are of float64"):
+        octavo.build(Rising(voxels, None), tmp_path / "a.8vo")
+    assert not list(tmp_path.iterdir())
+
+
 def test_names_are_checked(tmp_path, voxels):
+    (tmp_path / "victim").write_text("mine")
+    for name in (f"{tmp_path}/victim\0.8vo", f"{tmp_path}/x\udcff.8vo"):
+        with pytest.raises(octavo.ArgumentError):
+            octavo.build(voxels[:3], name, overwrite=True)
+        with pytest.raises(octavo.ArgumentError):
+            octavo.Writer(name, voxels.shape, voxels.dtype, overwrite=True)
+        with pytest.raises(octavo.ArgumentError):
+            octavo.open(name)
+    assert (tmp_path / "victim").read_text() == "mine"
+    with pytest.raises(octavo.ArgumentError, match="is a path"):
+        octavo.build(voxels[:3], b"a.8vo")
     with pytest.raises(octavo.ArgumentError, match="ends in .8vo"):
         octavo.build(voxels, tmp_path / "a.nii")
     octavo.build(voxels[:3], tmp_path / "a.8vo")
@@ -199,6 +230,27 @@ def test_a_writer_leaves_nothing_of_what_is_not_whole(tmp_path, voxels):
     assert not list(tmp_path.iterdir())
 
 
+def test_a_block_that_raises_behind_the_last_plane_leaves_what_was_there(tmp_path, voxels):
+    octavo.build(voxels[:3], tmp_path / "a.8vo")
+    with pytest.raises(RuntimeError, match="mine"):
+        with octavo.Writer(tmp_path / "a.8vo", voxels.shape, voxels.dtype, overwrite=True) as w:
+            w.add(voxels)
+            time.sleep(1)
+            raise RuntimeError("mine")
+    assert np.array_equal(octavo.open(tmp_path / "a.8vo")[...], voxels[:3])
+    assert [path.name for path in tmp_path.iterdir()] == ["a.8vo"]
+
+
+def test_planes_are_taken_all_or_none(tmp_path, voxels):
+    with octavo.Writer(tmp_path / "a.8vo", voxels.shape, voxels.dtype) as w:
+        w.add(voxels[:10])
+        with pytest.raises(octavo.ArgumentError, match="10 of 130 planes were added"):
+            w.add(voxels)
+        assert w.added == 10
+        w.add(voxels[10:])
+    assert np.array_equal(octavo.open(tmp_path / "a.8vo")[...], voxels)
+
+
 def test_threads_that_share_a_writer_take_turns(tmp_path, voxels):
     w = octavo.Writer(tmp_path / "a.8vo", voxels.shape, voxels.dtype)
     failed = []
@@ -215,7 +267,8 @@ def test_threads_that_share_a_writer_take_turns(tmp_path, voxels):
         thread.start()
     for thread in threads:
         thread.join()
-    assert len(failed) == 4 and all("all 130 planes were added" in text for text in failed)
+    assert len(failed) == 4 and all("130 of 130 planes were added" in text or
+                                    "all 130 planes" in text for text in failed)
     w.close()
     assert (octavo.open(tmp_path / "a.8vo")[...] == voxels[0]).all()
 
@@ -228,7 +281,7 @@ def test_a_writer_takes_the_planes_that_were_announced(tmp_path, voxels):
             with pytest.raises(octavo.ArgumentError, match="planes are of int16"):
                 w.add(voxels[0].astype(np.int32))
             w.add(voxels[:2])
-            with pytest.raises(octavo.ArgumentError, match="all 2 planes were added"):
+            with pytest.raises(octavo.ArgumentError, match="2 of 2 planes were added"):
                 w.add(voxels[0])
             w.close()
             w.add(voxels[0])

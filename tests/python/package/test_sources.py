@@ -150,12 +150,17 @@ def test_damage_raises_and_fills_nothing(path, tmp_path):
         octavo.open(tmp_path / "none.8vo")
     with pytest.raises(octavo.ArgumentError, match="not int"):
         octavo.open(5)
+    for cache_bytes in (-1, 1 << 70, 1.5):
+        with pytest.raises(octavo.ArgumentError, match="cache_bytes is a whole number"):
+            octavo.open(path, cache_bytes=cache_bytes)
 
 
 def test_a_volume_pickles_as_its_place(volume, voxels, monkeypatch, tmp_path):
     there = pickle.dumps(volume)
     assert len(there) < 1000
+    level = pickle.dumps(volume.levels[2])
     monkeypatch.chdir(tmp_path)
+    assert np.array_equal(pickle.loads(level)[...], volume.levels[2][...])
     assert np.array_equal(pickle.loads(there)[9], voxels[9])
 
 
