@@ -186,15 +186,13 @@ class LabelSurfaces(cli_test.InFolder):
         self.assertNotEqual((self.folder / "organs/Liver_1.stl").read_bytes(), before)
 
     def test_no_part_replaces_the_volume_that_it_is_of(self):
-        for labels in ([], ["--label", "9"]):
-            (self.folder / "organs").mkdir(exist_ok=True)
-            held = (self.folder / "l.8vo").read_bytes()
-            for name in ("9", "Liver_1"):
-                (self.folder / "organs" / (name + ".stl")).write_bytes(held)
-            failure = self.expect(2, "surface", "organs/9.stl", "--parts", "-o", "organs", "-f",
-                                  *labels)
+        (self.folder / "organs").mkdir()
+        held = (self.folder / "l.8vo").read_bytes()
+        for name, labels in (("organs/Liver_1.stl", []), ("organs/Liver.stl", ["--label", "1"])):
+            (self.folder / name).write_bytes(held)
+            failure = self.expect(2, "surface", name, "--parts", "-o", "organs", "-f", *labels)
             self.assertIn("is the input itself", failure.stderr)
-            self.assertEqual((self.folder / "organs/9.stl").read_bytes(), held)
+            self.assertEqual((self.folder / name).read_bytes(), held)
 
     def test_bad_input_is_one_sentence_and_no_file(self):
         self.expect(0, "build", "v.raw", "--raw", ",".join(map(str, SIZE)) + ",uint8", "--spacing",
