@@ -18,6 +18,7 @@
 #include "octavo/core/box.h"
 #include "octavo/core/error.h"
 #include "octavo/core/progress.h"
+#include "octavo/mesh/cancellation.h"
 #include "octavo/mesh/surface_block.h"
 
 namespace octavo {
@@ -69,7 +70,7 @@ class BlockLayers {
   template <class Each>
   void for_each_block(std::size_t first, std::size_t end, Each each) const {
     tbb::parallel_for(first, end, [&](std::size_t i) {
-      if (progress_.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
+      stop_if_cancelled(progress_);
       const auto at = static_cast<std::int64_t>(i);
       each(i, at % grid_.x, at / grid_.x);
     });

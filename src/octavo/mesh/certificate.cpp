@@ -9,7 +9,7 @@
 #include <cstddef>
 #include <limits>
 
-#include "octavo/core/error.h"
+#include "octavo/mesh/cancellation.h"
 #include "octavo/mesh/cover_proof.h"
 #include "octavo/mesh/point_distance.h"
 
@@ -433,7 +433,7 @@ std::vector<std::uint32_t> unproven_triangles(const TriangleMesh& mesh,
     NearbyProof proof(mesh, tree, distance, known);
     const std::size_t end = std::min((chunk + 1) * kChunk, triangles.size());
     for (std::size_t i = chunk * kChunk; i < end; ++i) {
-      if (progress.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
+      stop_if_cancelled(progress);
       if (!proof.proves(triangles[i])) found.local().push_back(triangles[i]);
     }
   });

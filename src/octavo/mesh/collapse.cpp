@@ -6,8 +6,8 @@
 #include <limits>
 #include <utility>
 
+#include "octavo/mesh/cancellation.h"
 #include "octavo/mesh/point_distance.h"
-#include "octavo/mesh/triangle_tree.h"
 
 namespace octavo {
 

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "octavo/mesh/cancellation.h"
 #include "octavo/mesh/certificate.h"
 #include "octavo/mesh/point_distance.h"
 #include "octavo/mesh/triangle_tree.h"

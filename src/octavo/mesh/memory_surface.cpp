@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "octavo/core/error.h"
+#include "octavo/mesh/cancellation.h"
 #include "octavo/mesh/cube_row.h"
 #include "octavo/mesh/mesh_room.h"
 #include "octavo/mesh/point_row.h"
@@ -59,7 +60,7 @@ class MemorySurface {
   template <class Work>
   void for_each(std::int64_t first, std::int64_t end, Work work) {
     tbb::parallel_for(first, end, [&](std::int64_t i) {
-      if (progress_.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
+      stop_if_cancelled(progress_);
       work(i);
     });
   }

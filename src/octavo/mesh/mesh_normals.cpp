@@ -11,8 +11,8 @@
 #include <span>
 #include <utility>
 
-#include "octavo/core/error.h"
 #include "octavo/core/vectors.h"
+#include "octavo/mesh/cancellation.h"
 #include "octavo/mesh/point_distance.h"
 
 namespace octavo {
@@ -216,7 +216,7 @@ std::vector<MeshPoint> gradient_normals(const TriangleMesh& mesh, const FileRead
     using T = typename decltype(tag)::type;
     tbb::enumerable_thread_specific<NormalSamples<T>> spaces;
     tbb::parallel_for(std::size_t{0}, points.block_count(), [&](std::size_t i) {
-      if (progress.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
+      stop_if_cancelled(progress);
       NormalSamples<T>& samples = spaces.local();
       samples.read(reader, level, points.box_around(i));
       for (const std::uint32_t point : points.block(i)) {

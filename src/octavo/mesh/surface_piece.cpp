@@ -17,6 +17,7 @@
 #include "octavo/core/error.h"
 #include "octavo/core/memory_limit.h"
 #include "octavo/mesh/block_maker.h"
+#include "octavo/mesh/cancellation.h"
 #include "octavo/mesh/piece_sets.h"
 #include "octavo/mesh/point_distance.h"
 
@@ -93,7 +94,7 @@ class PieceTracker {
     std::vector<std::unique_ptr<SurfaceBlock>> made(places.size());
     const auto for_each = [&](auto work) {
       tbb::parallel_for(std::size_t{0}, places.size(), [&](std::size_t i) {
-        if (progress_.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
+        stop_if_cancelled(progress_);
         work(i);
       });
     };

@@ -10,7 +10,7 @@
 #include <numeric>
 #include <utility>
 
-#include "octavo/core/error.h"
+#include "octavo/mesh/cancellation.h"
 #include "octavo/mesh/point_distance.h"
 #include "octavo/mesh/triangle_crossing.h"
 #include "octavo/octree/o_code.h"
@@ -162,13 +162,6 @@ std::vector<std::uint32_t> crossing_triangles(const TriangleTree& tree,
   std::sort(all.begin(), all.end());
   all.erase(std::unique(all.begin(), all.end()), all.end());
   return all;
-}
-
-void stop_now_and_then(std::size_t number, const Progress& progress) {
-  constexpr std::size_t kQuestions = 256;  // one for so many
-  if (number % kQuestions == 0 && progress.is_cancelled()) {
-    throw Error(ErrorKind::cancelled, "stopped");
-  }
 }
 
 }  // namespace octavo

@@ -109,7 +109,4 @@ std::vector<std::uint32_t> crossing_triangles(const TriangleTree& tree,
                                               std::span<const std::uint32_t> triangles,
                                               const Progress& progress);
 
-/// Asks now and then of many triangles: throws Error{cancelled} when the user asked to stop.
-void stop_now_and_then(std::size_t number, const Progress& progress);
-
 }  // namespace octavo

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "octavo/core/json_text.h"
+#include "octavo/mesh/cancellation.h"
 #include "octavo/mesh/formats/glb_buffers.h"
 #include "octavo/mesh/formats/mesh_bytes.h"
 #include "octavo/mesh/formats/mesh_formats.h"

@@ -6,14 +6,11 @@
 #include <utility>
 
 #include "octavo/core/error.h"
+#include "octavo/mesh/cancellation.h"
 
 namespace octavo {
 
 static_assert(std::endian::native == std::endian::little, "numbers are written as they are");
-
-void stop_if_cancelled(const Progress& watcher) {
-  if (watcher.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
-}
 
 MeshBytes::MeshBytes(PendingFile& file, const Progress& watcher)
     : MeshBytes([&file](ByteSpan bytes) { file.append(bytes); }, watcher) {}

@@ -78,9 +78,6 @@ std::string part_name(const MeshPart& part);
 /// Whether every triangle lies in a part that has a label.
 bool has_part_labels(const MeshDescription& mesh);
 
-/// Throws  Error{cancelled} once the one who watches asked to stop
-void stop_if_cancelled(const Progress& watcher);
-
 /// Throws  Error{limit_exceeded} that names the file where `count` is above `most`
 void require_countable(std::uint64_t count, std::uint64_t most, const char* what,
                        const PendingFile& file);

@@ -7,7 +7,7 @@
 
 #include "octavo/core/error.h"
 #include "octavo/core/vectors.h"
-#include "octavo/mesh/formats/mesh_bytes.h"
+#include "octavo/mesh/cancellation.h"
 
 namespace octavo {
 

@@ -9,7 +9,7 @@
 #include <string>
 
 #include "octavo/core/error.h"
-#include "octavo/mesh/formats/mesh_bytes.h"
+#include "octavo/mesh/cancellation.h"
 
 namespace octavo {
 

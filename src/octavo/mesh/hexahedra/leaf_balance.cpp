@@ -11,7 +11,7 @@
 #include <unordered_set>
 #include <utility>
 
-#include "octavo/mesh/formats/mesh_bytes.h"
+#include "octavo/mesh/cancellation.h"
 
 namespace octavo {
 
