@@ -13,13 +13,12 @@
 #include <vector>
 
 #include "octavo/core/error.h"
+#include "octavo/mesh/cancellation.h"
 #include "octavo/mesh/certificate.h"
 #include "octavo/mesh/collapse.h"
-#include "octavo/mesh/enclosed_volumes.h"
+#include "octavo/mesh/decimation_frame.h"
 #include "octavo/mesh/mesh_parts.h"
-#include "octavo/mesh/mesh_pieces.h"
 #include "octavo/mesh/part_space.h"
-#include "octavo/mesh/point_distance.h"
 #include "octavo/mesh/point_triangles.h"
 #include "octavo/mesh/triangle_tree.h"
 
@@ -31,7 +30,6 @@ constexpr std::uint32_t kNone = TriangleTree::kNone;
 constexpr double kToleranceShare = 0.5;      // of the deviation, for attached points
 constexpr double kTightened = 0.4;           // of the tolerance where a proof failed
 constexpr int kLockingRound = 2;             // from which points are locked instead
-constexpr double kRoundingMargin = 1e-5;     // voxels, taken off the deviation that is proven
 
 /// The surface as it is while it gets fewer triangles. Points keep their numbers.
 struct ReducedSurface {
@@ -75,21 +73,12 @@ class Decimation {
         geometry_(options.geometry),
         part_side_(options.part_side),
         progress_(progress),
-        origin_(place_of_point(full.points.front())),
+        frame_(full, options),
         tolerances_(full.points.size(), 1),
         is_frozen_(full.points.size()),
-        fans_(full),
-        pieces_(mesh_pieces(full)),
-        locked_(options.locked),
-        is_held_(pieces_.count) {
-    const auto& [x, y, z] = geometry_.spacing_mm;
-    deviation_ = options.max_deviation_mm - kRoundingMargin * std::min({x, y, z});
+        fans_(full) {
     tolerance_ = kToleranceShare * options.max_deviation_mm;
-    volumes_ = piece_volumes(full);
-    for (const std::uint32_t point : locked_) {
-      is_frozen_[point] = true;
-      if (pieces_.of_point[point] != MeshPieces::kNone) is_held_[pieces_.of_point[point]] = true;
-    }
+    for (const std::uint32_t point : options.locked) is_frozen_[point] = true;
   }
 
   Decimated run() {
@@ -100,22 +89,13 @@ class Decimation {
                                 4, "steps");
       reduce_first();
       if (tighten(reduce_second(), full_tree, round)) continue;
-      if (!is_proven_) {
-        return {full_, round + 1, crossing_triangles(full_tree, progress_).size(),
-                {locked_.begin(), locked_.end()}};
-      }
-      return compacted(proven_->surface.mesh, round + 1);
+      if (!is_proven_) return frame_.undecimated(round + 1, full_tree, progress_);
+      return frame_.compacted(proven_->surface.mesh, round + 1, crossing_count_);
     }
   }
 
  private:
-  Point3 place(const MeshPoint& point) const {
-    return difference(place_of_point(point), origin_);
-  }
-
-  void stop_if_cancelled() const {
-    if (progress_.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
-  }
+  Point3 place(const MeshPoint& point) const { return frame_.place(point); }
 
   /// Calls visit(corner, normal, place, weight) with the plane of a triangle of the full surface
   /// for each of its corners, where it has an area.
@@ -163,30 +143,9 @@ class Decimation {
     }
   }
 
-  /// What each piece of the full surface encloses; negative around a hollow.
-  std::vector<double> piece_volumes(const TriangleMesh& mesh) const {
-    return volumes_of_groups(mesh, pieces_.count, [&](std::size_t i) {
-      return pieces_.of_point[mesh.triangles[i][0]];
-    });
-  }
-
-  /// The triangles of pieces that are turned inside out: a large deviation lets a piece pass
-  /// through itself as a whole, without any triangle that crosses another.
-  std::vector<std::uint32_t> turned_triangles(const TriangleMesh& mesh) const {
-    const std::vector<double> volumes = piece_volumes(mesh);
-    std::vector<std::uint32_t> turned;
-    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-      const std::uint32_t piece = pieces_.of_point[mesh.triangles[i][0]];
-      if (!is_held_[piece] && (volumes[piece] > 0) != (volumes_[piece] > 0)) {
-        turned.push_back(static_cast<std::uint32_t>(i));
-      }
-    }
-    return turned;
-  }
-
   /// The first pass, over the parts whose tolerances have changed.
   void reduce_first() {
-    stop_if_cancelled();
+    stop_if_cancelled(progress_);
     if (first_parts_.ends.empty()) prepare_first();
     for (std::size_t i = 0; i < is_stale_.size(); ++i) {
       if (is_stale_[i] != 0) touch(i);
@@ -200,7 +159,7 @@ class Decimation {
       space.part.run(tolerance_, progress_);
       store(first_parts_, space, first_, first_reduced_[i]);
     });
-    stop_if_cancelled();
+    stop_if_cancelled(progress_);
     join(first_reduced_, first_);
     progress_.advance(1);
   }
@@ -241,7 +200,7 @@ class Decimation {
   /// The second pass, its cubes shifted by half their side, over the parts that are others than in
   /// the round before.
   ReducedSurface reduce_second() {
-    stop_if_cancelled();
+    stop_if_cancelled(progress_);
     PartTriangles parts = cut_in_parts(first_.mesh, geometry_, part_side_, 0.5);
     const AttachedPoints attached = attached_points(first_.nearest, first_.mesh.triangles.size());
     std::vector<ReducedPart> reduced(parts.ends.size());
@@ -257,7 +216,7 @@ class Decimation {
       store(parts, space, surface, reduced[i]);
       reduced[i].full_count = parts.of(i).size();
     });
-    stop_if_cancelled();
+    stop_if_cancelled(progress_);
     join(reduced, surface);
     second_reduced_ = std::move(reduced);
     second_places_ = std::move(parts.places);
@@ -340,9 +299,7 @@ class Decimation {
     for (std::size_t i = 0; i < part.vertices.size(); ++i) {
       const std::uint32_t point = space.points[i];
       if (parts.is_seam[point] != 0) continue;
-      const Point3 world = sum(part.vertices[i].place, origin_);
-      to.mesh.points[point] = {static_cast<float>(world[0]), static_cast<float>(world[1]),
-                               static_cast<float>(world[2])};
+      to.mesh.points[point] = frame_.point_at(part.vertices[i].place);
       if (to.quadrics.empty() || is_frozen_[point]) continue;
       to.quadrics[point] = part.vertices[i].quadric;
     }
@@ -394,8 +351,8 @@ class Decimation {
     SearchedProofs searched = still_searched(earlier);
     for (const std::uint32_t triangle : searched.proven) is_full_proven_[triangle] = 1;
     const std::size_t known_count = searched.proven.size();
-    failures.full = unproven_triangles(full_, tree, deviation_, progress_, reduced.nearest,
-                                       is_full_proven_, &searched);
+    failures.full = unproven_triangles(full_, tree, frame_.deviation(), progress_,
+                                       reduced.nearest, is_full_proven_, &searched);
     for (std::size_t i = 0; i < known_count; ++i) is_full_proven_[searched.proven[i]] = 0;
     searched_ = std::move(searched);
     progress_.advance(1);
@@ -410,8 +367,8 @@ class Decimation {
     }
     PointTriangles fans(mesh);
     const AttachedPoints attached = attached_points(reduced.nearest, mesh.triangles.size());
-    failures.far = unproven_triangles(mesh, far, full_tree, deviation_, {attached, fans, fans_},
-                                      progress_);
+    failures.far = unproven_triangles(mesh, far, full_tree, frame_.deviation(),
+                                      {attached, fans, fans_}, progress_);
     failures.crossing = crossing_triangles(tree, crossing, progress_);
     progress_.advance(1);
 
@@ -471,12 +428,12 @@ class Decimation {
   /// Makes tolerances smaller where the reduced surface is not proven; false where all of it is, or
   /// where nothing is left that could be made smaller.
   bool tighten(ReducedSurface surface, const TriangleTree& full_tree, int round) {
-    stop_if_cancelled();
+    stop_if_cancelled(progress_);
     Failures failures = prove(std::move(surface), full_tree);
     const ReducedSurface& reduced = proven_->surface;
     const std::vector<std::uint32_t>& full_failed = failures.full;
     crossing_count_ = failures.crossing.size();
-    const std::vector<std::uint32_t> turned = turned_triangles(reduced.mesh);
+    const std::vector<std::uint32_t> turned = frame_.turned_triangles(reduced.mesh);
     is_proven_ = full_failed.empty() && failures.far.empty() && turned.empty();
     std::vector<std::uint32_t> failed = std::move(failures.far);
     failed.insert(failed.end(), failures.crossing.begin(), failures.crossing.end());
@@ -510,32 +467,11 @@ class Decimation {
     return is_changed;
   }
 
-  /// Without the points that no triangle has.
-  Decimated compacted(const TriangleMesh& mesh, int rounds) const {
-    std::vector<std::uint32_t> numbers(mesh.points.size(), kNone);
-    Decimated result{{}, rounds, crossing_count_, {}};
-    const auto number_of = [&](std::uint32_t point) {
-      std::uint32_t& number = numbers[point];
-      if (number == kNone) {
-        number = static_cast<std::uint32_t>(result.mesh.points.size());
-        result.mesh.points.push_back(mesh.points[point]);
-      }
-      return number;
-    };
-    result.mesh.triangles.reserve(mesh.triangles.size());
-    for (const MeshTriangle& t : mesh.triangles) {
-      result.mesh.triangles.push_back({number_of(t[0]), number_of(t[1]), number_of(t[2])});
-    }
-    for (const std::uint32_t point : locked_) result.locked.push_back(number_of(point));
-    return result;
-  }
-
   const TriangleMesh& full_;
   const Geometry& geometry_;
   double part_side_ = 0;  // voxels
   Progress& progress_;
-  Point3 origin_;         // near which places are computed
-  double deviation_ = 0;  // that is proven
+  DecimationFrame frame_;
   double tolerance_ = 0;
   std::uint64_t crossing_count_ = 0;
   bool is_proven_ = false;  // all but that no triangles cross
@@ -555,23 +491,13 @@ class Decimation {
   std::vector<float> tolerances_;  // of points of the full surface, as shares
   std::vector<bool> is_frozen_;    // points that stay as they are
   PointTriangles fans_;            // of the full surface
-  MeshPieces pieces_;              // of the full surface
-  std::vector<double> volumes_;    // that they enclose
-  std::span<const std::uint32_t> locked_;
-  std::vector<bool> is_held_;      // pieces with locked points
 };
 
 }  // namespace
 
 Decimated decimate(const TriangleMesh& full, const DecimationOptions& options,
                    Progress& progress) {
-  const std::vector<std::uint32_t> locked(options.locked.begin(), options.locked.end());
-  if (full.triangles.empty()) return {full, 0, 0, locked};
-  require_numbered(full.triangles.size());
-  const auto& [x, y, z] = options.geometry.spacing_mm;
-  if (options.max_deviation_mm <= 2 * kRoundingMargin * std::min({x, y, z})) {
-    return {full, 0, crossing_triangles(TriangleTree(full), progress).size(), locked};
-  }
+  if (auto full_surface = undecimated(full, options, progress)) return *std::move(full_surface);
   return Decimation(full, options, progress).run();
 }
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <utility>
 
-#include "octavo/mesh/decimation.h"
+#include "octavo/mesh/decimation_frame.h"
 #include "octavo/mesh/measured_deviation.h"
 #include "octavo/mesh/mesh_pieces.h"
 #include "octavo/mesh/triangle_tree.h"
@@ -16,11 +16,6 @@ namespace {
 
 constexpr double kFirstShare = 0.5;      // of the shortest side of a voxel
 constexpr double kMeasuringMargin = 1e-5;  // of it
-
-double shortest_side(const Geometry& geometry) {
-  const auto& [x, y, z] = geometry.spacing_mm;
-  return std::min({x, y, z});
-}
 
 double diagonal_of(const TriangleMesh& mesh) {
   SpaceBox box;

@@ -12,10 +12,10 @@
 #include <utility>
 #include <vector>
 
-#include "octavo/core/error.h"
 #include "octavo/core/vectors.h"
+#include "octavo/mesh/cancellation.h"
 #include "octavo/mesh/certificate.h"
-#include "octavo/mesh/mesh_pieces.h"
+#include "octavo/mesh/decimation_frame.h"
 #include "octavo/mesh/octree_decimation/cell_merging.h"
 #include "octavo/mesh/point_distance.h"
 #include "octavo/mesh/point_triangles.h"
@@ -28,53 +28,38 @@ namespace {
 
 constexpr double kCellToleranceShare = 0.8;  // of the deviation, for attached points
 constexpr int kCellLockingRound = 2;         // from which nothing in a failing cell merges
-constexpr double kCellMargin = 1e-5;         // voxels, taken off the deviation that is proven
 
 class CellDecimation {
  public:
   CellDecimation(const TriangleMesh& full, const DecimationOptions& options, Progress& progress)
       : full_(full),
-        locked_(options.locked.begin(), options.locked.end()),
         progress_(progress),
-        origin_(place_of_point(full.points.front())),
+        frame_(full, options),
         fans_(full),
-        tree_(full),
-        pieces_(mesh_pieces(full)),
-        is_held_(pieces_.count) {
-    const auto& [x, y, z] = options.geometry.spacing_mm;
-    deviation_ = options.max_deviation_mm - kCellMargin * std::min({x, y, z});
+        tree_(full) {
     set_rules(options);
     set_surface();
-    volumes_ = piece_volumes(full);
   }
 
   Decimated run() {
     for (int round = 0;; ++round) {
       const ProgressScope scope(progress_, "fewer triangles, round " + std::to_string(round + 1),
                                 2, "steps");
-      stop_if_cancelled();
+      stop_if_cancelled(progress_);
       CellSurface merged = start_;
       merge_cells(merged, rules_);
       progress_.advance(1);
       take(merged);
       const bool is_proven = prove();
       progress_.advance(1);
-      if (failing_.empty()) return compacted(round + 1);
+      if (failing_.empty()) return frame_.compacted(mesh_, round + 1, crossing_count_);
       if (keep_cells(merged, round)) continue;
-      if (is_proven) return compacted(round + 1);
-      return {full_, round + 1, crossing_triangles(tree_, progress_).size(), locked_};
+      if (is_proven) return frame_.compacted(mesh_, round + 1, crossing_count_);
+      return frame_.undecimated(round + 1, tree_, progress_);
     }
   }
 
  private:
-  Point3 place(const MeshPoint& point) const {
-    return difference(place_of_point(point), origin_);
-  }
-
-  void stop_if_cancelled() const {
-    if (progress_.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
-  }
-
   void set_rules(const DecimationOptions& options) {
     const std::size_t count = full_.points.size();
     rules_.tolerance = kCellToleranceShare * options.max_deviation_mm;
@@ -82,7 +67,7 @@ class CellDecimation {
     rules_.codes.resize(count);
     rules_.is_locked.resize(count);
     tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
-      rules_.full_places[i] = place(full_.points[i]);
+      rules_.full_places[i] = frame_.place(full_.points[i]);
       const Point3 index = options.geometry.to_index(place_of_point(full_.points[i]));
       const auto cell = [&](std::size_t axis) {
         // Surfaces begin a voxel before the first one.
@@ -90,10 +75,7 @@ class CellDecimation {
       };
       rules_.codes[i] = interleave({cell(0), cell(1), cell(2)});
     });
-    for (const std::uint32_t point : locked_) {
-      rules_.is_locked[point] = 1;
-      if (pieces_.of_point[point] != MeshPieces::kNone) is_held_[pieces_.of_point[point]] = true;
-    }
+    for (const std::uint32_t point : options.locked) rules_.is_locked[point] = 1;
   }
 
   void set_surface() {
@@ -145,16 +127,6 @@ class CellDecimation {
     });
   }
 
-  /// What each piece of the full surface encloses, times six; negative around a hollow.
-  std::vector<double> piece_volumes(const TriangleMesh& mesh) const {
-    std::vector<double> volumes(pieces_.count);
-    for (const MeshTriangle& t : mesh.triangles) {
-      volumes[pieces_.of_point[t[0]]] +=
-          dot(place(mesh.points[t[0]]), cross(place(mesh.points[t[1]]), place(mesh.points[t[2]])));
-    }
-    return volumes;
-  }
-
   /// The merged surface as a mesh whose points have the numbers of full ones.
   void take(const CellSurface& merged) {
     mesh_.points = full_.points;
@@ -164,10 +136,7 @@ class CellDecimation {
     nearest_.assign(full_.points.size(), CellSurface::kNone);
     for (std::size_t point = 0; point < merged.places.size(); ++point) {
       if (merged.levels[point] < 0 || merged.owners[point] != point) continue;
-      const Point3 placed = sum(merged.places[point], origin_);
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        mesh_.points[point][axis] = static_cast<float>(placed[axis]);
-      }
+      mesh_.points[point] = frame_.point_at(merged.places[point]);
     }
     for (std::size_t i = 0; i < merged.triangles.size(); ++i) {
       if (merged.is_left[i] == 0) continue;
@@ -191,7 +160,7 @@ class CellDecimation {
 
     // What of the full surface is near
     const std::vector<std::uint32_t> full_far =
-        unproven_triangles(full_, tree, deviation_, progress_, nearest_);
+        unproven_triangles(full_, tree, frame_.deviation(), progress_, nearest_);
     for (const std::uint32_t triangle : full_far) {
       for (const std::uint32_t point : full_.triangles[triangle]) {
         fail(mesh_.triangles[nearest_[point]]);
@@ -203,20 +172,14 @@ class CellDecimation {
     std::iota(all.begin(), all.end(), 0u);
     const PointTriangles fans(mesh_);
     const std::vector<std::uint32_t> far = unproven_triangles(
-        mesh_, all, tree_, deviation_, {attached_, fans, fans_}, progress_);
+        mesh_, all, tree_, frame_.deviation(), {attached_, fans, fans_}, progress_);
     for (const std::uint32_t triangle : far) fail(mesh_.triangles[triangle]);
-    const std::vector<double> volumes = piece_volumes(mesh_);
-    bool is_turned = false;
-    for (const MeshTriangle& t : mesh_.triangles) {
-      const std::uint32_t piece = pieces_.of_point[t[0]];
-      if (is_held_[piece] || (volumes[piece] > 0) == (volumes_[piece] > 0)) continue;
-      is_turned = true;
-      fail(t);
-    }
+    const std::vector<std::uint32_t> turned = frame_.turned_triangles(mesh_);
+    for (const std::uint32_t triangle : turned) fail(mesh_.triangles[triangle]);
     const std::vector<std::uint32_t> crossing = crossing_triangles(tree, progress_);
     crossing_count_ = crossing.size();
     for (const std::uint32_t triangle : crossing) fail(mesh_.triangles[triangle]);
-    return full_far.empty() && far.empty() && !is_turned;
+    return full_far.empty() && far.empty() && turned.empty();
   }
 
   /// Keeps the next round from merging the cells of failing points; false where none was merged.
@@ -240,35 +203,11 @@ class CellDecimation {
     return is_changed;
   }
 
-  /// Without the points that no triangle has.
-  Decimated compacted(int rounds) const {
-    std::vector<std::uint32_t> numbers(mesh_.points.size(), CellSurface::kNone);
-    Decimated result{{}, rounds, crossing_count_, {}};
-    const auto number_of = [&](std::uint32_t point) {
-      std::uint32_t& number = numbers[point];
-      if (number == CellSurface::kNone) {
-        number = static_cast<std::uint32_t>(result.mesh.points.size());
-        result.mesh.points.push_back(mesh_.points[point]);
-      }
-      return number;
-    };
-    for (const MeshTriangle& t : mesh_.triangles) {
-      result.mesh.triangles.push_back({number_of(t[0]), number_of(t[1]), number_of(t[2])});
-    }
-    for (const std::uint32_t point : locked_) result.locked.push_back(number_of(point));
-    return result;
-  }
-
   const TriangleMesh& full_;
-  std::vector<std::uint32_t> locked_;
   Progress& progress_;
-  Point3 origin_;         // near which places are computed
-  PointTriangles fans_;   // of the full surface
-  TriangleTree tree_;     // of the full surface
-  MeshPieces pieces_;     // of the full surface
-  std::vector<bool> is_held_;      // pieces with locked points
-  std::vector<double> volumes_;    // of pieces
-  double deviation_ = 0;           // that is proven
+  DecimationFrame frame_;
+  PointTriangles fans_;            // of the full surface
+  TriangleTree tree_;              // of the full surface
   CellRules rules_;
   CellSurface start_;
   TriangleMesh mesh_;              // of the round, as all below
@@ -282,13 +221,7 @@ class CellDecimation {
 
 Decimated decimate_by_cells(const TriangleMesh& full, const DecimationOptions& options,
                             Progress& progress) {
-  const std::vector<std::uint32_t> locked(options.locked.begin(), options.locked.end());
-  if (full.triangles.empty()) return {full, 0, 0, locked};
-  require_numbered(full.triangles.size());
-  const auto& [x, y, z] = options.geometry.spacing_mm;
-  if (options.max_deviation_mm <= 2 * kCellMargin * std::min({x, y, z})) {
-    return {full, 0, crossing_triangles(TriangleTree(full), progress).size(), locked};
-  }
+  if (auto full_surface = undecimated(full, options, progress)) return *std::move(full_surface);
   return CellDecimation(full, options, progress).run();
 }
 
