@@ -1,5 +1,7 @@
 #include "bench/common/measure.h"
 
+#include <ctime>
+
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -29,6 +31,12 @@ std::string proc_value(const char* path, const std::string& key) {
 double now_seconds() {
   using clock = std::chrono::steady_clock;
   return std::chrono::duration<double>(clock::now().time_since_epoch()).count();
+}
+
+double cpu_seconds() {
+  timespec now{};
+  ::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
 double seconds_of(const std::function<void()>& work) {

@@ -11,6 +11,9 @@ namespace octavo::bench {
 /// Seconds on the monotonic clock.
 double now_seconds();
 
+/// Seconds of processors that this process has taken.
+double cpu_seconds();
+
 /// Seconds that `work` takes.
 double seconds_of(const std::function<void()>& work);
 

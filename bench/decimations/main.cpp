@@ -3,42 +3,29 @@
 //
 // usage: bench_decimations [--rounds N] [--threads N] VOLUME ISOVALUE
 //
-// VOLUME    "NAME PATH nx,ny,nz,type grey sx,sy,sz", a headerless file
-// ISOVALUE  stored values at or above it lie inside
+// VOLUME and ISOVALUE as common/surface_input.h says.
 //
 // Half the shortest side of a voxel is allowed. Prints a line for each method and round: method,
 // CPU seconds of the process, triangles, percent of all, deviation in mm as proven for all of them
 // alike, edges and points that are no manifold, triangles that cross, pieces. The result of a
 // round is checked behind its timing.
 
-#include <ctime>
-
 #include <meshoptimizer.h>
-#include <tbb/global_control.h>
 
 #include <algorithm>
 #include <cstdio>
 #include <functional>
-#include <string>
 #include <vector>
 
-#include "bench/common/raw_volume.h"
-#include "bench/common/settings.h"
-#include "octavo/core/error.h"
+#include "bench/common/measure.h"
+#include "bench/common/surface_input.h"
 #include "octavo/mesh/measured_deviation.h"
-#include "octavo/mesh/memory_surface.h"
 #include "octavo/mesh/mesh_check.h"
 #include "octavo/mesh/octree_decimation/octree_decimation.h"
 #include "octavo/mesh/triangle_tree.h"
 
 namespace octavo::bench {
 namespace {
-
-double cpu_seconds() {
-  timespec now{};
-  ::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 
 TriangleMesh simplified(const TriangleMesh& full, double deviation_mm) {
   const float* places = full.points.front().data();
@@ -74,25 +61,14 @@ void print_round(const char* method, double seconds, const TriangleMesh& full,
 }
 
 void run_decimations(int count, char** words) {
-  Settings settings;
-  const std::vector<std::string> rest = take_settings(count, words, settings);
-  if (rest.size() != 2) {
-    throw Error(ErrorKind::invalid_argument,
-                "usage: bench_decimations [--rounds N] [--threads N] VOLUME ISOVALUE");
-  }
-  const RawVolume raw = load_raw_volume(rest[0]);
-  Geometry geometry;
-  geometry.spacing_mm = raw.spacing_mm;
-  const tbb::global_control threads(tbb::global_control::max_allowed_parallelism,
-                                    static_cast<std::size_t>(settings.threads));
+  const SurfaceInput input("bench_decimations", count, words);
+  const Geometry geometry = input.geometry();
+  const TriangleMesh full = input.surface();
   NoProgress silent;
-  const TriangleMesh full =
-      surface_of({raw.voxels.data(), raw.type, raw.size, geometry},
-                 SurfaceField::of_grey(std::stod(rest[1]), false, raw.type), silent);
   const auto& [x, y, z] = geometry.spacing_mm;
   const double deviation = 0.5 * std::min({x, y, z});
   constexpr double kFar = 100;  // mm, beyond what any method does
-  for (int round = 0; round < settings.rounds; ++round) {
+  for (int round = 0; round < input.rounds(); ++round) {
     const auto timed = [&](const char* method, double largest,
                            const std::function<TriangleMesh()>& make) {
       const double began = cpu_seconds();

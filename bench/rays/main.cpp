@@ -11,8 +11,6 @@
 // picture: CPU seconds of the process, samples, bricks in memory. The first one has all that a new
 // volume needs in it. Bits of vectors and of plain C++ are compared before.
 
-#include <ctime>
-
 #include <tbb/global_control.h>
 
 #include <algorithm>
@@ -22,6 +20,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/common/measure.h"
 #include "bench/common/raw_volume.h"
 #include "bench/common/settings.h"
 #include "octavo/core/error.h"
@@ -34,12 +33,6 @@ namespace octavo::bench {
 namespace {
 
 constexpr std::int64_t kPixels = 1024;
-
-double cpu_seconds() {
-  timespec now{};
-  ::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 
 std::vector<double> numbers_of(const std::string& text) {
   std::vector<double> numbers;
