@@ -4,18 +4,10 @@
 #include <cmath>
 #include <cstddef>
 #include <cstring>
-#include <limits>
 
 namespace octavo {
 
 namespace {
-
-constexpr SampleRange kNoSamples = {std::numeric_limits<double>::infinity(),
-                                    -std::numeric_limits<double>::infinity()};
-
-SampleRange joined_range(const SampleRange& a, const SampleRange& b) {
-  return {std::min(a.lowest, b.lowest), std::max(a.highest, b.highest)};
-}
 
 template <class T>
 SampleRange range_in(const T* samples, const Size3& size, const Box& box) {
@@ -35,33 +27,16 @@ SampleRange range_in(const T* samples, const Size3& size, const Box& box) {
 }  // namespace
 
 DenseSamples::DenseSamples(const void* samples, VoxelType type, const Size3& size, int brick_side)
-    : samples_(samples),
-      type_(type),
-      size_(size),
-      side_{brick_side, brick_side, brick_side},
-      range_(kNoSamples) {
-  for (int axis = 0; axis < 3; ++axis) grid_[axis] = (size[axis] + brick_side - 1) / brick_side;
-  visit_cells(box_of(size), side_, [&](const Index3& brick) {
+    : samples_(samples), type_(type), size_(size) {
+  bricks_ = BrickRanges(size, {brick_side, brick_side, brick_side}, [&](const Index3& brick) {
     const Index3 lo{brick.x * brick_side, brick.y * brick_side, brick.z * brick_side};
     const Box box = intersection(
         box_of(size), {lo, {lo.x + brick_side, lo.y + brick_side, lo.z + brick_side}});
-    bricks_.push_back(with_voxel_type(type, [&](auto id) {
+    return with_voxel_type(type, [&](auto id) {
       return range_in(static_cast<const typename decltype(id)::type*>(samples), size, box);
-    }));
-    range_ = joined_range(range_, bricks_.back());
-    return true;
+    });
   });
-  if (range_.lowest > range_.highest) range_ = {0, 0};
-}
-
-SampleRange DenseSamples::range(const Box& box) const {
-  SampleRange range = kNoSamples;
-  visit_cells(box, side_, [&](const Index3& brick) {
-    const std::int64_t number = (brick.z * grid_.y + brick.y) * grid_.x + brick.x;
-    range = joined_range(range, bricks_[static_cast<std::size_t>(number)]);
-    return true;
-  });
-  return range.lowest > range.highest ? range_ : range;
+  range_ = bricks_.within(box_of(size), {0, 0});
 }
 
 void DenseSamples::read(const Box& box, void* out) const {

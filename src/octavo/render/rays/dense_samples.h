@@ -1,8 +1,7 @@
 // Samples of a grid in memory, for rays.
 #pragma once
 
-#include <vector>
-
+#include "octavo/render/rays/brick_ranges.h"
 #include "octavo/render/rays/sample_source.h"
 
 namespace octavo {
@@ -16,17 +15,15 @@ class DenseSamples final : public SampleSource {
   Size3 size() const override { return size_; }
   VoxelType type() const override { return type_; }
   SampleRange range() const override { return range_; }
-  SampleRange range(const Box& box) const override;
+  SampleRange range(const Box& box) const override { return bricks_.within(box, range_); }
   void read(const Box& box, void* out) const override;
 
  private:
   const void* samples_;
   VoxelType type_;
   Size3 size_;
-  Size3 side_;
-  Size3 grid_;
   SampleRange range_;
-  std::vector<SampleRange> bricks_;
+  BrickRanges bricks_;
 };
 
 }  // namespace octavo

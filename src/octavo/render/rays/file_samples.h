@@ -2,9 +2,9 @@
 #pragma once
 
 #include <memory>
-#include <vector>
 
 #include "octavo/file/reader.h"
+#include "octavo/render/rays/brick_ranges.h"
 #include "octavo/render/rays/sample_source.h"
 
 namespace octavo {
@@ -19,7 +19,7 @@ class FileSamples final : public SampleSource {
   Size3 size() const override { return size_; }
   VoxelType type() const override { return reader_->description().type; }
   SampleRange range() const override { return range_; }
-  SampleRange range(const Box& box) const override;
+  SampleRange range(const Box& box) const override { return bricks_.within(box, range_); }
   /// Throws what the reader throws
   void read(const Box& box, void* out) const override { reader_->read(box, level_, out); }
 
@@ -29,10 +29,8 @@ class FileSamples final : public SampleSource {
   std::shared_ptr<const FileReader> reader_;
   int level_;
   Size3 size_;
-  Size3 side_;
-  Size3 grid_;
   SampleRange range_;
-  std::vector<SampleRange> bricks_;
+  BrickRanges bricks_;
 };
 
 }  // namespace octavo
