@@ -2,15 +2,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <map>
 #include <random>
-#include <tuple>
 
 #include "octavo/builder/group_reader.h"
-#include "octavo/dist/plan_text.h"
 #include "support/goal_cases.h"
 #include "support/part_volumes.h"
-#include "support/placed_parts.h"
+#include "support/parted_volume.h"
 
 namespace octavo::testing {
 namespace {
@@ -75,62 +72,14 @@ Places random_places(const BuildPlan& plan, std::mt19937& random) {
   return places;
 }
 
-using PlaceKey = std::tuple<BrickAt, std::int64_t, std::int64_t>;
-
-PlaceKey key_of(const PartPlace& place) {
-  return {begin_of(place), place.end_group, place.end_brick};
-}
-
-class Shared {
- public:
-  explicit Shared(SmallVolume volume)
-      : volume_(std::move(volume)),
-        plan_(parse_plan(plan_text(planned(volume_)))),
-        whole_(built(volume_)) {}
-
-  const BuildPlan& plan() const { return plan_; }
-
-  /// Returns how many bands the file was made of.
-  std::size_t expect_same(const Places& places, std::mt19937& random) {
-    MemoryStorage storage;
-    for (const PartPlace& place : places) storage.files[name_of(place)] = part(place, random);
-    joined_places(plan_, storage, places);
-    EXPECT_TRUE(*storage.files.at("a.8vo") == whole_)
-        << volume_.name << " in " << places.size() << " parts";
-    EXPECT_EQ(storage.files.size(), places.size() + 1);
-    return static_cast<std::size_t>(std::ranges::count_if(places, &PartPlace::is_band));
-  }
-
- private:
-  /// Made once, sometimes again; the bricks of a band in one run or in several.
-  FileBytes part(const PartPlace& place, std::mt19937& random) {
-    const auto known = parts_.find(key_of(place));
-    if (known != parts_.end() && random() % 16 != 0) return known->second;
-    MemoryStorage storage;
-    PartWork work;
-    work.threads = 1 + static_cast<int>(random() % 3);
-    if (random() % 2 == 0) work.band_bytes = 1 + random() % (std::uint64_t{1} << 21);
-    make_placed(volume_, plan_, place, storage, work);
-    const FileBytes bytes = storage.files.at(name_of(place));
-    if (known != parts_.end()) {
-      EXPECT_TRUE(*bytes == *known->second) << volume_.name;
-    }
-    parts_[key_of(place)] = bytes;
-    return bytes;
-  }
-
-  SmallVolume volume_;
-  BuildPlan plan_;
-  std::vector<std::uint8_t> whole_;
-  std::map<PlaceKey, FileBytes> parts_;
-};
+constexpr std::uint64_t kMostBandBytes = std::uint64_t{1} << 21;
 
 TEST(SharedGroups, AnyBandsInAnyOrderMakeTheFileOfABuild) {
   const SmallGroups groups(1);  // one layer each
-  std::vector<Shared> volumes;
+  std::vector<PartedVolume> volumes;
   for (SmallVolume& volume : wide_volumes()) {
     const std::string name = volume.name;
-    volumes.emplace_back(std::move(volume));
+    volumes.emplace_back(std::move(volume), kMostBandBytes);
     EXPECT_GE(volumes.back().plan().group_count, 2) << name;
     EXPECT_GE(layer_bricks_of(volumes.back().plan()), 9) << name;
   }
@@ -139,8 +88,10 @@ TEST(SharedGroups, AnyBandsInAnyOrderMakeTheFileOfABuild) {
   std::size_t bands = 0;
   for (std::uint64_t i = 0; cases.next(); ++i) {
     std::mt19937 random(static_cast<std::uint32_t>(i));
-    Shared& volume = volumes[i % volumes.size()];
-    bands += volume.expect_same(random_places(volume.plan(), random), random);
+    PartedVolume& volume = volumes[i % volumes.size()];
+    const Places places = random_places(volume.plan(), random);
+    volume.expect_same(places, random);
+    bands += static_cast<std::size_t>(std::ranges::count_if(places, &PartPlace::is_band));
     if (HasFailure()) FAIL() << "partition " << i;
   }
   EXPECT_GE(bands, 4 * count);
@@ -149,7 +100,9 @@ TEST(SharedGroups, AnyBandsInAnyOrderMakeTheFileOfABuild) {
 
 TEST(SharedGroups, BordersInsideAndAtIndexPagesMakeTheFileOfABuild) {
   const SmallGroups groups(1);
-  Shared volume(flat(small_volume("1056 bricks a layer", VoxelType::uint8, {2112, 2048, 8})));
+  PartedVolume volume(
+      flat(small_volume("1056 bricks a layer", VoxelType::uint8, {2112, 2048, 8})),
+      kMostBandBytes);
   const std::uint64_t id = volume.plan().id;
   const auto expect_same = [&](const std::vector<std::int64_t>& borders) {
     Places places;

@@ -12,6 +12,7 @@
 #include "octavo/dist/join_steps.h"
 #include "octavo/dist/plan_text.h"
 #include "support/failure_text.h"
+#include "support/laid_out_file.h"
 #include "support/placed_parts.h"
 
 namespace octavo::testing {
@@ -135,22 +136,9 @@ TEST_F(BandParts, ALayoutTellsWhereBytesOfBandsBelongAndHoldsTheRest) {
       lay_out_join(plan_, opened(), storage_, "a.8vo", false, {.threads = 1}, progress);
   EXPECT_EQ(layout_text(parse_layout(layout_text(layout))), layout_text(layout));
   EXPECT_EQ(parts_of(layout).size(), places_.size());
-  const std::vector<std::uint8_t>& hollow = *storage_.files.at(joined_name("a.8vo"));
-  std::vector<std::uint8_t> file(layout.file_bytes);
-  std::uint64_t bytes = 0;
-  for (const Section& own : own_bytes_of(layout)) {
-    std::copy_n(hollow.begin() + static_cast<std::ptrdiff_t>(own.offset), own.length,
-                file.begin() + static_cast<std::ptrdiff_t>(own.offset));
-    bytes += own.length;
-  }
-  for (const CopiedRun& run : layout.runs) {
-    const auto& part = *storage_.files.at(name_of(run.part));
-    std::copy_n(part.begin() + static_cast<std::ptrdiff_t>(run.part_offset), run.length,
-                file.begin() + static_cast<std::ptrdiff_t>(run.file_offset));
-    bytes += run.length;
-  }
-  EXPECT_EQ(bytes, layout.file_bytes);
-  EXPECT_TRUE(file == whole_);
+  const LaidOutFile made = laid_out_file(layout, storage_, "a.8vo", name_of);
+  EXPECT_EQ(made.bytes, layout.file_bytes);
+  EXPECT_TRUE(made.file == whole_);
 }
 
 TEST_F(BandParts, WhateverCallFailsAJoinedFileIsWholeOrNotThere) {

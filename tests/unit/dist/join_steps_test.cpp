@@ -11,6 +11,7 @@
 #include "octavo/core/error.h"
 #include "octavo/file/storage/temporary.h"
 #include "support/failure_text.h"
+#include "support/laid_out_file.h"
 #include "support/small_parts.h"
 #include "support/stopping_progress.h"
 
@@ -149,22 +150,12 @@ TEST_F(JoinSteps, InAnyOrderAndTwiceTheyMakeTheFile) {
 
 TEST_F(JoinSteps, TheFileIsItsOwnBytesAndThoseOfItsRuns) {
   const JoinLayout layout = lay_out(runs_);
-  const std::vector<std::uint8_t>& hollow = *storage_.files.at(joined_name("a.8vo"));
-  std::vector<std::uint8_t> file(layout.file_bytes);
-  std::uint64_t own_bytes = 0;
-  for (const Section& own : own_bytes_of(layout)) {
-    std::copy_n(hollow.begin() + static_cast<std::ptrdiff_t>(own.offset), own.length,
-                file.begin() + static_cast<std::ptrdiff_t>(own.offset));
-    own_bytes += own.length;
-  }
-  for (const CopiedRun& run : layout.runs) {
-    const auto& part = *storage_.files.at(part_name({run.part.first_group, run.part.end_group}));
-    std::copy_n(part.begin() + static_cast<std::ptrdiff_t>(run.part_offset), run.length,
-                file.begin() + static_cast<std::ptrdiff_t>(run.file_offset));
-    own_bytes += run.length;
-  }
-  EXPECT_EQ(own_bytes, layout.file_bytes);
-  EXPECT_TRUE(file == whole_);
+  const LaidOutFile made =
+      laid_out_file(layout, storage_, "a.8vo", [](const PartPlace& place) {
+        return part_name({place.first_group, place.end_group});
+      });
+  EXPECT_EQ(made.bytes, layout.file_bytes);
+  EXPECT_TRUE(made.file == whole_);
 }
 
 TEST_F(JoinSteps, ALayoutThatWasChangedIsNone) {
