@@ -13,8 +13,15 @@ namespace octavo {
 template <class Number>
 class JoinedSets {
  public:
-  explicit JoinedSets(std::size_t count) : parents_(count) {
-    std::iota(parents_.begin(), parents_.end(), Number{0});
+  explicit JoinedSets(std::size_t count = 0) { grow_to(count); }
+
+  /// As many numbers as that, the new ones each a set of its own; never fewer than before.
+  void grow_to(std::size_t count) {
+    const std::size_t before = parents_.size();
+    if (count <= before) return;
+    parents_.resize(count);
+    std::iota(parents_.begin() + static_cast<std::ptrdiff_t>(before), parents_.end(),
+              static_cast<Number>(before));
   }
 
   /// The member that stands for the set of one.

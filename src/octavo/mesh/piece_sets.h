@@ -11,32 +11,26 @@
 #include <utility>
 #include <vector>
 
+#include "octavo/core/joined_sets.h"
+
 namespace octavo {
 
 class PieceSets {
  public:
   /// Points up to `count`, each a piece of its own.
   void grow_to(std::size_t count) {
-    for (std::size_t i = parents_.size(); i < count; ++i) {
-      parents_.push_back(static_cast<std::uint32_t>(i));
-    }
+    sets_.grow_to(count);
     lists_of_.resize(std::max(lists_of_.size(), count), kNone);
   }
 
-  std::uint32_t first_of(std::uint32_t point) {
-    while (parents_[point] != point) {
-      parents_[point] = parents_[parents_[point]];
-      point = parents_[point];
-    }
-    return point;
-  }
+  std::uint32_t first_of(std::uint32_t point) { return sets_.first_of(point); }
 
   void join(std::uint32_t a, std::uint32_t b) {
     a = first_of(a);
     b = first_of(b);
     if (a == b) return;
+    sets_.join(a, b);
     const auto [first, other] = std::minmax(a, b);
-    parents_[other] = first;
     lists_of_[first] = joined(lists_of_[first], std::exchange(lists_of_[other], kNone));
   }
 
@@ -102,7 +96,7 @@ class PieceSets {
     list.shortest = std::max(kShort, 2 * list.blocks.size());
   }
 
-  std::vector<std::uint32_t> parents_;
+  JoinedSets<std::uint32_t> sets_;
   std::vector<std::uint32_t> lists_of_;  // of the first point of a piece
   std::vector<List> lists_;
   std::vector<std::uint32_t> free_;

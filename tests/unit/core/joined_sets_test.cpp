@@ -21,5 +21,16 @@ TEST(JoinedSets, TheSmallestMemberStandsForASet) {
   EXPECT_EQ(sets.first_of(4), 4u);
 }
 
+TEST(JoinedSets, MoreNumbersAreSetsOfTheirOwnAndFewerChangeNothing) {
+  JoinedSets<std::uint32_t> sets;
+  sets.grow_to(3);
+  sets.join(2, 1);
+  sets.grow_to(6);
+  sets.grow_to(2);
+  sets.join(5, 2);
+  for (const std::uint32_t member : {1u, 2u, 5u}) EXPECT_EQ(sets.first_of(member), 1u);
+  for (const std::uint32_t member : {0u, 3u, 4u}) EXPECT_EQ(sets.first_of(member), member);
+}
+
 }  // namespace
 }  // namespace octavo
