@@ -1,10 +1,8 @@
 #include "octavo/mesh/octree_decimation/octree_decimation.h"
 
 #include <tbb/parallel_for.h>
-#include <tbb/parallel_sort.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <numeric>
