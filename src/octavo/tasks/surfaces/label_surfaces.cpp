@@ -180,8 +180,7 @@ class LabelSurfaceWriter {
   /// Takes triangles away as far as the deviation allows, or as are asked for.
   void reduce() {
     const TriangleMesh& mesh = surfaces_.interfaces.mesh;
-    constexpr std::uint64_t kBytesPerPoint = 600;
-    context_.require_memory(kBytesPerPoint * mesh.points.size(), "the surface");
+    require_reducible(mesh, context_);
     DecimatedInterfaces reduced;
     if (options_.triangles) {
       reduced = reduced_to(triangle_limit(*options_.triangles, mesh.triangles.size()));

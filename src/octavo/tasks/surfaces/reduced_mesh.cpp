@@ -22,18 +22,18 @@ std::optional<PointGrid> grid_within(const TriangleMesh& mesh, double deviation_
   return grid;
 }
 
-void require_room(const TriangleMesh& mesh, const TaskContext& context) {
+}  // namespace
+
+void require_reducible(const TriangleMesh& mesh, const TaskContext& context) {
   require_numbered(mesh.triangles.size());
   constexpr std::uint64_t kBytesPerPoint = 600;
   context.require_memory(kBytesPerPoint * mesh.points.size(), "the surface");
 }
 
-}  // namespace
-
 std::optional<PointGrid> reduce_mesh(DecimationMethod method, TriangleMesh& mesh,
                                      const Geometry& geometry, bool wants_grid,
                                      const TaskContext& context, SurfaceResult& result) {
-  require_room(mesh, context);
+  require_reducible(mesh, context);
   const double deviation = result.max_deviation_mm;
   std::optional<PointGrid> grid;
   if (wants_grid) grid = grid_within(mesh, deviation);
@@ -56,7 +56,7 @@ std::optional<PointGrid> reduce_mesh(DecimationMethod method, TriangleMesh& mesh
 std::optional<PointGrid> reduce_mesh_to(std::uint64_t limit, TriangleMesh& mesh,
                                         const Geometry& geometry, bool wants_grid,
                                         const TaskContext& context, SurfaceResult& result) {
-  require_room(mesh, context);
+  require_reducible(mesh, context);
   const std::uint64_t fewest = fewest_possible(mesh);
   if (limit < fewest) {
     throw Error(ErrorKind::invalid_argument,

@@ -13,6 +13,10 @@
 
 namespace octavo {
 
+/// Proves that the triangles of a mesh can be numbered, and that taking some away fits into memory.
+/// Throws  as require_numbered and TaskContext::require_memory
+void require_reducible(const TriangleMesh& mesh, const TaskContext& context);
+
 /// Takes triangles away as far as the deviation of the result allows, less what moving points to a
 /// grid takes; sets what the result says of triangles that cross.
 /// Returns the grid that the points lie on in the end, if any
