@@ -291,9 +291,10 @@ nlohmann::ordered_json report_json(const RenderArguments& arguments, const Rende
   return json;
 }
 
-std::string counts_text(const std::string& mode, const RenderCounts& counts) {
+std::string counts_text(const std::string& mode, const RenderResult& result) {
+  const RenderCounts& counts = result.counts;
   if (is_of_rays(mode)) {
-    return fmt::format("level {}, {}, {} decoded", counts.rays.level,
+    return fmt::format("level {}, {}, {} decoded", result.level,
                        counted_text(counts.rays.samples, "sample"),
                        counted_text(counts.decoded_bricks, "brick"));
   }
@@ -321,7 +322,7 @@ std::string report_text(const RenderArguments& arguments, const RenderResult& re
   const std::string pixel =
       is_spacing_known(result.volume) ? fmt::format(" of {} mm", number_text(result.pixel_mm)) : "";
   return fmt::format("{}: {} x {} pixels{}, {}; drawn in {}\n", names, result.width, result.height,
-                     pixel, counts_text(arguments.mode, result.counts),
+                     pixel, counts_text(arguments.mode, result),
                      duration_text(result.seconds));
 }
 

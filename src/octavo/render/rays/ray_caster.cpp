@@ -100,9 +100,7 @@ RayField cast_rays(RayBricks& bricks, RayFrame frame, std::int64_t width, std::i
     // Load what is waited for.
     std::erase_if(waiting, [&](std::size_t i) { return !is_waiting(field.tiles[i]); });
     if (waiting.empty()) return field;
-    const RayClock::time_point loading = RayClock::now();
     bricks.load(awaited(field, frame, bricks, waiting));
-    field.load_seconds += seconds_since(loading);
   }
 }
 

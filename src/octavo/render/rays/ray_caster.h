@@ -23,7 +23,6 @@ struct RayField {
   std::vector<RayTile> tiles;  ///< row by row
   std::int64_t samples = 0;    ///< taken
   double cast_seconds = 0;     ///< following rays
-  double load_seconds = 0;     ///< reading bricks
 
   std::int64_t tile_columns() const { return (width + kRayTileSide - 1) / kRayTileSide; }
 

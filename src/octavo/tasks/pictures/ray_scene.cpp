@@ -150,7 +150,6 @@ class RayScene final : public RenderScene {
     counts.decoded_bricks = bricks_.loaded_count();
     counts.window = window_;
     counts.rays = rays_;
-    counts.rays.level = level_;
     if (pictures_ > 0) {
       counts.rays.samples /= pictures_;
       counts.rays.frame_seconds /= static_cast<double>(pictures_);

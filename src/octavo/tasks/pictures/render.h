@@ -93,7 +93,6 @@ struct RenderOptions {
 
 /// What rays did, for one picture where it says so.
 struct RayCounts {
-  int level = 0;
   std::int64_t samples = 0;  ///< taken for a picture
   double frame_seconds = 0;  ///< for following the rays of a picture
 };
