@@ -299,7 +299,8 @@ void add_surface(CLI::App& app, Context& context) {
       "So many at most: a number, or 5% of all; the deviation is proven and printed");
   triangles->type_name("N|P%")->excludes(deviation);
   verb.add_option("--method", arguments->method,
-                  "How triangles become fewer: edges collapse, or cells merge (default: collapse)")
+                  "How triangles become fewer: edges collapse, or cells merge\n"
+                  "(default: collapse); not with --parts or --interfaces")
       ->type_name("METHOD")
       ->check(one_of({"collapse", "octree"}))
       ->excludes(triangles);
@@ -321,11 +322,11 @@ void add_surface(CLI::App& app, Context& context) {
                 "Of a label map all surfaces between labels, with the labels on both sides")
       ->excludes(parts);
   verb.add_option("--part-format", arguments->part_format,
-                  "Of the files in a folder (default: stl)")
+                  "With --parts: the format of files in a folder (default: stl)")
       ->type_name("FORMAT")
       ->check(one_of({"stl", "ply", "obj", "glb", "vtp", "3mf"}));
   verb.add_option("--smooth", arguments->smooth,
-                  "Of surfaces of labels: steps of smoothing, or off (default: 20)")
+                  "With --parts or --interfaces: steps of smoothing, or off (default: 20)")
       ->type_name("N|off");
 }
 
