@@ -1,6 +1,5 @@
 #include "octavo/tasks/files/info.h"
 
-#include <cmath>
 #include <filesystem>
 
 #include "octavo/core/error.h"
@@ -9,6 +8,7 @@
 #include "octavo/file/storage/pending_file.h"
 #include "octavo/file/thumbnail.h"
 #include "octavo/io/source/place_known.h"
+#include "octavo/tasks/files/finite_voxels.h"
 #include "octavo/tasks/inputs.h"
 #include "octavo/tasks/volume_facts.h"
 
@@ -29,19 +29,6 @@ PartInfo info_of(const PartEntry& part) {
           (part.flags & kRestPart) != 0,
           part.bytes.length,
           is_known(part.tag)};
-}
-
-/// Whether a voxel is finite: the coarsest sample is NaN where none is.
-bool has_finite_voxels(const FileReader& reader) {
-  const auto& coding = reader.description().coding;
-  if (!coding || !coding->is_exact) return true;
-  float sample = 0;
-  try {
-    reader.read({{0, 0, 0}, {1, 1, 1}}, reader.levels().count() - 1, &sample);
-  } catch (const Error& error) {
-    if (error.kind() != ErrorKind::corrupt) throw;
-  }
-  return !std::isnan(sample);
 }
 
 void require_picture(const Output& output, const std::string& input) {

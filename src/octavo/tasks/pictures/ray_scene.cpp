@@ -14,6 +14,7 @@
 #include "octavo/render/rays/ray_camera.h"
 #include "octavo/render/rays/ray_caster.h"
 #include "octavo/render/rays/ray_picture.h"
+#include "octavo/tasks/files/finite_voxels.h"
 #include "octavo/tasks/pictures/render_scene.h"
 #include "octavo/tasks/pictures/transfer_file.h"
 #include "octavo/tasks/volume_facts.h"
@@ -73,6 +74,7 @@ class RayScene final : public RenderScene {
         mode_(ray_mode_of(options.mode)),
         level_(options.level.value_or(0)),
         shown_(kept_box(options.cuts, *reader, level_)),
+        has_values_(has_finite_voxels(*reader)),
         source_(reader, level_),
         bricks_(source_, brick_options(options, context)) {
     const VolumeDescription& volume = reader_->description();
@@ -213,9 +215,9 @@ class RayScene final : public RenderScene {
       const float most = sign_ > 0 ? highest : -lowest;
       switch (mode_) {
         case RayMode::extreme: return most;
-        case RayMode::iso: return most >= isovalue_ ? 1.0f : 0.0f;
+        case RayMode::iso: return has_values_ && most >= isovalue_ ? 1.0f : 0.0f;
         case RayMode::mean: return 1.0f;
-        default: return table_->is_seen(lowest, highest) ? 1.0f : 0.0f;
+        default: return has_values_ && table_->is_seen(lowest, highest) ? 1.0f : 0.0f;
       }
     });
   }
@@ -234,14 +236,19 @@ class RayScene final : public RenderScene {
     window_ = robust_window(std::move(values));
   }
 
-  void warn_of_nothing(const RayField& field) {
-    if (mode_ == RayMode::extreme || mode_ == RayMode::mean) return;
+  bool is_anything_seen(const RayField& field) const {
+    if (!has_values_) return false;
+    if (mode_ == RayMode::extreme || mode_ == RayMode::mean) return true;
     for (const RayTile& tile : field.tiles) {
       for (const float opacity : tile.gathered) {
-        if (opacity > 0) return;
+        if (opacity > 0) return true;
       }
     }
-    if (!std::exchange(is_nothing_told_, true)) {
+    return false;
+  }
+
+  void warn_of_nothing(const RayField& field) {
+    if (!is_anything_seen(field) && !std::exchange(is_nothing_told_, true)) {
       context_.warn(asked_.input + ": no voxel is seen; the picture is empty");
     }
   }
@@ -254,6 +261,7 @@ class RayScene final : public RenderScene {
   RayMode mode_;
   int level_;
   Box shown_;
+  bool has_values_;  // false: every voxel is NaN or infinite, and none is seen
   FileSamples source_;
   RayBricks bricks_;
   Rescale rescale_;
