@@ -275,7 +275,7 @@ nlohmann::ordered_json report_json(const RenderArguments& arguments, const Rende
                                    const Context& context) {
   nlohmann::ordered_json json = {
       {"outputs", result.outputs}, {"mode", arguments.mode},
-      {"level", result.level},  {"size", {result.width, result.height}},
+      {"level", result.level},     {"size", {result.width, result.height}},
       {"pixel_mm", nullptr},       {"toward", result.toward}};
   if (is_spacing_known(result.volume)) json["pixel_mm"] = result.pixel_mm;
   if (is_of_rays(arguments.mode)) {

@@ -106,11 +106,11 @@ RayPlace gradient_at(const BrickTables& b, const SampleCorner& c) {
   const float r01 = row(0, 1);
   const float r11 = row(1, 1);
   const float x = ray_mixed(ray_mixed(slope(0, 0), slope(1, 0), c.share[1]),
-                        ray_mixed(slope(0, 1), slope(1, 1), c.share[1]), c.share[2]);
+                            ray_mixed(slope(0, 1), slope(1, 1), c.share[1]), c.share[2]);
   const float y = ray_mixed(ray_mixed(r10 - row(-1, 0), row(2, 0) - r00, c.share[1]),
-                        ray_mixed(r11 - row(-1, 1), row(2, 1) - r01, c.share[1]), c.share[2]);
+                            ray_mixed(r11 - row(-1, 1), row(2, 1) - r01, c.share[1]), c.share[2]);
   const float z = ray_mixed(ray_mixed(r01 - row(0, -1), row(0, 2) - r00, c.share[2]),
-                        ray_mixed(r11 - row(1, -1), row(1, 2) - r10, c.share[2]), c.share[1]);
+                            ray_mixed(r11 - row(1, -1), row(1, 2) - r10, c.share[2]), c.share[1]);
   return {x, y, z};
 }
 
@@ -181,7 +181,7 @@ class PortableFollower {
         continue;
       }
       ++taken;
-      if (take(k, place, before, corner_of(slot, place, before, brick))) {
+      if (take(k, before, corner_of(slot, place, before, brick))) {
         k = kRayDone;
         break;
       }
@@ -223,7 +223,7 @@ class PortableFollower {
   }
 
   SampleCorner corner_of(std::int32_t slot, const RayPlace& place, const RayCell& before,
-                   const RayCell& brick) const {
+                         const RayCell& brick) const {
     const BrickTables& b = f_.bricks;
     RayCell local;
     SampleCorner corner;
@@ -249,7 +249,7 @@ class PortableFollower {
   }
 
   /// Takes a sample; true when the ray ends there.
-  bool take(float k, const RayPlace& place, const RayCell& before, const SampleCorner& corner) {
+  bool take(float k, const RayCell& before, const SampleCorner& corner) {
     const float value = value_at<kIsWide>(f_.bricks, corner);
     if constexpr (kMode == RayMode::extreme) {
       tile_.gathered[number_] = std::max(tile_.gathered[number_], value * f_.sign);
@@ -261,7 +261,6 @@ class PortableFollower {
     } else if constexpr (kMode == RayMode::volume) {
       return composite(value, corner);
     } else {
-      static_cast<void>(place);
       if (!(value * f_.sign >= f_.isovalue)) return false;
       hit(k, before, corner);
       return true;

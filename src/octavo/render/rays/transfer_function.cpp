@@ -7,8 +7,9 @@ namespace octavo {
 
 namespace {
 
-constexpr TransferPreset kTransferPresets[] = {{"bone", true},  {"skin", true}, {"vessels", true},
-                                       {"lung", true},  {"mr", false},  {"lightsheet", false}};
+constexpr TransferPreset kTransferPresets[] = {{"bone", true},    {"skin", true},
+                                               {"vessels", true}, {"lung", true},
+                                               {"mr", false},     {"lightsheet", false}};
 
 TransferFunction of_hu(std::vector<TransferPoint> points) {
   return {std::move(points), 1.0, false};
