@@ -116,7 +116,7 @@ TEST(PartFaults, WhateverCallFailsAJoinedFileIsWholeOrNotThere) {
     lay_out_join(plan, open_parts(storage, runs), storage, "a.8vo", false, {.threads = 1},
                  progress);
     for (const auto& part : open_parts(storage, runs)) {
-      copy_part(plan, part, storage, "a.8vo", progress);
+      copy_part(plan, part, storage, "a.8vo", false, progress);
     }
     seal_join(plan, storage, "a.8vo", false);
   };

@@ -1,15 +1,12 @@
 #include "octavo/dist/join_steps.h"
 
 #include <algorithm>
-#include <map>
 #include <optional>
+#include <random>
 #include <span>
 #include <utility>
 
-#include "octavo/core/crc32c.h"
 #include "octavo/core/error.h"
-#include "octavo/core/json_members.h"
-#include "octavo/core/json_reader.h"
 #include "octavo/core/text.h"
 #include "octavo/dist/clipped_bytes.h"
 #include "octavo/file/storage/temporary.h"
@@ -18,18 +15,14 @@ namespace octavo {
 
 namespace {
 
-constexpr int kLayoutVersion = 2;
 constexpr std::uint64_t kMostLayoutBytes = std::uint64_t{1} << 30;
 constexpr std::uint64_t kMostMarkBytes = 256;
-constexpr std::uint64_t kMostLineBytes = 160;  // of a run, or of what stands before the runs
+constexpr std::uint64_t kMostLineBytes = 160;  // of a run
+constexpr std::uint64_t kMostHeadBytes = 512;  // of what stands before the runs
 constexpr const char* kLayoutEnding = "-layout";
 constexpr const char* kCopiedEnding = "-copied-";
 constexpr const char* kSealedEnding = "-sealed-";
 constexpr const char* kDoneEnding = "-done-";
-
-[[noreturn]] void fail_layout(const std::string& why) {
-  throw Error(ErrorKind::corrupt, "the layout " + why);
-}
 
 /// What joins leave beside a name: ".NAME.join" and an ending, the longest that of a copied band.
 std::string join_prefix(const std::string& path) {
@@ -58,6 +51,15 @@ std::string done_name(const std::string& path, const BuildPlan& plan) {
   return join_prefix(path) + kDoneEnding + std::to_string(plan.id);
 }
 
+/// Of one laying out: two of the same plan differ in nothing else.
+std::uint64_t new_layout_id() {
+  std::random_device device;
+  return std::uint64_t{device()} << 32 | device();
+}
+
+/// What a mark of a copy holds.
+std::string copied_text(const JoinLayout& layout) { return std::to_string(layout.id); }
+
 /// A file of these bytes under a name, whole or not at all.
 void put_file(Storage& storage, const std::string& name, std::string_view bytes) {
   TemporaryFile temporary = create_temporary(storage, name);
@@ -76,10 +78,17 @@ void put_file(Storage& storage, const std::string& name, std::string_view bytes)
 /// Throws Error{corrupt} for a file of more bytes
 std::string file_text(Storage& storage, const std::string& name, std::uint64_t most) {
   const std::unique_ptr<StorageFile> file = storage.open_read(name);
-  if (file->size() > most) fail_layout("is longer than any");
+  if (file->size() > most) throw Error(ErrorKind::corrupt, "the layout is longer than any");
   std::string text(static_cast<std::size_t>(file->size()), '\0');
   file->read(0, {reinterpret_cast<std::uint8_t*>(text.data()), text.size()});
   return text;
+}
+
+/// Whether a part was copied for this layout: marks of an earlier one say nothing of this file.
+bool is_copied(const JoinLayout& layout, Storage& storage, const std::string& path,
+               const PartPlace& place) {
+  const std::string name = copied_name(path, place);
+  return storage.exists(name) && file_text(storage, name, kMostMarkBytes) == copied_text(layout);
 }
 
 void remove_all(Storage& storage, const std::vector<std::string>& names) {
@@ -117,7 +126,7 @@ auto about(const std::string& path, F action) -> decltype(action()) {
 std::uint64_t most_layout_bytes(const BuildPlan& plan) {
   const std::size_t streams = run_streams(outline_of(plan).levels);
   const auto parts = static_cast<std::uint64_t>(std::max(plan.group_count, plan.part_count));
-  return (parts * streams + 1) * kMostLineBytes;
+  return parts * streams * kMostLineBytes + kMostHeadBytes;
 }
 
 /// Why what stands beside this name is not this join's to remove: it may be all that is left of
@@ -196,7 +205,7 @@ std::optional<std::uint64_t> begun_bytes(const JoinLayout& layout, Storage& stor
   std::uint64_t whole = 0;
   for (const Section& own : own_bytes_of(layout)) whole += own.length;
   for (const CopiedRun& run : layout.runs) {
-    if (storage.exists(copied_name(path, run.part))) whole += run.length;
+    if (is_copied(layout, storage, path, run.part)) whole += run.length;
   }
   return *stored - std::min(*stored, whole);
 }
@@ -253,46 +262,6 @@ std::uint64_t name_joined(const BuildPlan& plan, Storage& storage, const std::st
   return layout->file_bytes;
 }
 
-std::uint32_t text_crc(const std::string& text) {
-  return crc32c({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
-}
-
-std::uint64_t number_of(JsonReader& in) {
-  if (in.next() != JsonToken::integer || !in.integer() || *in.integer() < 0) {
-    fail_layout("has a number that is none");
-  }
-  return static_cast<std::uint64_t>(*in.integer());
-}
-
-/// Of a list of bytes.
-ClippedVoxels clipped_of_list(std::string_view json) {
-  JsonReader in(json);
-  if (in.next() != JsonToken::begin_list) fail_layout("has no clipped voxels");
-  Bytes list;
-  while (in.next() == JsonToken::integer && in.integer()) {
-    list.push_back(static_cast<std::uint8_t>(*in.integer()));
-  }
-  ByteSpan bytes = list;
-  return take_clipped(bytes, "the layout of the join");
-}
-
-CopiedRun run_of(std::string_view line, std::uint64_t plan) {
-  JsonReader in(line);
-  if (in.next() != JsonToken::begin_list) fail_layout("has an odd line");
-  CopiedRun run;
-  run.part.plan = plan;
-  for (std::int64_t* const number : {&run.part.first_group, &run.part.end_group,
-                                     &run.part.first_brick, &run.part.end_brick}) {
-    *number = static_cast<std::int64_t>(number_of(in));
-  }
-  run.part_offset = number_of(in);
-  run.file_offset = number_of(in);
-  run.length = number_of(in);
-  run.crc = static_cast<std::uint32_t>(number_of(in));
-  if (in.next() != JsonToken::end_list) fail_layout("has an odd line");
-  return run;
-}
-
 }  // namespace
 
 std::string joined_name(const std::string& path) { return join_prefix(path); }
@@ -307,96 +276,11 @@ bool is_joined(const BuildPlan& plan, Storage& storage, const std::string& path)
 
 void discard_steps(const BuildPlan& plan, Storage& storage, const std::string& path) {
   if (storage.list(joined_name(path)).empty()) return;
+  // Nobody says of a part that it is copied between the look and the removal.
+  const auto lock = storage.lock_folder(folder_of(path));
   if (!why_kept(plan, storage, path).empty()) return;
   remove_all(storage, storage.list(join_prefix(path) + kDoneEnding));
   discard_join(storage, path);
-}
-
-std::vector<PartPlace> parts_of(const JoinLayout& layout) {
-  std::map<BrickAt, PartPlace> places;
-  for (const CopiedRun& run : layout.runs) places.emplace(begin_of(run.part), run.part);
-  std::vector<PartPlace> sorted;
-  for (const auto& [begin, place] : places) sorted.push_back(place);
-  return sorted;
-}
-
-std::vector<Section> own_bytes_of(const JoinLayout& layout) {
-  std::vector<Section> own;
-  std::uint64_t at = 0;
-  const auto add = [&](std::uint64_t end) {
-    if (end > at) own.push_back({at, end - at, 0});
-  };
-  for (const CopiedRun& run : layout.runs) {
-    add(run.file_offset);
-    at = run.file_offset + run.length;
-  }
-  add(layout.file_bytes);
-  return own;
-}
-
-std::string layout_text(const JoinLayout& layout) {
-  std::string runs;
-  for (const CopiedRun& run : layout.runs) {
-    runs += "[";
-    for (const std::int64_t number : {run.part.first_group, run.part.end_group,
-                                      run.part.first_brick, run.part.end_brick}) {
-      runs += std::to_string(number) + ",";
-    }
-    for (const std::uint64_t number : {run.part_offset, run.file_offset, run.length}) {
-      runs += std::to_string(number) + ",";
-    }
-    runs += std::to_string(run.crc) + "]\n";
-  }
-  JsonObject object;
-  object.set("octavo_join", kLayoutVersion);
-  object.set("plan", std::to_string(layout.plan));
-  object.set("bytes", static_cast<std::int64_t>(layout.file_bytes));
-  const Bytes clipped = clipped_bytes(layout.clipped);
-  object.set("clipped", std::vector<int>(clipped.begin(), clipped.end()));
-  object.sort_by_name();
-  const std::uint32_t check = text_crc(object.text() + runs);
-  object.set("check", static_cast<std::int64_t>(check));
-  object.sort_by_name();
-  return object.text() + "\n" + runs;
-}
-
-JoinLayout parse_layout(std::string_view text) {
-  std::string_view rest = text;
-  const auto take = [&rest] {
-    const std::size_t end = rest.find('\n');
-    if (end == std::string_view::npos) fail_layout("breaks off");
-    const std::string_view line = rest.substr(0, end);
-    rest.remove_prefix(end + 1);
-    return line;
-  };
-  const JsonObject object = json_members(take());
-  if (object.json_of("octavo_join").empty()) fail_layout("is none");
-  if (object.json_of("octavo_join") != std::to_string(kLayoutVersion)) {
-    throw Error(ErrorKind::unsupported_version, "the layout is of another version of the program");
-  }
-  JoinLayout layout;
-  JsonReader plan(object.json_of("plan"));
-  if (plan.next() == JsonToken::string) {
-    for (const char digit : plan.string().substr(0, 20)) {
-      layout.plan = layout.plan * 10 + static_cast<std::uint64_t>(digit - '0');
-    }
-  }
-  JsonReader bytes(object.json_of("bytes"));
-  layout.file_bytes = number_of(bytes);
-  layout.clipped = clipped_of_list(object.json_of("clipped"));
-  while (!rest.empty()) layout.runs.push_back(run_of(take(), layout.plan));
-
-  // Runs follow each other within the file; what was changed gives another text.
-  std::uint64_t at = 0;
-  for (const CopiedRun& run : layout.runs) {
-    if (run.length == 0 || run.file_offset < at || run.file_offset > layout.file_bytes ||
-        run.length > layout.file_bytes - run.file_offset) {
-      fail_layout("has runs that are not in the file");
-    }
-    at = run.file_offset + run.length;
-  }
-  if (layout_text(layout) != text) fail_layout("is not as it was written");
-  return layout;
 }
 
 std::optional<JoinLayout> find_layout(const BuildPlan& plan, Storage& storage,
@@ -429,7 +313,9 @@ JoinLayout lay_out_join(const BuildPlan& plan, const std::vector<std::shared_ptr
     require_none_of_others(plan, storage, path);
     discard_join(storage, path);
   }
-  JoinLayout layout{plan.id, 0, {}, {}};
+  JoinLayout layout;
+  layout.plan = plan.id;
+  layout.id = new_layout_id();
   const BuildResult result = about(path, [&] {
     // What somebody else has laid out meanwhile may hold parts already: it stays.
     return lay_out_parts(plan, parts, storage, joined_name(path), false, work, progress,
@@ -445,8 +331,31 @@ JoinLayout lay_out_join(const BuildPlan& plan, const std::vector<std::shared_ptr
   return layout;
 }
 
+namespace {
+
+/// Says that a part is copied, and removes it where it is consumed; but where the file was laid out
+/// anew meanwhile, the part is not in it.
+void mark_copied(const BuildPlan& plan, const JoinLayout& layout, const PartFile& part,
+                 Storage& storage, const std::string& path, bool consumes) {
+  // Nobody lays out anew between the look and the removal.
+  const auto lock = storage.lock_folder(folder_of(path));
+  const std::optional<JoinLayout> now = find_layout(plan, storage, path);
+  const bool is_sealed_meanwhile = !now && is_joined(plan, storage, path);
+  if (!is_sealed_meanwhile && (!now || now->id != layout.id)) {
+    throw Error(ErrorKind::io,
+                "was laid out anew while a part was copied, which is not in it: copy it again",
+                path);
+  }
+  if (now && !is_copied(layout, storage, path, part.place())) {
+    put_file(storage, copied_name(path, part.place()), copied_text(layout));
+  }
+  if (consumes) storage.remove(part.path());
+}
+
+}  // namespace
+
 void copy_part(const BuildPlan& plan, const std::shared_ptr<PartFile>& part, Storage& storage,
-               const std::string& path, Progress& progress) {
+               const std::string& path, bool consumes, Progress& progress) {
   const std::optional<JoinLayout> layout = find_layout(plan, storage, path);
   if (!layout) throw Error(ErrorKind::io, "nothing is laid out for this plan", path);
   const PartPlace& place = part->place();
@@ -468,9 +377,11 @@ void copy_part(const BuildPlan& plan, const std::shared_ptr<PartFile>& part, Sto
     throw Error(ErrorKind::invalid_argument, "is not a part of the file that was laid out",
                 part->path());
   }
-  if (storage.exists(copied_name(path, place))) return;
 
   // Their bytes, then the mark that says that they are there
+  if (is_copied(*layout, storage, path, place)) {
+    return mark_copied(plan, *layout, *part, storage, path, consumes);
+  }
   const WatchedParts watched({part}, progress);
   const ProgressScope scope(progress, "copy", static_cast<std::int64_t>(part->stream_bytes()),
                             "bytes");
@@ -486,14 +397,14 @@ void copy_part(const BuildPlan& plan, const std::shared_ptr<PartFile>& part, Sto
     file->sync();
     file->close();
   });
-  put_file(storage, copied_name(path, place), "");
+  mark_copied(plan, *layout, *part, storage, path, consumes);
 }
 
 std::vector<PartPlace> uncopied_parts(const JoinLayout& layout, Storage& storage,
                                       const std::string& path) {
   std::vector<PartPlace> places = parts_of(layout);
   std::erase_if(places, [&](const PartPlace& place) {
-    return storage.exists(copied_name(path, place));
+    return is_copied(layout, storage, path, place);
   });
   return places;
 }
@@ -537,14 +448,13 @@ std::uint64_t consume_parts(const BuildPlan& plan, const std::vector<std::string
   if (clipped != nullptr) *clipped = layout.clipped;
   auto left = parts;
   std::erase_if(left, [&](const auto& part) {
-    return storage.exists(copied_name(path, part->place()));
+    return is_copied(layout, storage, path, part->place());
   });
   // Without a word of the disk on what was begun the copies themselves tell.
   const auto begun = goes_on ? begun_bytes(layout, storage, path) : std::optional<std::uint64_t>(0);
   if (begun) require_room(storage, path, left, *begun);
   for (const auto& part : parts) {
-    copy_part(plan, part, storage, path, progress);
-    storage.remove(part->path());
+    copy_part(plan, part, storage, path, true, progress);
   }
   const std::uint64_t bytes = name_joined(plan, storage, path, overwrite);
   discard_steps(plan, storage, path);

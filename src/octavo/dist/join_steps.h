@@ -9,7 +9,7 @@
 //   .NAME.join                 the file that grows
 //   .NAME.join-layout          the layout, once the file is laid out
 //   .NAME.join-copied-A-B      for each part, groups A .. B, whose bytes are on disk; of a band
-//                              A-B-C-D, bricks C .. D
+//                              A-B-C-D, bricks C .. D. It holds the id of the layout
 //   .NAME.join-sealed-PLAN     once the file is whole, until nothing else of this is left: the
 //                              trailer of the file, which holds a checksum of all its bytes, and
 //                              how many floats only its level 0 holds
@@ -25,44 +25,12 @@
 
 #include <cstdint>
 #include <string>
-#include <string_view>
 #include <vector>
 
+#include "octavo/dist/join_layout.h"
 #include "octavo/dist/parts.h"
 
 namespace octavo {
-
-/// Bytes of a part and their place in the file.
-struct CopiedRun {
-  PartPlace part;
-  std::uint64_t part_offset = 0;
-  std::uint64_t file_offset = 0;
-  std::uint64_t length = 0;      ///< above 0
-  std::uint32_t crc = 0;
-
-  bool operator==(const CopiedRun&) const = default;
-};
-
-struct JoinLayout {
-  std::uint64_t plan = 0;        ///< BuildPlan::id
-  std::uint64_t file_bytes = 0;
-  std::vector<CopiedRun> runs;   ///< in the order of the file
-  ClippedVoxels clipped;         ///< of all parts
-};
-
-/// The parts of a layout in their order.
-std::vector<PartPlace> parts_of(const JoinLayout& layout);
-
-/// The bytes of the file that are no part's.
-std::vector<Section> own_bytes_of(const JoinLayout& layout);
-
-/// Lines of JSON: an object of the plan, the length, the clipped voxels and a checksum of all, then
-/// for each run [A,B,C,D,PART OFFSET,FILE OFFSET,LENGTH,CRC] of groups A .. B, of a band bricks
-/// C .. D.
-std::string layout_text(const JoinLayout& layout);
-
-/// Throws Error{corrupt} for what is no layout, Error{unsupported_version}
-JoinLayout parse_layout(std::string_view text);
 
 /// Where the file for `path` grows.
 std::string joined_name(const std::string& path);
@@ -95,10 +63,11 @@ JoinLayout lay_out_join(const BuildPlan& plan, const std::vector<std::shared_ptr
                         const PartWork& work, Progress& progress);
 
 /// Copies a part to its places, proves it on the way, and makes it durable there.
+/// consumes  whether the part is removed then
 /// Throws Error{invalid_argument} for a part that is not the one laid out; as PartFile::copy;
-///        Error{io}, also where nothing is laid out
+///        Error{io}, also where nothing is laid out, and where that was done anew meanwhile
 void copy_part(const BuildPlan& plan, const std::shared_ptr<PartFile>& part, Storage& storage,
-               const std::string& path, Progress& progress);
+               const std::string& path, bool consumes, Progress& progress);
 
 /// The parts of the layout that were not copied.
 std::vector<PartPlace> uncopied_parts(const JoinLayout& layout, Storage& storage,

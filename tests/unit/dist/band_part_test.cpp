@@ -84,7 +84,7 @@ class BandParts : public ::testing::Test {
     NoProgress progress;
     const auto parts = opened();
     lay_out_join(plan_, parts, storage_, "a.8vo", false, {.threads = 1}, progress);
-    for (const auto& part : parts) copy_part(plan_, part, storage_, "a.8vo", progress);
+    for (const auto& part : parts) copy_part(plan_, part, storage_, "a.8vo", false, progress);
     seal_join(plan_, storage_, "a.8vo", false);
   }
 

@@ -103,8 +103,9 @@ class JoinSteps : public ::testing::Test {
     return lay_out_join(plan_, open_parts(storage_, runs), storage_, "a.8vo", false,
                         {.threads = 1}, progress_);
   }
-  void copy(const GroupRun& run) {
-    copy_part(plan_, PartFile::open(storage_, part_name(run)), storage_, "a.8vo", progress_);
+  void copy(const GroupRun& run, bool consumes = false) {
+    copy_part(plan_, PartFile::open(storage_, part_name(run)), storage_, "a.8vo", consumes,
+              progress_);
   }
   std::uint64_t consume() {
     std::vector<std::string> names;
@@ -186,7 +187,7 @@ TEST_F(JoinSteps, WhatALayoutThatCannotBeReadBelongsToStays) {
   copy({0, 1});
   auto& layout = *storage_.files.at(joined_name("a.8vo") + "-layout");
   std::string older = text;
-  const std::size_t version = older.find('2', older.find("octavo_join"));
+  const std::size_t version = older.find('3', older.find("octavo_join"));
   ASSERT_LT(version, older.size());
   older[version] = '1';
   std::string damaged = text;
@@ -315,11 +316,30 @@ TEST_F(JoinSteps, SealingAgainKeepsWhatAnotherPlanHasBegun) {
   storage_.files["other"] = parts.files.at("part-0-6");
   const std::shared_ptr<PartFile> part = PartFile::open(storage_, "other");
   lay_out_join(plan, {part}, storage_, "a.8vo", true, {}, progress_);
-  copy_part(plan, part, storage_, "a.8vo", progress_);
+  copy_part(plan, part, storage_, "a.8vo", false, progress_);
   storage_.files.erase("other");
   EXPECT_EQ(seal_join(plan_, storage_, "a.8vo", true), whole_.size());
   seal_join(plan, storage_, "a.8vo", true);
   EXPECT_TRUE(*storage_.files.at("a.8vo") == built(other));
+}
+
+TEST_F(JoinSteps, APartIsKeptThatWasCopiedToAFileThatIsGone) {
+  for (const std::string call : {"open_shared", "write"}) {
+    lay_out(runs_);
+    bool is_over = false;
+    storage_.meanwhile = [&](const std::string& what) {
+      if (what != call || std::exchange(is_over, true)) return;
+      discard_steps(plan_, storage_, "a.8vo");
+      lay_out(runs_);
+    };
+    failure_of([&] { copy({0, 1}, true); }, ErrorKind::io);
+    EXPECT_TRUE(is_over) << call;
+    EXPECT_EQ(uncopied_parts(*find_layout(plan_, storage_, "a.8vo"), storage_, "a.8vo").size(), 3U);
+    for (const GroupRun& run : runs_) copy(run);
+    seal_join(plan_, storage_, "a.8vo", false);
+    expect_done(3);
+    storage_.remove("a.8vo");
+  }
 }
 
 TEST_F(JoinSteps, WhoLaysOutLaterTakesNoPartsAway) {
@@ -365,7 +385,8 @@ TEST_F(JoinSteps, WhatStandsBesideALongNameHasNoLongerNameThanFilesMay) {
     lay_out_join(plan_, open_parts(storage_, runs_), storage_, path, false, {.threads = 1},
                  progress_);
     for (const GroupRun& run : runs_) {
-      copy_part(plan_, PartFile::open(storage_, part_name(run)), storage_, path, progress_);
+      copy_part(plan_, PartFile::open(storage_, part_name(run)), storage_, path, false,
+                progress_);
     }
     EXPECT_EQ(seal_join(plan_, storage_, path, false), whole_.size());
     EXPECT_TRUE(is_joined(plan_, storage_, path));

@@ -91,8 +91,7 @@ void copy_numbers(const JoinStepOptions& options, const BuildPlan& plan, const J
           .with_field("parts.plan_path", options.join.plan);
     }
     copy_part(plan, open_part(plan, number, file->second), local_storage(), path,
-              context.watcher());
-    if (options.join.consumes_parts) local_storage().remove(file->second);
+              options.join.consumes_parts, context.watcher());
     if (!is_copied) result.copied.push_back(number);
   }
 }
