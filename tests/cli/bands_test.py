@@ -4,8 +4,10 @@
 usage: bands_test.py OCTAVO [unittest arguments]
 """
 
+import array
 import json
 import os
+import random
 import re
 import signal
 import subprocess
@@ -114,6 +116,21 @@ class SharedGroups(parts_test.InParts):
         self.part(0, "--part", "2", "-o", "killed", "-q")
         self.assertEqual(self.bytes_of("killed/scan.part-0002-of-0006"),
                          self.bytes_of(self.name(2)))
+
+    def test_floats_that_only_level_0_holds_are_told_once_a_group(self):
+        numbers = random.Random(1)
+        row = array.array("f", (numbers.gauss(0, 1) for _ in range(512))).tobytes()
+        far = array.array("f", [1e30] * 3).tobytes() + row[12:]
+        plane = row * 256
+        (self.folder / "far.raw").write_bytes(plane * 40 + far + row * 255 + plane * 23)
+        words = ("far.raw", "--raw", "512,256,64,float32", "--spacing", "1", "--preset", "fast")
+        whole = self.expect(0, "build", *words, "-o", "far.8vo", "--progress", "none").stderr
+        parted = self.expect(0, "build", *words, "--bands", "4", "-o", "parted.8vo", "--progress",
+                             "none").stderr
+        told = re.compile(r"(\d+) voxels lie beyond what coarse levels hold")
+        self.assertEqual(len(told.findall(whole)), 1, whole)
+        self.assertEqual(told.findall(parted), told.findall(whole), parted)
+        self.assertEqual(self.bytes_of("parted.8vo"), self.bytes_of("far.8vo"))
 
     def test_a_plan_says_how_many_share_a_group(self):
         said = self.expect(0, "plan", *self.raw[:-1], "--bands", "4", "-fo", "scan.plan").stdout

@@ -80,8 +80,11 @@ MadePart make_part(const BuildPlan& plan, std::int64_t part, const std::string& 
   try {
     const auto source = open_planned(plan, first_plane_of(plan, place.first_group),
                                      first_plane_of(plan, place.end_group), context, parser);
+    // Each band of a group counts the floats of all of it; one of them is enough to say so.
+    const bool is_first = place.first_brick == 0;
     const PartWork work = {context.threads, context.max_memory_bytes,
-                           clipped_listener(path, context), threads_of_all};
+                           is_first ? clipped_listener(path, context) : ClippedListener{},
+                           threads_of_all};
     if (place.is_band()) {
       build_band(plan, *source, place, local_storage(), path, work, context.watcher());
     } else {
