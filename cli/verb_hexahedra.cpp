@@ -98,12 +98,16 @@ HexahedraOptions options_of(const HexahedraArguments& arguments, const Context& 
 
 std::string hexahedra_text(const HexahedraArguments& arguments, const HexahedraResult& result) {
   const auto& [cubes, pyramids, tetrahedra] = result.elements_of_shape;
-  std::string text = fmt::format("{}: {} elements of {} voxels, {} nodes", arguments.output,
-                                 result.element_count, result.voxel_count, result.node_count);
-  if (result.hanging_count != 0) text += fmt::format(", {} of them hang", result.hanging_count);
+  std::string text = fmt::format(
+      "{}: {} of {}, {}", arguments.output, count_of(result.element_count, "element"),
+      count_of(result.voxel_count, "voxel"), count_of(result.node_count, "node"));
+  if (result.hanging_count != 0) {
+    text += fmt::format(", {} of them hang", count_of(result.hanging_count));
+  }
   text += "\n";
   if (pyramids + tetrahedra != 0) {
-    text += fmt::format("{} hexahedra, {} pyramids, {} tetrahedra\n", cubes, pyramids, tetrahedra);
+    text += fmt::format("{} hexahedra, {} pyramids, {} tetrahedra\n", count_of(cubes),
+                        count_of(pyramids), count_of(tetrahedra));
   }
   if (result.modulus_range_mpa) {
     const auto& [lowest, highest] = *result.modulus_range_mpa;

@@ -216,19 +216,20 @@ std::string report_text(const SurfaceArguments& arguments, const SurfaceResult& 
                        arguments.output, fault_words(result)) +
            advice_words(result);
   }
-  std::string text = fmt::format("{}: {} triangles, {} {}\n", arguments.output,
-                                 result.triangle_count, result.check.components,
-                                 result.check.components == 1 ? "piece" : "pieces");
+  std::string text = fmt::format("{}: {}, {}\n", arguments.output,
+                                 count_of(result.triangle_count, "triangle"),
+                                 count_of(result.check.components, "piece"));
   text += result.is_sound ? "closed, manifold\n" : fault_words(result) + "\n";
   if (result.max_deviation_mm > 0) {
-    text += fmt::format("{:.3g} % of {} triangles, proven within {:.4g} mm\n",
+    text += fmt::format("{:.3g} % of {}, proven within {:.4g} mm\n",
                         100 * static_cast<double>(result.triangle_count) /
                             static_cast<double>(result.full_triangle_count),
-                        result.full_triangle_count, result.max_deviation_mm);
+                        count_of(result.full_triangle_count, "triangle"),
+                        result.max_deviation_mm);
   }
   if (result.decoded_bricks) {
-    text += fmt::format("the piece of the seed, out of {} {}\n", *result.decoded_bricks,
-                        *result.decoded_bricks == 1 ? "brick" : "bricks");
+    text += fmt::format("the piece of the seed, out of {}\n",
+                        count_of(*result.decoded_bricks, "brick"));
   }
   if (is_spacing_known(result.volume)) {
     text += fmt::format("area {:.6g} mm2, volume {:.6g} mm3\n", result.measures.area_mm2,

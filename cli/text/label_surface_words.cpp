@@ -78,15 +78,16 @@ std::string label_surfaces_text(const LabelSurfacesOptions& options,
                                 const LabelSurfacesResult& result) {
   if (!result.is_written) return faults_text(options, result);
   std::string text =
-      fmt::format("{}: {} labels, {} triangles\n", options.output.path, result.labels.size(),
-                  result.triangle_count);
+      fmt::format("{}: {}, {}\n", options.output.path,
+                  count_of(result.labels.size(), "label"),
+                  count_of(result.triangle_count, "triangle"));
   text += touching_text(result);
   if (result.max_deviation_mm > 0) {
     text += fmt::format("{:.3g} % of the triangles between labels, proven within {:.4g} mm; {} "
                         "cross others\n",
                         100 * static_cast<double>(result.reduced_triangle_count) /
                             static_cast<double>(result.full_triangle_count),
-                        result.max_deviation_mm, result.crossing_triangles.value_or(0));
+                        result.max_deviation_mm, count_of(result.crossing_triangles.value_or(0)));
   }
   std::vector<std::string> all_names;
   for (const LabelSurface& surface : result.labels) {
@@ -100,7 +101,7 @@ std::string label_surfaces_text(const LabelSurfacesOptions& options,
   for (std::size_t i = 0; i < result.labels.size(); ++i) {
     const LabelSurface& surface = result.labels[i];
     text += fmt::format("{:>10}{}  {:>10}  {:>12}  {:>+9.2f}", surface.label, names.cell(i),
-                        surface.triangle_count, surface.voxel_count,
+                        count_of(surface.triangle_count), count_text(surface.voxel_count),
                         100 * surface.volume_change);
     text += is_spaced ? fmt::format("  {:>12.6g}  {:>8.3g}\n", surface.measures.volume_mm3,
                                     surface.longest_move_mm)

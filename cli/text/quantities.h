@@ -27,6 +27,16 @@ double parse_number(const std::string& text, const std::string& what);
 /// One integer that fills `text`. Throws Error{invalid_argument} naming `what`.
 std::int64_t parse_integer(const std::string& text, const std::string& what);
 
+/// "12,700,800".
+inline std::string count_of(std::uint64_t count) {
+  return count_text(static_cast<std::int64_t>(count));
+}
+
+/// "1 triangle", "12,700,800 triangles".
+inline std::string count_of(std::uint64_t count, const std::string& noun) {
+  return counted_text(static_cast<std::int64_t>(count), noun);
+}
+
 /// The pieces of `text` between separators; empty pieces are kept.
 std::vector<std::string> split(const std::string& text, char separator);
 
