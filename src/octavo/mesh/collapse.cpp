@@ -4,10 +4,12 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "octavo/mesh/cancellation.h"
 #include "octavo/mesh/point_distance.h"
+#include "octavo/mesh/triangle_shape.h"
 
 namespace octavo {
 
@@ -181,32 +183,30 @@ bool CollapsePart::keeps_topology(int keep, int gone) {
 }
 
 bool CollapsePart::keeps_shapes(int keep, int gone, const Point3& place) {
-  constexpr double kSmallestCosine = 0.2;
-  constexpr double kSliver = 1e-4;
+  const ShapeRule rule(std::sqrt(squared_tolerance_));
+  const auto places_before = [&](const CollapseTriangle& t) {
+    TrianglePlaces places;
+    for (std::size_t k = 0; k < 3; ++k) places[k] = item(vertices, t.corners[k]).place;
+    return places;
+  };
+  const auto around = [&] {
+    Point3 normal = {0, 0, 0};
+    for (const int triangle : star_) {
+      normal = sum(normal, TriangleShape(places_before(item(triangles, triangle))).normal);
+    }
+    return normal;
+  };
   renewed_.clear();
   for (const int triangle : star_) {
     const CollapseTriangle& t = item(triangles, triangle);
-    TrianglePlaces before;
-    TrianglePlaces after;
+    const TrianglePlaces before = places_before(t);
+    TrianglePlaces after = before;
     for (std::size_t k = 0; k < 3; ++k) {
-      const int vertex = t.corners[k];
-      before[k] = item(vertices, vertex).place;
-      after[k] = vertex == keep || vertex == gone ? place : before[k];
+      if (t.corners[k] == keep || t.corners[k] == gone) after[k] = place;
     }
-    const Point3 old_normal =
-        cross(difference(before[1], before[0]), difference(before[2], before[0]));
-    const Point3 normal = cross(difference(after[1], after[0]), difference(after[2], after[0]));
-    const double squared = squared_length(normal);
-    const double cosine = dot(old_normal, normal);
-    const double longest = std::max({squared_length(difference(after[1], after[0])),
-                                     squared_length(difference(after[2], after[1])),
-                                     squared_length(difference(after[0], after[2]))});
-    if (cosine <= 0 || squared < kSliver * longest * longest) return false;
-    if (cosine * cosine <
-        kSmallestCosine * kSmallestCosine * squared_length(old_normal) * squared) {
-      return false;
-    }
-    renewed_.push_back({after, scaled(normal, 1 / std::sqrt(squared))});
+    const std::optional<Point3> normal = rule.renewed(before, after, around);
+    if (!normal) return false;
+    renewed_.push_back({after, *normal});
   }
   return true;
 }

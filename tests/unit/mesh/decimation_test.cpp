@@ -5,11 +5,13 @@
 
 #include <cmath>
 #include <limits>
+#include <string>
 
 #include "octavo/core/error.h"
 #include "octavo/mesh/certificate.h"
 #include "octavo/mesh/extraction.h"
 #include "octavo/mesh/mesh_check.h"
+#include "octavo/mesh/octree_decimation/octree_decimation.h"
 #include "octavo/mesh/point_distance.h"
 #include "octavo/mesh/triangle_tree.h"
 #include "support/built_file.h"
@@ -22,29 +24,36 @@ namespace {
 class Bodies : public ::testing::Test {
  protected:
   void SetUp() override {
-    const Size3 size = {72, 40, 40};
+    const double c = std::cos(0.3);
+    const double s = std::sin(0.3);
+    extract({72, 40, 40}, {{-300, 120, 900}, {0.5, 0.75, 1}, {c, -s, 0, s, c, 0, 0, 0, 1}},
+            value_at);
+    options_.max_deviation_mm = 0.25;
+  }
+
+  /// Makes the surface at 0 the one that is reduced.
+  template <class Value>
+  void extract(const Size3& size, const Geometry& geometry, Value value) {
     testing::Volume volume;
     volume.description.size = size;
     volume.description.type = VoxelType::int16;
-    Geometry& geometry = volume.description.geometry;
-    const double c = std::cos(0.3);
-    const double s = std::sin(0.3);
-    geometry = {{-300, 120, 900}, {0.5, 0.75, 1}, {c, -s, 0, s, c, 0, 0, 0, 1}};
+    volume.description.geometry = geometry;
     std::vector<std::int16_t> voxels;
     for (std::int64_t z = 0; z < size.z; ++z) {
       for (std::int64_t y = 0; y < size.y; ++y) {
-        for (std::int64_t x = 0; x < size.x; ++x) voxels.push_back(value_at(x, y, z));
+        for (std::int64_t x = 0; x < size.x; ++x) voxels.push_back(value(x, y, z));
       }
     }
     const auto* bytes = reinterpret_cast<const std::byte*>(voxels.data());
     volume.voxels.assign(bytes, bytes + voxels.size() * sizeof(std::int16_t));
-    testing::build_volume(volume, folder_.file("v.8vo"), 1);
-    const auto reader = testing::open_file(folder_.file("v.8vo"));
+    const std::string path = folder_.file(std::to_string(size.x) + ".8vo");
+    testing::build_volume(volume, path, 1);
+    const auto reader = testing::open_file(path);
     MeshCollector collector;
     extract_surface(*reader, 0, SurfaceField::of_grey(0, false, VoxelType::int16), collector,
                     progress_);
     full_ = collector.take();
-    options_ = {0.25, geometry};
+    options_.geometry = geometry;
   }
 
   static std::int16_t value_at(std::int64_t x, std::int64_t y, std::int64_t z) {
@@ -96,6 +105,25 @@ TEST_F(Bodies, KeepTheirTopologyWithinTheDeviation) {
   EXPECT_LE(largest_distance(reduced.mesh, full_), options_.max_deviation_mm);
   EXPECT_NEAR(measure_mesh(reduced.mesh).volume_mm3, measure_mesh(full_).volume_mm3,
               0.03 * measure_mesh(full_).volume_mm3);
+}
+
+// As where distances are 0 at the surface: its points lie near one another at grid points.
+TEST_F(Bodies, HaveFewTrianglesWhereTheyPassThroughGridPoints) {
+  extract({44, 40, 38}, {}, [](std::int64_t x, std::int64_t y, std::int64_t z) {
+    const double from = std::hypot(static_cast<double>(x) - 22, static_cast<double>(y) - 20,
+                                   static_cast<double>(z) - 18);
+    return static_cast<std::int16_t>(1000 * (15 - from));
+  });
+  options_.max_deviation_mm = 0.5;
+  for (const auto reduce : {decimate, decimate_by_cells}) {
+    const Decimated reduced = reduce(full_, options_, progress_);
+    EXPECT_LT(reduced.mesh.triangles.size(), full_.triangles.size() * 6 / 100);
+    EXPECT_TRUE(check_mesh(reduced.mesh).is_closed());
+    EXPECT_EQ(check_mesh(reduced.mesh).euler_number, 2);
+    EXPECT_EQ(reduced.crossing_triangles, 0u);
+    EXPECT_LE(largest_distance(full_, reduced.mesh), options_.max_deviation_mm);
+    EXPECT_LE(largest_distance(reduced.mesh, full_), options_.max_deviation_mm);
+  }
 }
 
 TEST_F(Bodies, HaveFewerTrianglesWhereMoreDeviationIsAllowed) {

@@ -13,6 +13,7 @@
 
 #include "octavo/core/vectors.h"
 #include "octavo/mesh/point_distance.h"
+#include "octavo/mesh/triangle_shape.h"
 
 namespace octavo {
 
@@ -154,27 +155,22 @@ class CellMerger {
   }
 
   bool keeps_shapes() {
-    constexpr double kSmallestCosine = 0.2;
-    constexpr double kSliver = 1e-4;
-    for (NewTriangle& t : renewed_) {
+    const ShapeRule rule(rules_.tolerance);
+    const auto places_before = [&](const NewTriangle& t) {
       const MeshTriangle& corners = surface_.triangles[t.number];
-      TrianglePlaces before;
-      for (std::size_t k = 0; k < 3; ++k) before[k] = surface_.places[corners[k]];
-      t.places = {place_, surface_.places[t.a], surface_.places[t.b]};
-      const Point3 old_normal =
-          cross(difference(before[1], before[0]), difference(before[2], before[0]));
-      const Point3 ab = difference(t.places[1], t.places[0]);
-      const Point3 ac = difference(t.places[2], t.places[0]);
-      const Point3 bc = difference(t.places[2], t.places[1]);
-      const Point3 normal = cross(ab, ac);
-      const double squared = dot(normal, normal);
-      const double cosine = dot(old_normal, normal);
-      const double longest = std::max({dot(ab, ab), dot(ac, ac), dot(bc, bc)});
-      if (cosine <= 0 || squared < kSliver * longest * longest) return false;
-      if (cosine * cosine <
-          kSmallestCosine * kSmallestCosine * dot(old_normal, old_normal) * squared) {
-        return false;
+      return TrianglePlaces{surface_.places[corners[0]], surface_.places[corners[1]],
+                            surface_.places[corners[2]]};
+    };
+    const auto around = [&] {
+      Point3 normal = {0, 0, 0};
+      for (const NewTriangle& t : renewed_) {
+        normal = sum(normal, TriangleShape(places_before(t)).normal);
       }
+      return normal;
+    };
+    for (NewTriangle& t : renewed_) {
+      t.places = {place_, surface_.places[t.a], surface_.places[t.b]};
+      if (!rule.renewed(places_before(t), t.places, around)) return false;
     }
     return true;
   }
