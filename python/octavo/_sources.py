@@ -3,6 +3,7 @@
 import concurrent.futures
 import os
 import threading
+import urllib.parse
 
 from . import _octavo
 from ._errors import ArgumentError, StorageError
@@ -21,6 +22,13 @@ def source_of(place):
     return _Url(place) if "://" in place else _Path(place)
 
 
+def without_secrets(url):
+    """The URL without user, password and query, as it may stand in messages."""
+    parts = urllib.parse.urlsplit(url)
+    place = parts.netloc.rpartition("@")[2]
+    return urllib.parse.urlunsplit((parts.scheme, place, parts.path, "", ""))
+
+
 def require_name(path):
     """Raises ArgumentError for names that the library cannot pass on whole."""
     if "\0" in path:
@@ -36,6 +44,9 @@ class _Path:
     def __init__(self, path):
         self.name = path
 
+    def forget(self):
+        """Nothing is kept."""
+
     def open(self, cache_bytes):
         return _octavo.OpenFile(self.name, cache_bytes)
 
@@ -45,6 +56,9 @@ class _Bytes:
 
     def __init__(self, held):
         self._held = held
+
+    def forget(self):
+        """Nothing is kept."""
 
     def open(self, cache_bytes):
         held = self._held
@@ -59,8 +73,17 @@ class _Url:
     _BLOCK = 1 << 16
     _BLOCKS_KEPT = 512
 
+    _SILENT_SECONDS = 60  # that a server may be
+
     def __init__(self, url):
-        self.name = url
+        self._url = url
+        self._blocks = None
+        self.name = without_secrets(url)
+
+    def forget(self):
+        """Fetches everything anew from now on: some of it was not as it should be."""
+        if self._blocks is not None:
+            self._blocks.forget()
 
     def open(self, cache_bytes):
         try:
@@ -69,20 +92,49 @@ class _Url:
             raise ArgumentError(f"{self.name}: URLs are read through fsspec, which is not "
                                 "installed (pip install fsspec aiohttp)") from None
         try:
-            files, path = fsspec.core.url_to_fs(self.name)
+            files, path = fsspec.core.url_to_fs(self._url, **self._options())
             size = files.size(path)
-        except FileNotFoundError as error:
-            raise StorageError(f"{self.name}: is not there", path=self.name) from error
         except (ImportError, ValueError) as error:
-            raise ArgumentError(f"{self.name}: {error}", path=self.name) from error
+            raise ArgumentError(f"{self.name}: {self._words_of(error)}",
+                                path=self.name) from None
         except Exception as error:
-            raise StorageError(f"{self.name}: {error}", path=self.name) from error
+            raise StorageError(f"{self.name}: {self._words_of(error)}",
+                               path=self.name) from None
         if size is None:
             raise StorageError(f"{self.name}: the server does not tell the length of the file",
                                path=self.name)
-        blocks = _Blocks(lambda a, b: files.cat_file(path, start=a, end=b), size, self._BLOCK,
-                         self._BLOCKS_KEPT)
-        return _octavo.OpenFile(blocks.read, size, self.name, cache_bytes)
+
+        def fetch(start, stop):
+            try:
+                return files.cat_file(path, start=start, end=stop)
+            except Exception as error:
+                raise OSError(self._words_of(error)) from None
+
+        self._blocks = _Blocks(fetch, size, self._BLOCK, self._BLOCKS_KEPT)
+        return _octavo.OpenFile(self._blocks.read, size, self.name, cache_bytes)
+
+    def _options(self):
+        if not self._url.startswith(("http://", "https://")):
+            return {}
+        try:
+            import aiohttp
+        except ImportError:
+            return {}
+        silent = aiohttp.ClientTimeout(total=None, sock_connect=self._SILENT_SECONDS,
+                                       sock_read=self._SILENT_SECONDS)
+        return {"client_kwargs": {"timeout": silent}}
+
+    def _words_of(self, error):
+        """Why fetching failed, without the secrets of the URL."""
+        # Whatever a server answers, fsspec says that the file is not found.
+        reason = error.__cause__ if isinstance(error, FileNotFoundError) else error
+        status = getattr(reason, "status", None)
+        if isinstance(error, FileNotFoundError) and (reason is None or status in (404, 410)):
+            return "is not there"
+        if status:
+            return f"the server answered {status}"
+        words = str(reason).replace(self._url, self.name).strip()
+        return words or f"the server did not answer ({type(reason).__name__})"
 
 
 class _Blocks:
@@ -110,6 +162,10 @@ class _Blocks:
             raise
         joined = b"".join(future.result() for future in found)
         return joined[at - first * self._block:at - first * self._block + length]
+
+    def forget(self):
+        with self._lock:
+            self._blocks = {n: future for n, future in self._blocks.items() if not future.done()}
 
     def _claim(self, first, last):
         """The futures of blocks, and those among them that the caller has to fetch, in runs."""

@@ -8,7 +8,7 @@ import warnings
 
 import numpy as np
 
-from ._errors import ArgumentError, StorageError
+from ._errors import ArgumentError, CorruptError, StorageError
 from ._indexing import Selection, boxes_of
 from ._sources import source_of
 
@@ -447,8 +447,12 @@ class _File:
 
     def read(self, start, stop, level, out, threads):
         handle = self._opened()
-        handle.read(tuple(map(int, start)), tuple(map(int, stop)), level, out,
-                    1 if self._only_thread else int(threads))
+        try:
+            handle.read(tuple(map(int, start)), tuple(map(int, stop)), level, out,
+                        1 if self._only_thread else int(threads))
+        except CorruptError:
+            self._source.forget()
+            raise
 
     def read_brick_ranges(self, low, high):
         self._opened().read_brick_ranges(low, high)

@@ -27,6 +27,8 @@ class RangedFiles(http.server.SimpleHTTPRequestHandler):
 
     sent = 0
     has_ranges = True
+    status = None  # that every answer has
+    flips = 0      # answers of more than this many bytes have a wrong one; 0: none has
 
     def log_message(self, *_):
         pass
@@ -38,9 +40,12 @@ class RangedFiles(http.server.SimpleHTTPRequestHandler):
         self.answer(True)
 
     def answer(self, has_body):
-        file = pathlib.Path(self.directory, self.path.lstrip("/"))
+        file = pathlib.Path(self.directory, self.path.partition("?")[0].lstrip("/"))
         if not file.exists():
             self.send_error(404)
+            return
+        if self.status:
+            self.send_error(self.status)
             return
         held = file.read_bytes()
         asked = re.fullmatch(r"bytes=(\d+)-(\d+)", self.headers.get("Range", ""))
@@ -58,6 +63,8 @@ class RangedFiles(http.server.SimpleHTTPRequestHandler):
         self.end_headers()
         if has_body:
             type(self).sent += len(part)
+            if self.flips and len(part) > self.flips:
+                part = part[:self.flips] + bytes([part[self.flips] ^ 1]) + part[self.flips + 1:]
             self.wfile.write(part)
 
 
@@ -88,6 +95,46 @@ def test_a_url_that_is_not_there_says_so(served):
         octavo.open(f"{root}/none.8vo")
     with pytest.raises(octavo.Error, match="nosuch"):
         octavo.open("nosuch://a/b.8vo")
+
+
+def test_a_server_that_refuses_says_why(served):
+    pytest.importorskip("aiohttp")
+    handler, root = served
+    for status in (403, 500):
+        handler.status = status
+        with pytest.raises(octavo.StorageError, match=f"the server answered {status}"):
+            octavo.open(f"{root}/scan.8vo")
+    with pytest.raises(octavo.StorageError, match="onnect"):
+        octavo.open("http://127.0.0.1:1/scan.8vo")
+
+
+def test_secrets_of_urls_are_never_seen(served, voxels):
+    pytest.importorskip("aiohttp")
+    handler, root = served
+    volume = octavo.open(f"{root}/scan.8vo?sig=hunter2")
+    assert np.array_equal(volume[3], voxels[3])
+    assert np.array_equal(pickle.loads(pickle.dumps(volume))[3], voxels[3])
+    said = [repr(volume), repr(volume.levels[1]), volume.name]
+    handler.status = 500
+    for place in (f"{root}/scan.8vo?sig=hunter2", f"{root}/none.8vo?sig=hunter2"):
+        with pytest.raises(octavo.StorageError) as caught:
+            octavo.open(place)
+        said.append(str(caught.value) + str(caught.value.path))
+    with pytest.raises(octavo.StorageError) as caught:
+        volume[100]
+    said.append(str(caught.value))
+    assert not [text for text in said if "hunter2" in text]
+
+
+def test_bytes_that_came_damaged_are_fetched_again(served, voxels):
+    pytest.importorskip("aiohttp")
+    handler, root = served
+    volume = octavo.open(f"{root}/scan.8vo")
+    handler.flips = 40000
+    with pytest.raises(octavo.CorruptError):
+        volume[...]
+    handler.flips = 0
+    assert np.array_equal(volume[...], voxels)
 
 
 def test_a_server_without_ranges_is_named(served):
