@@ -39,6 +39,9 @@ class Call final : public Progress {
   void begin(std::string_view what, std::int64_t total, std::string_view unit) override;
   void advance(std::int64_t units) override;
   void end() override;
+  /// Ends this call with the exception that is being handled, which run() throws then.
+  /// Requires the GIL, and the thread of the call
+  void end_with_raised() const noexcept { keep_failure(); }
   /// True from when a signal handler or `on_progress` raised on.
   bool is_cancelled() const override;
 

@@ -49,7 +49,9 @@ class PythonBytes final : public ByteSource {
       }
       std::memcpy(out.data(), bytes.data(), out.size());
     } catch (const nb::python_error& error) {
-      if (error.matches(PyExc_KeyboardInterrupt)) {
+      // Ctrl-C and the like are no failure of the file.
+      if (!error.matches(PyExc_Exception)) {
+        if (const Call* const call = current_call()) call->end_with_raised();
         throw Error(ErrorKind::cancelled, "stopped", name_);
       }
       throw Error(ErrorKind::io, escaped(nb::str(error.value()).c_str()), name_, offset);

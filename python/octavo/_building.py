@@ -11,7 +11,7 @@ import numpy as np
 from . import _octavo
 from ._errors import ArgumentError, Error, SourceError, StorageError
 from ._sources import require_name
-from ._volume import View, Volume, whole_number
+from ._volume import MOST_THREADS, View, Volume, whole_number
 
 _BLOCK_BYTES = 64 << 20
 
@@ -338,7 +338,7 @@ def _given(preset, access, max_error, keep_details, nan, inf, thumbnail, overwri
     if overwrite and resume:
         raise ArgumentError("overwrite starts anew, resume goes on: give one of them")
     keep_details = whole_number(keep_details, "keep_details", 0, 31)
-    threads = whole_number(threads, "threads", 0, 1 << 16)
+    threads = whole_number(threads, "threads", 0, MOST_THREADS)
     max_memory = whole_number(max_memory, "max_memory", 0)
     return dict(preset=preset, access=access, max_error=float(max_error),
                 keep_details=keep_details, nan=nan, inf=inf, thumbnail=bool(thumbnail),

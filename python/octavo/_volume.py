@@ -13,6 +13,7 @@ from ._indexing import Selection, boxes_of
 from ._sources import source_of
 
 DEFAULT_CACHE_BYTES = 256 << 20
+MOST_THREADS = 1 << 10
 
 
 class View:
@@ -123,6 +124,7 @@ class View:
         octavo.CorruptError
             Where stored bytes are damaged.
         """
+        threads = whole_number(threads, "threads", 0, MOST_THREADS)
         start, stop = ((0, 0, 0), self.shape) if box is None else map(_whole_numbers, box)
         if not all(0 <= a < b <= n for a, b, n in zip(start, stop, self.shape)):
             raise ArgumentError(f"box {tuple(start)} to {tuple(stop)} is empty or not inside "
@@ -186,7 +188,7 @@ class View:
         return f"<octavo level {self.level}: {size} {self.dtype} of {self._file.name}>"
 
     def __reduce__(self):
-        return (_opened_view, (self.level, *_lasting(self._file.opened)))
+        return (_opened_view, (self.level, *self._file.opened))
 
     def _read_into(self, start, stop, out, threads):
         self._file.read(start, stop, self.level, out, threads)
@@ -384,7 +386,7 @@ class Volume(View):
         self.close()
 
     def __reduce__(self):
-        return (Volume, _lasting(self._file.opened))
+        return (Volume, self._file.opened)
 
     def __repr__(self):
         if self.closed:
@@ -407,7 +409,7 @@ class _File:
 
     def __init__(self, source, cache_bytes):
         self._source = source_of(source)
-        self.opened = (source, cache_bytes)
+        self.opened = _lasting(source), cache_bytes
         self._cache_bytes = whole_number(cache_bytes, "cache_bytes", 0)
         self._only_thread = False
         self._open()
@@ -467,14 +469,13 @@ class _File:
         self._handle = None
 
 
-def _lasting(opened):
-    """What a file was opened from, in a form that holds in other folders."""
-    source, cache_bytes = opened
+def _lasting(source):
+    """What a file is opened from, in a form that holds in other folders."""
     if isinstance(source, os.PathLike):
         source = os.fspath(source)
     if isinstance(source, str) and "://" not in source:
         source = os.path.abspath(source)
-    return source, cache_bytes
+    return source
 
 
 def _opened_view(level, source, cache_bytes):
@@ -502,7 +503,7 @@ def whole_number(given, name, lowest, highest=(1 << 63) - 1):
     except TypeError:
         number = None
     if number is None or not lowest <= number <= highest:
-        raise ArgumentError(f"{name} is a whole number from {lowest} on, not {given!r}")
+        raise ArgumentError(f"{name} is a whole number from {lowest} to {highest}, not {given!r}")
     return number
 
 

@@ -127,6 +127,9 @@ def test_what_does_not_fit_is_not_filled(volume):
     for box in (((0, 0, 0), (131, 1, 1)), ((1, 1, 1), (1, 2, 2)), ((-1, 0, 0), (1, 1, 1))):
         with pytest.raises(octavo.ArgumentError, match="is empty or not inside"):
             volume.read(box)
+    for threads in (-1, 10**9, 1.5):
+        with pytest.raises(octavo.ArgumentError, match="threads is a whole number"):
+            volume.read(((0, 0, 0), (5, 5, 5)), threads=threads)
     with pytest.raises(octavo.ArgumentError, match="level 99 is not there"):
         volume.read(level=99)
 

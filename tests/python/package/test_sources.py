@@ -97,7 +97,7 @@ def test_a_url_that_is_not_there_says_so(served):
         octavo.open("nosuch://a/b.8vo")
 
 
-def test_a_server_that_refuses_says_why(served):
+def test_a_server_that_rejects_says_why(served):
     pytest.importorskip("aiohttp")
     handler, root = served
     for status in (403, 500):
@@ -200,6 +200,29 @@ def test_damage_raises_and_fills_nothing(path, tmp_path):
     for cache_bytes in (-1, 1 << 70, 1.5):
         with pytest.raises(octavo.ArgumentError, match="cache_bytes is a whole number"):
             octavo.open(path, cache_bytes=cache_bytes)
+
+
+def test_what_interrupts_a_fetch_is_what_is_raised(path):
+    from octavo import _octavo
+    held = pathlib.Path(path).read_bytes()
+    is_over = []
+
+    def read_at(at, length):
+        if is_over:
+            raise KeyboardInterrupt
+        return held[at:at + length]
+
+    file = _octavo.OpenFile(read_at, len(held), "a", 1 << 20)
+    is_over.append(True)
+    with pytest.raises(KeyboardInterrupt):
+        file.read((0, 0, 0), (5, 5, 5), 0, np.empty((5, 5, 5), np.int16), 1)
+
+
+def test_a_relative_path_is_that_of_when_it_was_opened(path, voxels, monkeypatch, tmp_path):
+    monkeypatch.chdir(os.path.dirname(path))
+    volume = octavo.open(os.path.basename(path))
+    monkeypatch.chdir(tmp_path)
+    assert np.array_equal(pickle.loads(pickle.dumps(volume))[9], voxels[9])
 
 
 def test_a_volume_pickles_as_its_place(volume, voxels, monkeypatch, tmp_path):
