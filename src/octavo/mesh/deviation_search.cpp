@@ -7,9 +7,6 @@ namespace octavo {
 
 namespace {
 
-constexpr double kGrowth = 2;           // of the sum of deviations with each step
-constexpr double kStalled = 0.99;       // of the triangles of the step before
-constexpr int kMostStalls = 2;          // in a row: pieces and handles allow no fewer
 constexpr int kRefinements = 5;         // between two steps
 constexpr int kByPowerLaw = 2;          // of them; later ones stay nearer to the middle
 constexpr double kNearEnough = 0.98;    // of the limit
@@ -43,7 +40,7 @@ TrialFate DeviationSearch::found(std::uint64_t triangle_count) {
   } else if (!had_best) {
     fate = TrialFate::base;
     const bool is_stalled = static_cast<double>(triangle_count) >
-                            kStalled * static_cast<double>(base_.triangle_count);
+                            kStalledShare * static_cast<double>(base_.triangle_count);
     stalls_ = is_stalled ? stalls_ + 1 : 0;
     base_ = trial;
   } else {
@@ -52,7 +49,7 @@ TrialFate DeviationSearch::found(std::uint64_t triangle_count) {
 
   // Loosen further, or look between
   if (!best_) {
-    tried_ = trial.sum < farthest_ && stalls_ < kMostStalls ? kGrowth * trial.sum : 0;
+    tried_ = trial.sum < farthest_ && stalls_ < kMostStalledSteps ? kLoosening * trial.sum : 0;
     return fate;
   }
   const double low = too_many_ ? too_many_->sum : base_.sum;

@@ -12,6 +12,13 @@
 
 namespace octavo {
 
+/// Growth of the sum of deviations with each step.
+inline constexpr double kLoosening = 2;
+/// A step is stalled that leaves more than this share of the triangles; so many in a row are the
+/// end: pieces and handles allow no fewer.
+inline constexpr double kStalledShare = 0.99;
+inline constexpr int kMostStalledSteps = 2;
+
 /// What becomes of a surface that was tried.
 enum class TrialFate {
   base,    ///< it has too many triangles: the next ones are made from it

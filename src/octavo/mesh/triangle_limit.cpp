@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "octavo/mesh/decimation_frame.h"
+#include "octavo/mesh/decimation_steps.h"
 #include "octavo/mesh/measured_deviation.h"
 #include "octavo/mesh/mesh_pieces.h"
 #include "octavo/mesh/triangle_tree.h"
@@ -14,8 +15,7 @@ namespace octavo {
 
 namespace {
 
-constexpr double kFirstShare = 0.5;      // of the shortest side of a voxel
-constexpr double kMeasuringMargin = 1e-5;  // of it
+constexpr double kMeasuringMargin = 1e-5;  // of the shortest side of a voxel
 
 double diagonal_of(const TriangleMesh& mesh) {
   SpaceBox box;
@@ -27,18 +27,14 @@ double diagonal_of(const TriangleMesh& mesh) {
 
 DeviationSearch search_to(std::uint64_t limit, const TriangleMesh& full,
                           const Geometry& geometry) {
-  return {limit, kFirstShare * shortest_side(geometry), diagonal_of(full)};
+  return {limit, first_step_mm(geometry), diagonal_of(full)};
 }
 
 LimitedSurface decimate_to(const TriangleMesh& full, std::uint64_t limit,
                            const Geometry& geometry, Progress& progress) {
   DeviationSearch search = search_to(limit, full, geometry);
   const auto reduce = [&](const TriangleMesh& base, double deviation) {
-    // Fewer triangles take larger parts, so that as many of their points are free.
-    DecimationOptions options{deviation, geometry};
-    options.part_side *= std::sqrt(static_cast<double>(full.triangles.size()) /
-                                   static_cast<double>(base.triangles.size()));
-    return decimate(base, options, progress).mesh;
+    return decimate_further(base, full.triangles.size(), deviation, geometry, progress).mesh;
   };
   auto found = searched_surface(search, full, reduce,
                                 [](const TriangleMesh& mesh) { return mesh.triangles.size(); });

@@ -6,6 +6,7 @@
 
 #include "octavo/core/error.h"
 #include "octavo/mesh/decimation.h"
+#include "octavo/mesh/decimation_steps.h"
 #include "octavo/mesh/formats/grid_mesh.h"
 #include "octavo/mesh/octree_decimation/octree_decimation.h"
 #include "octavo/mesh/triangle_limit.h"
@@ -41,7 +42,7 @@ std::optional<PointGrid> reduce_mesh(DecimationMethod method, TriangleMesh& mesh
   Decimated reduced;
   std::optional<TriangleMesh> moved;
   context.on_threads([&] {
-    const auto reduce = method == DecimationMethod::cells ? decimate_by_cells : decimate;
+    const auto reduce = method == DecimationMethod::cells ? decimate_by_cells : decimate_in_steps;
     reduced = reduce(mesh, {result.max_deviation_mm, geometry}, context.watcher());
     if (!grid || reduced.crossing_triangles > 0) return;
     moved = mesh_on_grid(reduced.mesh, *grid, context.watcher());
