@@ -22,13 +22,20 @@ const LabelNames& names_in(const LabelSurfacesResult& result) {
 
 std::string faults_text(const LabelSurfacesOptions& options, const LabelSurfacesResult& result) {
   std::string text = options.output.path + ": not written\n";
+  bool are_rounded = false;
   for (const LabelSurface& surface : result.labels) {
     if (surface.is_sound()) continue;
     const MeshCheck& check = surface.check;
     text += fmt::format(
-        "label {}{}: {} open sides, {} repeated ones, {} points where parts touch\n",
+        "label {}{}: {} open sides, {} repeated ones, {} points where parts touch, {} points at "
+        "one place\n",
         surface.label, name_suffix(names_in(result), surface.label), check.open_sides,
-        check.repeated_sides, check.pinched_points);
+        check.repeated_sides, check.pinched_points, check.coincident_points);
+    are_rounded = are_rounded || check.coincident_points > 0;
+  }
+  if (are_rounded) {
+    text += "coordinates are float32: far from 0 their steps are too long to tell points apart; a\n"
+            "volume whose origin is nearer to 0 helps\n";
   }
   return text;
 }

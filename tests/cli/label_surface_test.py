@@ -185,6 +185,24 @@ class LabelSurfaces(cli_test.InFolder):
         self.expect(0, "surface", "l.8vo", "--parts", "--smooth", "off", "-o", "organs", "-q", "-f")
         self.assertNotEqual((self.folder / "organs/Liver_1.stl").read_bytes(), before)
 
+    def test_parts_whose_points_cannot_be_told_apart_are_not_written(self):
+        # Two cubes of one label touch at an edge, far from 0.
+        size = (8, 8, 6)
+        inside = {(x, y, z) for z in range(2, 4) for y in range(1, 4) for x in range(1, 4)}
+        inside |= {(x + 3, y + 3, z) for x, y, z in inside}
+        (self.folder / "edge.raw").write_bytes(bytes(
+            (x, y, z) in inside for z in range(size[2]) for y in range(size[1])
+            for x in range(size[0])))
+        (self.folder / "edge.mhd").write_text(
+            "ObjectType = Image\nNDims = 3\nDimSize = 8 8 6\nElementType = MET_UCHAR\n"
+            "ElementSpacing = 0.01 0.01 0.01\nOffset = 1000 1000 1000\n"
+            "ElementDataFile = edge.raw\n")
+        self.expect(0, "build", "edge.mhd", "--labels", "-o", "edge.8vo", "-q")
+        failure = self.expect(1, "surface", "edge.8vo", "--parts", "-o", "edges", "--smooth", "off",
+                              *ALL)
+        self.assertRegex(failure.stdout + failure.stderr, r"[1-9]\d* points at one place")
+        self.assertFalse((self.folder / "edges").exists())
+
     def test_no_part_replaces_the_volume_that_it_is_of(self):
         (self.folder / "organs").mkdir()
         held = (self.folder / "l.8vo").read_bytes()

@@ -54,7 +54,7 @@ struct LabelSurface {
   double longest_move_mm = 0;   ///< of a point by smoothing
 
   bool is_sound() const {
-    return check.is_closed() && check.repeated_sides == 0 && check.pinched_points == 0;
+    return check.is_closed() && check.is_manifold();
   }
 };
 
