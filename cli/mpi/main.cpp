@@ -1,11 +1,13 @@
 // mpirun octavo-mpi VERB inputs... -o output
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <sstream>
 #include <string>
 #include <string_view>
+#include <thread>
 #include <vector>
 
 #include "common/cancel.h"
@@ -42,6 +44,13 @@ void print_once(const std::string& text) {
   if (!is_other_rank()) print(text);
 }
 
+/// Launchers end a job, and take what its ranks have not yet said for nothing, as soon as one of
+/// them fails: the others leave the first one time to say why.
+int exit_behind_the_first() {
+  std::this_thread::sleep_for(std::chrono::seconds(5));
+  return kExitUsage;
+}
+
 int run_mpi_program(std::vector<std::string> words) {
   install_signal_handlers();
   Context context;
@@ -72,7 +81,7 @@ int run_mpi_program(std::vector<std::string> words) {
     print_once(text.str());
     return kExitDone;
   } catch (const CLI::ParseError& problem) {
-    if (is_other_rank()) return kExitUsage;
+    if (is_other_rank()) return exit_behind_the_first();
     return report_failure(context, std::make_exception_ptr(Error(
                                        ErrorKind::invalid_argument,
                                        std::string(problem.what()) + "; see octavo-mpi --help")));

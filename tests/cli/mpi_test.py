@@ -94,10 +94,10 @@ class ByRanks(cli_test.InFolder):
         super().setUp()
         (self.folder / "scan.raw").write_bytes(VOXELS)
 
-    def start(self, ranks, *arguments):
+    def start(self, ranks, *arguments, program=None):
         return subprocess.Popen(
             ["mpirun", "--oversubscribe", "--allow-run-as-root", "--bind-to", "none",
-             "-n", str(ranks), OCTAVO_MPI, *arguments],
+             "-n", str(ranks), *(program or [OCTAVO_MPI]), *arguments],
             cwd=self.folder, env=environment(), stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
@@ -160,10 +160,13 @@ class BuildByRanks(ByRanks):
         self.assertIn("exists already", error)
         self.assertIn("rank 0 of 3", error)
         self.assertEqual((self.folder / "scan.8vo").read_bytes(), b"somebody's")
-        # One sentence for all ranks.
-        job = self.start(3, "build", "--no-such-option")
-        self.assertEqual(job.communicate()[1].count("octavo: "), 1)
-        self.assertEqual(job.returncode, 2)
+        # One sentence for all ranks, also where the first of them begins last.
+        late = ("sh", "-c", '[ "$OMPI_COMM_WORLD_RANK" != 0 ] || sleep 1; exec "$0" "$@"',
+                OCTAVO_MPI)
+        for program in None, late:
+            job = self.start(3, "build", "--no-such-option", program=program)
+            self.assertEqual(job.communicate()[1].count("octavo: "), 1)
+            self.assertEqual(job.returncode, 2)
 
 
 class PagesOfRanks(cli_test.InFolder):
