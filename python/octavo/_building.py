@@ -11,7 +11,7 @@ import numpy as np
 from . import _octavo
 from ._errors import ArgumentError, Error, SourceError, StorageError
 from ._sources import require_name
-from ._volume import MOST_THREADS, View, Volume, whole_number
+from ._volume import MOST_THREADS, RealView, View, Volume, whole_number
 
 _BLOCK_BYTES = 64 << 20
 
@@ -86,6 +86,12 @@ def build(source, path, *, kind=None, spacing=None, origin=None, direction=None,
         _require_not_own_source(source, path)
         shape, dtype = source.shape, source.dtype
         said = {**_facts_of_view(source), **{k: v for k, v in said.items() if v is not None}}
+    elif isinstance(source, RealView):
+        _require_not_own_source(source, path)
+        shape, dtype = source.shape, source.dtype
+        kept = {**_facts_of_view(source), "kind": None, "slope": None, "intercept": None,
+                "label_names": None}
+        said = {**kept, **{k: v for k, v in said.items() if v is not None}}
     else:
         shape, dtype = _shape_and_type(source)
     facts = _facts(dtype, **said)

@@ -105,6 +105,10 @@ def test_a_level_of_a_volume_is_built_like_an_array(tmp_path, volume):
     built = octavo.build(level, tmp_path / "b.8vo", spacing=(9, 8, 7), slope=3, unit="mm")
     assert (built.spacing, built.slope, built.unit) == ((9, 8, 7), 3, "mm")
     assert (built.origin, built.intercept) == (level.origin, volume.intercept)
+    built = octavo.build(volume.real.levels[2], tmp_path / "c.8vo")
+    assert np.array_equal(built[...], volume.real.levels[2][...])
+    assert (built.spacing, built.origin, built.unit) == (level.spacing, level.origin, volume.unit)
+    assert (built.slope, built.dtype) == (1, np.float32)
     with pytest.raises(octavo.ArgumentError, match="is the volume that is read"):
         octavo.build(volume, volume.name, overwrite=True)
 

@@ -234,6 +234,17 @@ def test_a_volume_pickles_as_its_place(volume, voxels, monkeypatch, tmp_path):
     assert np.array_equal(pickle.loads(there)[9], voxels[9])
 
 
+def test_tokens_of_dask_follow_the_voxels(path, tmp_path, voxels):
+    octavo.build(voxels[:9], tmp_path / "a.8vo")
+    first = octavo.open(tmp_path / "a.8vo")
+    octavo.build(voxels[1:10], tmp_path / "a.8vo", overwrite=True)
+    second = octavo.open(tmp_path / "a.8vo")
+    tokens = [view.__dask_tokenize__() for volume in (first, second)
+              for view in (volume, volume.levels[1], volume.real)]
+    assert len(set(tokens)) == len(tokens)
+    assert octavo.open(tmp_path / "a.8vo").__dask_tokenize__() == tokens[3]
+
+
 def test_many_threads_read_one_volume(volume, voxels):
     with concurrent.futures.ThreadPoolExecutor(8) as pool:
         for z, plane in enumerate(pool.map(volume.__getitem__, range(voxels.shape[0]))):
