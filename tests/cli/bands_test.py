@@ -132,6 +132,12 @@ class SharedGroups(parts_test.InParts):
         self.assertEqual(told.findall(parted), told.findall(whole), parted)
         self.assertEqual(self.bytes_of("parted.8vo"), self.bytes_of("far.8vo"))
 
+    def test_parts_in_two_folders_are_not_called_missing(self):
+        (self.folder / "more").mkdir()
+        told = self.expect(2, "join", "scan.plan", "parts", "more", "--missing")
+        self.assertIn("give one folder that has all parts", told.stderr)
+        self.assertEqual(told.stdout, "")
+
     def test_a_plan_says_how_many_share_a_group(self):
         said = self.expect(0, "plan", *self.raw[:-1], "--bands", "4", "-fo", "scan.plan").stdout
         self.assertIn("12, of which 4 share each group; each needs", said)

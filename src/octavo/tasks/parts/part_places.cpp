@@ -24,10 +24,12 @@ bool is_there_at(const std::string& path) {
 
 PartPlaces places_of(const JoinOptions& options) {
   if (options.parts.empty()) return {folder_of(options.plan), {}};
-  const bool is_folder = options.parts.size() == 1 && local_storage().path_type(
-                                                          options.parts.front()) ==
-                                                          PathType::folder;
-  if (is_folder) return {options.parts.front(), {}};
+  for (const std::string& path : options.parts) {
+    if (local_storage().path_type(path) != PathType::folder) continue;
+    if (options.parts.size() == 1) return {path, {}};
+    throw Error(ErrorKind::invalid_argument,
+                "is a folder: give one folder that has all parts, or the parts themselves", path);
+  }
   return {"", options.parts};
 }
 
