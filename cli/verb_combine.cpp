@@ -53,17 +53,15 @@ CombineOptions options_of(const CombineArguments& arguments, const Context& cont
 int run_combine(const CombineArguments& arguments, Context& context) {
   const CombineOptions options = options_of(arguments, context);
   const CombineResult result = run_task(combine, options, context);
-  if (context.json) {
-    print_json({{"output", arguments.output},
+  print_result(context,
+               {{"output", arguments.output},
                 {"operation", combination_name(options.combination)},
                 {"voxels", result.voxels},
                 {"mm3", optional_json(mm3_of(result.voxels, result.volume))},
                 {"resampled", result.resampled},
-                {"file_bytes", result.file_bytes},
-                {"warnings", context.warnings}});
-  } else if (!context.quiet) {
-    print(fmt::format("{}: {}\n", arguments.output, volume_text(result.voxels, result.volume)));
-  }
+                {"file_bytes", result.file_bytes}},
+               fmt::format("{}: {}\n", arguments.output,
+                           volume_text(result.voxels, result.volume)));
   return kExitDone;
 }
 

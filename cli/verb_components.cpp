@@ -13,6 +13,8 @@
 #include "octavo/tasks/components.h"
 #include "octavo/tasks/components/components_in_parts.h"
 #include "octavo/tasks/volume_facts.h"
+#include "text/quantities.h"
+#include "text/volume_json.h"
 #include "verbs.h"
 
 namespace octavo::cli {
@@ -63,16 +65,14 @@ ComponentsOptions options_of(const ComponentsArguments& arguments, const Context
 }
 
 nlohmann::ordered_json report_json(const ComponentsArguments& arguments,
-                                   const ComponentsResult& result, const Context& context) {
+                                   const ComponentsResult& result) {
   nlohmann::ordered_json objects = nlohmann::ordered_json::array();
   for (const ComponentRow& row : result.rows) {
-    const Box& box = row.box;
     objects.push_back({{"label", row.label},
                        {"voxels", row.voxels},
                        {"mm3", optional_json(row.mm3)},
                        {"centroid_mm", nullptr},
-                       {"box",
-                        {{box.lo.x, box.hi.x}, {box.lo.y, box.hi.y}, {box.lo.z, box.hi.z}}}});
+                       {"box", box_json(row.box)}});
     if (row.centroid_mm) objects.back()["centroid_mm"] = *row.centroid_mm;
   }
   nlohmann::ordered_json report = {
@@ -81,15 +81,13 @@ nlohmann::ordered_json report_json(const ComponentsArguments& arguments,
     report["output"] = arguments.output;
     report["file_bytes"] = result.file_bytes;
   }
-  report["warnings"] = context.warnings;
   return report;
 }
 
 std::string table_text(const ComponentsArguments& arguments, const ComponentsResult& result) {
   std::string text =
       fmt::format("{}: {}, {} kept{}\n", public_name(arguments.input),
-                  counted_text(static_cast<std::int64_t>(result.found), "component"),
-                  count_text(static_cast<std::int64_t>(result.kept)),
+                  count_of(result.found, "component"), count_of(result.kept),
                   arguments.output.empty() ? "" : " in " + arguments.output);
   if (!result.rows.empty()) {
     text += fmt::format("{:>7} {:>14} {:>14}  {:<26} {}\n", "label", "voxels", "mm3",
@@ -98,17 +96,14 @@ std::string table_text(const ComponentsArguments& arguments, const ComponentsRes
   }
   for (const ComponentRow& row : result.rows) {
     const Point3 center = row.centroid_mm.value_or(row.centroid);
-    text += fmt::format("{:>7} {:>14} {:>14}  {:<26} {}:{},{}:{},{}:{}\n", row.label,
-                        count_text(static_cast<std::int64_t>(row.voxels)),
+    text += fmt::format("{:>7} {:>14} {:>14}  {:<26} {}\n", row.label, count_of(row.voxels),
                         row.mm3 ? fmt::format("{:.2f}", *row.mm3) : "-",
                         fmt::format("{:.1f}, {:.1f}, {:.1f}", center[0], center[1], center[2]),
-                        row.box.lo.x, row.box.hi.x, row.box.lo.y, row.box.hi.y, row.box.lo.z,
-                        row.box.hi.z);
+                        box_text(row.box));
   }
   const std::size_t left = result.kept - result.rows.size();
   if (left == 0) return text;
-  return text + fmt::format("... {} more; --rows {} shows all\n",
-                            count_text(static_cast<std::int64_t>(left)), result.kept);
+  return text + fmt::format("... {} more; --rows {} shows all\n", count_of(left), result.kept);
 }
 
 int run_components_part(const ComponentsArguments& arguments, Context& context) {
@@ -118,16 +113,8 @@ int run_components_part(const ComponentsArguments& arguments, Context& context) 
                                          static_cast<Connectivity>(arguments.connectivity),
                                          part_of(parts), part_output(parts, context)};
   const std::size_t found = run_task(components_of_part, options, context);
-  if (context.json) {
-    print_json({{"output", arguments.output},
-                {"part", {options.part.number, options.part.count}},
-                {"components", found},
-                {"warnings", context.warnings}});
-  } else if (!context.quiet) {
-    print(fmt::format("{}: part {} of {}: {}\n", arguments.output, options.part.number,
-                      options.part.count,
-                      counted_text(static_cast<std::int64_t>(found), "component")));
-  }
+  print_part_result(context, options.output, options.part, {{"components", found}},
+                    count_of(found, "component"));
   return kExitDone;
 }
 
@@ -138,17 +125,14 @@ int run_numbered(const ComponentsArguments& arguments, Context& context) {
   const LabelComponentsOptions options = {arguments.input, arguments.numbers,
                                           {arguments.output, context.force}};
   const LabeledComponents result = run_task(label_components, options, context);
-  if (context.json) {
-    print_json({{"components", result.found},
+  print_result(context,
+               {{"components", result.found},
                 {"kept", result.kept},
                 {"output", arguments.output},
-                {"file_bytes", result.file_bytes},
-                {"warnings", context.warnings}});
-  } else if (!context.quiet) {
-    print(fmt::format("{}: {}, {} kept in {}\n", public_name(arguments.input),
-                      counted_text(static_cast<std::int64_t>(result.found), "component"),
-                      count_text(static_cast<std::int64_t>(result.kept)), arguments.output));
-  }
+                {"file_bytes", result.file_bytes}},
+               fmt::format("{}: {}, {} kept in {}\n", public_name(arguments.input),
+                           count_of(result.found, "component"), count_of(result.kept),
+                           arguments.output));
   return kExitDone;
 }
 
@@ -162,8 +146,10 @@ int run_components(const ComponentsArguments& arguments, Context& context) {
   if (!arguments.parts.part.empty()) return run_components_part(arguments, context);
   if (!arguments.numbers.empty()) return run_numbered(arguments, context);
   const ComponentsResult result = found_components(arguments, context);
-  if (context.json) print_json(report_json(arguments, result, context));
-  else if (!context.quiet) print(table_text(arguments, result));
+  // One of them alone, since there may be millions of rows.
+  print_result(context,
+               context.json ? report_json(arguments, result) : nlohmann::ordered_json::object(),
+               context.json ? "" : table_text(arguments, result));
   return kExitDone;
 }
 

@@ -11,6 +11,7 @@
 #include "common/task_run.h"
 #include "octavo/tasks/files/export_part.h"
 #include "text/quantities.h"
+#include "text/volume_json.h"
 #include "verbs.h"
 
 namespace octavo::cli {
@@ -66,17 +67,14 @@ ExportPartOptions options_of(const ExportArguments& arguments, const Context& co
   return options;
 }
 
-nlohmann::ordered_json result_json(const ExportPartResult& result, int level,
-                                   const Context& context) {
-  const Box& box = result.box;
+nlohmann::ordered_json result_json(const ExportPartResult& result, int level) {
   return {{"files", result.written.files},
           {"level", level},
-          {"box", {{box.lo.x, box.hi.x}, {box.lo.y, box.hi.y}, {box.lo.z, box.hi.z}}},
+          {"box", box_json(result.box)},
           {"type", voxel_type_name(result.written.type)},
           {"values", result.written.real_units ? "real" : "stored"},
           {"bytes", result.written.bytes},
-          {"salvaged", salvaged_json(result.salvaged)},
-          {"warnings", context.warnings}};
+          {"salvaged", salvaged_json(result.salvaged)}};
 }
 
 std::string result_text(const ExportResult& result, const Box& box, int level) {
@@ -92,8 +90,8 @@ std::string result_text(const ExportResult& result, const Box& box, int level) {
 
 int run_export(const ExportArguments& arguments, Context& context) {
   const ExportPartResult result = run_task(export_part, options_of(arguments, context), context);
-  if (context.json) print_json(result_json(result, arguments.level, context));
-  else if (!context.quiet) print(result_text(result.written, result.box, arguments.level));
+  print_result(context, result_json(result, arguments.level),
+               result_text(result.written, result.box, arguments.level));
   return kExitDone;
 }
 

@@ -11,6 +11,7 @@
 #include "octavo/core/text.h"
 #include "octavo/tasks/fill_holes.h"
 #include "octavo/tasks/volume_facts.h"
+#include "text/quantities.h"
 #include "verbs.h"
 
 namespace octavo::cli {
@@ -40,11 +41,9 @@ std::string holes_text(const FillHolesResult& result) {
   const std::string left =
       result.larger_hole_count == 0
           ? ""
-          : fmt::format("; {} larger left",
-                        count_text(static_cast<std::int64_t>(result.larger_hole_count)));
+          : fmt::format("; {} larger left", count_of(result.larger_hole_count));
   if (result.hole_count == 0) return "no holes filled" + left;
-  return fmt::format("{} filled ({}){}",
-                     counted_text(static_cast<std::int64_t>(result.hole_count), "hole"),
+  return fmt::format("{} filled ({}){}", count_of(result.hole_count, "hole"),
                      volume_text(result.hole_voxels, result.volume), left);
 }
 
@@ -55,8 +54,8 @@ int run_fill_holes(const FillHolesArguments& arguments, Context& context) {
   options.connectivity = static_cast<Connectivity>(arguments.connectivity);
   options.max_mm3 = arguments.max_mm3;
   const FillHolesResult result = run_task(fill_holes, options, context);
-  if (context.json) {
-    print_json({{"output", arguments.output},
+  print_result(context,
+               {{"output", arguments.output},
                 {"operation", "fill-holes"},
                 {"voxels", result.voxels},
                 {"mm3", optional_json(mm3_of(result.voxels, result.volume))},
@@ -64,12 +63,9 @@ int run_fill_holes(const FillHolesArguments& arguments, Context& context) {
                 {"hole_voxels", result.hole_voxels},
                 {"hole_mm3", optional_json(mm3_of(result.hole_voxels, result.volume))},
                 {"larger_holes", result.larger_hole_count},
-                {"file_bytes", result.file_bytes},
-                {"warnings", context.warnings}});
-  } else if (!context.quiet) {
-    print(fmt::format("{}: {}; {}\n", escaped(arguments.output),
-                      volume_text(result.voxels, result.volume), holes_text(result)));
-  }
+                {"file_bytes", result.file_bytes}},
+               fmt::format("{}: {}; {}\n", escaped(arguments.output),
+                           volume_text(result.voxels, result.volume), holes_text(result)));
   return kExitDone;
 }
 

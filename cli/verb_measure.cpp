@@ -13,6 +13,7 @@
 #include "octavo/tasks/measure.h"
 #include "text/label_words.h"
 #include "text/quantities.h"
+#include "text/volume_json.h"
 #include "verbs.h"
 
 namespace octavo::cli {
@@ -58,7 +59,7 @@ nlohmann::ordered_json row_json(const MeasuredRegion& row, const MeasureResult& 
       {"mm3", if_in_mm(in_mm.mm3)},
       {"surface_voxels", r.surface_voxel_count},
       {"centroid_mm", if_in_mm(in_mm.centroid)},
-      {"box", {{r.box.lo.x, r.box.hi.x}, {r.box.lo.y, r.box.hi.y}, {r.box.lo.z, r.box.hi.z}}},
+      {"box", box_json(r.box)},
       {"principal_moments_mm2", if_in_mm(in_mm.axes.moments_mm2)},
       {"principal_axes", if_in_mm(in_mm.axes.axes)}};
   if (!r.grey) return object;
@@ -156,8 +157,7 @@ std::string row_text(const MeasuredRegion& row, const std::string& name,
         fmt::format("{:.2f}, {:.2f}, {:.2f}", std::sqrt(m[0]), std::sqrt(m[1]), std::sqrt(m[2]));
   }
   std::string text = fmt::format("{:>10}{} {:>14} {:>14} {:>12}  {:<26} {:<24}", r.label, name,
-                                 count_text(static_cast<std::int64_t>(r.voxel_count)), mm3,
-                                 count_text(static_cast<std::int64_t>(r.surface_voxel_count)),
+                                 count_of(r.voxel_count), mm3, count_of(r.surface_voxel_count),
                                  centroid, deviations);
   if (!r.grey) return text + "\n";
   text += fmt::format(" {:>10.2f} {:>9.2f} {:>9} {:>9}", r.grey->mean, r.grey->deviation,
@@ -198,16 +198,8 @@ int run_measure_part(const MeasureArguments& arguments, Context& context) {
   const MeasurePartOptions options = {options_of(arguments), part_of(arguments.parts),
                                       part_output(arguments.parts, context)};
   const std::size_t regions = run_task(measure_volume_part, options, context);
-  if (context.json) {
-    print_json({{"output", options.output.path},
-                {"part", {options.part.number, options.part.count}},
-                {"regions", regions},
-                {"warnings", context.warnings}});
-  } else if (!context.quiet) {
-    print(fmt::format("{}: part {} of {}: {}\n", options.output.path, options.part.number,
-                      options.part.count,
-                      counted_text(static_cast<std::int64_t>(regions), "region")));
-  }
+  print_part_result(context, options.output, options.part, {{"regions", regions}},
+                    count_of(regions, "region"));
   return kExitDone;
 }
 

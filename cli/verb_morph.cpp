@@ -92,19 +92,16 @@ MorphOptions options_of(Morphology morphology, const MorphArguments& arguments,
 int run_morph(Morphology morphology, const MorphArguments& arguments, Context& context) {
   const MorphOptions options = options_of(morphology, arguments, context);
   const MorphResult result = run_task(morph, options, context);
-  if (context.json) {
-    print_json({{"output", arguments.output},
+  print_result(context,
+               {{"output", arguments.output},
                 {"operation", morphology_name(morphology)},
                 {"voxels", result.voxels},
                 {"mm3", optional_json(mm3_of(result.voxels, result.volume))},
                 {"voxels_before", result.voxels_before},
-                {"file_bytes", result.file_bytes},
-                {"warnings", context.warnings}});
-  } else if (!context.quiet) {
-    print(fmt::format("{}: {} (before: {})\n", escaped(arguments.output),
-                      volume_text(result.voxels, result.volume),
-                      volume_text(result.voxels_before, result.volume)));
-  }
+                {"file_bytes", result.file_bytes}},
+               fmt::format("{}: {} (before: {})\n", escaped(arguments.output),
+                           volume_text(result.voxels, result.volume),
+                           volume_text(result.voxels_before, result.volume)));
   return kExitDone;
 }
 

@@ -90,12 +90,9 @@ PhantomOptions phantom_options(const PhantomArguments& arguments) {
 
 void print_planes(const PlaneWriteResult& result, const VolumeDescription& volume,
                   const Context& context) {
-  if (context.json) {
-    print_json({{"files", result.files}, {"bytes", result.bytes}, {"warnings", context.warnings}});
-  } else if (!context.quiet) {
-    print(fmt::format("{}: {} {}, {}\n", result.files.front(), size_text(volume.size),
-                      voxel_type_name(volume.type), bytes_text(result.bytes)));
-  }
+  print_result(context, {{"files", result.files}, {"bytes", result.bytes}},
+               fmt::format("{}: {} {}, {}\n", result.files.front(), size_text(volume.size),
+                           voxel_type_name(volume.type), bytes_text(result.bytes)));
 }
 
 int run_phantom(const PhantomArguments& arguments, Context& context) {

@@ -87,8 +87,7 @@ std::string flips_text(const BitRepairResult& result) {
     places += fmt::format("{}{}", i == 0 ? "" : ", ", result.flips[i].byte);
   }
   if (result.flips.size() > kNamed) places += ", ...";
-  return fmt::format("{} turned back (byte {}); ",
-                     counted_text(static_cast<std::int64_t>(result.flips.size()), "flipped bit"),
+  return fmt::format("{} turned back (byte {}); ", count_of(result.flips.size(), "flipped bit"),
                      places);
 }
 
@@ -96,8 +95,7 @@ std::string repair_text(const RepairArguments& arguments, const BitRepairResult&
   std::string text = arguments.output + ": " + flips_text(result);
   if (result.has_new_trailer) text += "trailer made anew; ";
   if (result.dropped_bytes > 0) {
-    text += fmt::format("{} behind its end left out; ",
-                        counted_text(static_cast<std::int64_t>(result.dropped_bytes), "byte"));
+    text += fmt::format("{} behind its end left out; ", count_of(result.dropped_bytes, "byte"));
   }
   return text + "every checksum matches\n";
 }

@@ -30,8 +30,7 @@ struct ShellArguments {
   std::string output;
 };
 
-nlohmann::ordered_json report_json(const ShellArguments& arguments, const ShellResult& result,
-                                   const Context& context) {
+nlohmann::ordered_json report_json(const ShellArguments& arguments, const ShellResult& result) {
   nlohmann::ordered_json report = {{"leaves", result.leaves},
                                    {"kept", result.kept},
                                    {"removed", result.leaves - result.kept},
@@ -41,7 +40,6 @@ nlohmann::ordered_json report_json(const ShellArguments& arguments, const ShellR
     report["output"] = arguments.output;
     report["file_bytes"] = result.file_bytes;
   }
-  report["warnings"] = context.warnings;
   return report;
 }
 
@@ -50,15 +48,13 @@ int run_shell(const ShellArguments& arguments, Context& context) {
   options.input = arguments.input;
   if (!arguments.output.empty()) options.output = {arguments.output, context.force};
   const ShellResult result = run_task(shell, options, context);
-  if (context.json) {
-    print_json(report_json(arguments, result, context));
-  } else if (!context.quiet) {
-    print(fmt::format("{}: {} of {} leaves lie at the surface, {} removed; {}\n",
-                      arguments.output.empty() ? public_name(arguments.input) : arguments.output,
-                      count_text(result.kept), count_text(result.leaves),
-                      count_text(result.leaves - result.kept),
-                      volume_text(result.voxels, result.volume)));
-  }
+  print_result(
+      context, report_json(arguments, result),
+      fmt::format("{}: {} of {} leaves lie at the surface, {} removed; {}\n",
+                  arguments.output.empty() ? public_name(arguments.input) : arguments.output,
+                  count_text(result.kept), count_text(result.leaves),
+                  count_text(result.leaves - result.kept),
+                  volume_text(result.voxels, result.volume)));
   return kExitDone;
 }
 

@@ -86,7 +86,7 @@ std::string report_text(const ThresholdArguments& arguments, const ThresholdResu
 }
 
 nlohmann::ordered_json report_json(const ThresholdArguments& arguments,
-                                   const ThresholdResult& result, const Context& context) {
+                                   const ThresholdResult& result) {
   nlohmann::ordered_json objects = nlohmann::ordered_json::array();
   for (const LabelVolume& object : result.objects) {
     objects.push_back({{"label", object.label},
@@ -95,14 +95,12 @@ nlohmann::ordered_json report_json(const ThresholdArguments& arguments,
   }
   return {{"output", arguments.output},
           {"file_bytes", result.file_bytes},
-          {"objects", objects},
-          {"warnings", context.warnings}};
+          {"objects", objects}};
 }
 
 int run_threshold(const ThresholdArguments& arguments, Context& context) {
   const ThresholdResult result = run_task(threshold, options_of(arguments, context), context);
-  if (context.json) print_json(report_json(arguments, result, context));
-  else if (!context.quiet) print(report_text(arguments, result));
+  print_result(context, report_json(arguments, result), report_text(arguments, result));
   return kExitDone;
 }
 

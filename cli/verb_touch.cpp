@@ -15,6 +15,8 @@
 #include "octavo/tasks/touch.h"
 #include "octavo/tasks/volume_facts.h"
 #include "text/label_words.h"
+#include "text/quantities.h"
+#include "text/volume_json.h"
 #include "verbs.h"
 
 namespace octavo::cli {
@@ -40,13 +42,13 @@ struct TouchArguments {
   int connectivity = 6;
 };
 
-std::uint64_t count_of(const std::array<std::uint64_t, 3>& faces) {
+std::uint64_t face_count(const std::array<std::uint64_t, 3>& faces) {
   return faces[0] + faces[1] + faces[2];
 }
 
 std::string faces_text(const std::array<std::uint64_t, 3>& faces,
                        const VolumeDescription& volume) {
-  const std::string text = counted_text(static_cast<std::int64_t>(count_of(faces)), "face");
+  const std::string text = count_of(face_count(faces), "face");
   const auto mm2 = area_mm2(faces, volume);
   return mm2 ? text + fmt::format(", {} mm2", number_text(*mm2)) : text;
 }
@@ -57,10 +59,9 @@ nlohmann::ordered_json extent_json(const VoxelExtent& extent, const VolumeDescri
                                    {"box", nullptr},
                                    {"box_mm", nullptr}};
   if (extent.voxel_count == 0) return object;
-  const Box& box = extent.box;
-  object["box"] = {{box.lo.x, box.hi.x}, {box.lo.y, box.hi.y}, {box.lo.z, box.hi.z}};
+  object["box"] = box_json(extent.box);
   if (!is_spacing_known(volume)) return object;
-  const BoxMm world = world_box(box, volume.geometry);
+  const BoxMm world = world_box(extent.box, volume.geometry);
   object["box_mm"] = {{world.lo[0], world.hi[0]}, {world.lo[1], world.hi[1]},
                       {world.lo[2], world.hi[2]}};
   return object;
@@ -68,8 +69,7 @@ nlohmann::ordered_json extent_json(const VoxelExtent& extent, const VolumeDescri
 
 /// "box 4:24,4:24,4:24, 2:12,2:12,8:48 mm"
 std::string where_text(const Box& box, const VolumeDescription& volume) {
-  std::string text = fmt::format("box {}:{},{}:{},{}:{}", box.lo.x, box.hi.x, box.lo.y, box.hi.y,
-                                 box.lo.z, box.hi.z);
+  std::string text = "box " + box_text(box);
   if (!is_spacing_known(volume)) return text;
   const BoxMm world = world_box(box, volume.geometry);
   text += "; ";
@@ -99,14 +99,14 @@ std::string masks_text(const TouchArguments& arguments, const TouchMasksResult& 
   if (!found.is_contact()) return text;
   for (const auto& [name, extent] : {std::pair{&a, &found.contact_a}, {&b, &found.contact_b}}) {
     text += fmt::format("  touching:   {} of {} alone; {}\n",
-                        counted_text(static_cast<std::int64_t>(extent->voxel_count), "voxel"),
-                        *name, where_text(extent->box, volume));
+                        count_of(extent->voxel_count, "voxel"), *name,
+                        where_text(extent->box, volume));
   }
   return text + fmt::format("  in between: {}\n", faces_text(found.face_pairs, volume));
 }
 
-nlohmann::ordered_json masks_json(const TouchArguments& arguments, const TouchMasksResult& result,
-                                  const Context& context) {
+nlohmann::ordered_json masks_json(const TouchArguments& arguments,
+                                  const TouchMasksResult& result) {
   const Interference& found = result.found;
   return {{"masks", {public_name(arguments.inputs[0]), public_name(arguments.inputs[1])}},
           {"relation", relation_of(found)},
@@ -114,9 +114,8 @@ nlohmann::ordered_json masks_json(const TouchArguments& arguments, const TouchMa
           {"overlap", extent_json(found.overlap, result.volume)},
           {"contact_a", extent_json(found.contact_a, result.volume)},
           {"contact_b", extent_json(found.contact_b, result.volume)},
-          {"faces", count_of(found.face_pairs)},
-          {"area_mm2", optional_json(area_mm2(found.face_pairs, result.volume))},
-          {"warnings", context.warnings}};
+          {"faces", face_count(found.face_pairs)},
+          {"area_mm2", optional_json(area_mm2(found.face_pairs, result.volume))}};
 }
 
 /// The names of one label of each pair.
@@ -145,32 +144,28 @@ std::string labels_text(const TouchArguments& arguments, const TouchLabelsResult
     const auto mm2 = area_mm2(contact.face_pairs, result.volume);
     text += fmt::format(
         "{:>10}{} {:>10}{} {:>14} {:>14}{}\n", contact.first, first.cell(i), contact.second,
-        second.cell(i),
-        count_text(static_cast<std::int64_t>(count_of(contact.face_pairs))),
+        second.cell(i), count_of(face_count(contact.face_pairs)),
         mm2 ? fmt::format("{:.2f}", *mm2) : "-",
-        is_faces ? ""
-                 : fmt::format(" {:>14}",
-                               count_text(static_cast<std::int64_t>(contact.voxel_pairs))));
+        is_faces ? "" : fmt::format(" {:>14}", count_of(contact.voxel_pairs)));
   }
   return text;
 }
 
-nlohmann::ordered_json labels_json(const TouchArguments& arguments, const TouchLabelsResult& result,
-                                   const Context& context) {
+nlohmann::ordered_json labels_json(const TouchArguments& arguments,
+                                   const TouchLabelsResult& result) {
   nlohmann::ordered_json pairs = nlohmann::ordered_json::array();
   const LabelNames& names = result.volume.metadata.facts().labels;
   for (const LabelContact& contact : result.contacts) {
     pairs.push_back(
         {{"labels", {contact.first, contact.second}},
          {"names", {name_json(names, contact.first), name_json(names, contact.second)}},
-         {"faces", count_of(contact.face_pairs)},
+         {"faces", face_count(contact.face_pairs)},
          {"area_mm2", optional_json(area_mm2(contact.face_pairs, result.volume))},
          {"voxel_pairs", contact.voxel_pairs}});
   }
   return {{"labels", public_name(arguments.inputs[0])},
           {"connectivity", arguments.connectivity},
-          {"pairs", pairs},
-          {"warnings", context.warnings}};
+          {"pairs", pairs}};
 }
 
 int run_touch(const TouchArguments& arguments, Context& context) {
@@ -178,13 +173,11 @@ int run_touch(const TouchArguments& arguments, Context& context) {
   if (arguments.inputs.size() == 1) {
     const TouchLabelsOptions options = {arguments.inputs[0], connectivity};
     const TouchLabelsResult result = run_task(touch_labels, options, context);
-    if (context.json) print_json(labels_json(arguments, result, context));
-    else if (!context.quiet) print(labels_text(arguments, result));
+    print_result(context, labels_json(arguments, result), labels_text(arguments, result));
   } else {
     const TouchMasksOptions options = {arguments.inputs[0], arguments.inputs[1], connectivity};
     const TouchMasksResult result = run_task(touch_masks, options, context);
-    if (context.json) print_json(masks_json(arguments, result, context));
-    else if (!context.quiet) print(masks_text(arguments, result));
+    print_result(context, masks_json(arguments, result), masks_text(arguments, result));
   }
   return kExitDone;
 }

@@ -6,8 +6,6 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <type_traits>
-#include <utility>
 #include <variant>
 #include <vector>
 
@@ -19,6 +17,7 @@
 #include "octavo/tasks/volume_facts.h"
 #include "text/quantities.h"
 #include "text/turn_words.h"
+#include "text/volume_json.h"
 #include "verbs.h"
 
 namespace octavo::cli {
@@ -85,28 +84,9 @@ TransformStep parse_step(const TypedStep& typed, const TransformArguments& argum
   return scale;
 }
 
-/// The steps in their order; rotations that follow one another are one step, and so are mirrors.
 std::vector<TransformStep> steps_of(const TransformArguments& arguments) {
   std::vector<TransformStep> steps;
-  for (const TypedStep& typed : arguments.steps) {
-    TransformStep step = parse_step(typed, arguments);
-    const bool is_joined = !steps.empty() && std::visit(
-        [](auto& last, const auto& next) {
-          using Last = std::decay_t<decltype(last)>;
-          if constexpr (std::is_same_v<Last, std::decay_t<decltype(next)>>) {
-            if constexpr (std::is_same_v<Last, RotateStep>) {
-              last.rotations.push_back(next.rotations.front());
-              return true;
-            } else if constexpr (std::is_same_v<Last, MirrorStep>) {
-              last.axes.push_back(next.axes.front());
-              return true;
-            }
-          }
-          return false;
-        },
-        steps.back(), step);
-    if (!is_joined) steps.push_back(std::move(step));
-  }
+  for (const TypedStep& typed : arguments.steps) add_step(parse_step(typed, arguments), steps);
   return steps;
 }
 
@@ -182,10 +162,7 @@ TransformOptions options_of(const TransformArguments& arguments, const Context& 
   options.interpolation = parse_interpolation(arguments.interpolation);
   options.fill = parse_fill(arguments.fill);
   options.preset = arguments.preset == "fast" ? Preset::fast : Preset::small;
-  options.max_error = parse_number(arguments.max_error, "--max-error");
-  if (options.max_error < 0) {
-    throw Error(ErrorKind::invalid_argument, "--max-error: must not be negative");
-  }
+  options.max_error = parse_max_error(arguments.max_error);
   return options;
 }
 
@@ -197,31 +174,24 @@ std::string grid_text(const VolumeDescription& volume) {
 }
 
 nlohmann::ordered_json report_json(const TransformArguments& arguments,
-                                   const TransformResult& result, const Context& context) {
+                                   const TransformResult& result) {
   const VolumeDescription& volume = result.volume;
-  const auto if_in_mm = [&](const Point3& value) {
-    return is_spacing_known(volume) ? nlohmann::ordered_json(value)
-                                    : nlohmann::ordered_json(nullptr);
-  };
   return {{"output", arguments.output},
           {"operation", result.operation},
           {"bricks", result.is_copied ? "copied" : "made"},
-          {"size", {volume.size.x, volume.size.y, volume.size.z}},
-          {"spacing_mm", if_in_mm(volume.geometry.spacing_mm)},
-          {"origin_mm", if_in_mm(volume.geometry.origin_mm)},
+          {"size", size_json(volume.size)},
+          {"spacing_mm", if_in_mm(volume, volume.geometry.spacing_mm)},
+          {"origin_mm", if_in_mm(volume, volume.geometry.origin_mm)},
           {"direction", volume.geometry.direction},
-          {"file_bytes", result.file_bytes},
-          {"warnings", context.warnings}};
+          {"file_bytes", result.file_bytes}};
 }
 
 int run_transform(const TransformArguments& arguments, Context& context) {
   const TransformResult result = run_task(transform, options_of(arguments, context), context);
-  if (context.json) {
-    print_json(report_json(arguments, result, context));
-  } else if (!context.quiet) {
-    print(fmt::format("{}: {} voxels{}; {}\n", arguments.output, size_text(result.volume.size),
-                      grid_text(result.volume), result.summary));
-  }
+  print_result(context, report_json(arguments, result),
+               fmt::format("{}: {} voxels{}; {}\n", arguments.output,
+                           size_text(result.volume.size), grid_text(result.volume),
+                           result.summary));
   return kExitDone;
 }
 

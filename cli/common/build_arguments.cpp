@@ -81,10 +81,7 @@ BuildScanOptions build_scan_options(const BuildArguments& arguments, const std::
   options.label_names = arguments.label_names;
   options.preset = arguments.preset == "fast" ? Preset::fast : Preset::small;
   options.access = parse_access(arguments.access);
-  options.max_error = parse_number(arguments.max_error, "--max-error");
-  if (options.max_error < 0) {
-    throw Error(ErrorKind::invalid_argument, "--max-error: must not be negative");
-  }
+  options.max_error = parse_max_error(arguments.max_error);
   options.keep_details = arguments.keep_details;
   options.repair.nan = parse_float(arguments.nan, "--nan");
   options.repair.infinity = parse_float(arguments.infinity, "--inf");

@@ -68,4 +68,13 @@ void print_json(const nlohmann::ordered_json& object) {
   print(object.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
 }
 
+void print_result(const Context& context, nlohmann::ordered_json object, const std::string& text) {
+  if (context.json) {
+    object["warnings"] = context.warnings;
+    print_json(object);
+  } else if (!context.quiet) {
+    print(text);
+  }
+}
+
 }  // namespace octavo::cli

@@ -56,6 +56,10 @@ nlohmann::ordered_json optional_json(const std::optional<double>& value);
 /// Prints one JSON object and a newline. Text that is not UTF-8 is replaced, never rejected.
 void print_json(const nlohmann::ordered_json& object);
 
+/// Prints what a verb found: with --json the object, its warnings behind it; otherwise the text,
+/// unless --quiet.
+void print_result(const Context& context, nlohmann::ordered_json object, const std::string& text);
+
 /// `text` for one line of a message: control characters escaped, UTF-8 and length left alone.
 std::string one_line(const std::string& text);
 

@@ -1,5 +1,10 @@
 #include "common/part_options.h"
 
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+#include <utility>
+
 #include "octavo/core/error.h"
 #include "text/quantities.h"
 
@@ -41,6 +46,15 @@ Output part_output(const PartArguments& arguments, const Context& context) {
 void check_part_options(const PartArguments& arguments) {
   if (arguments.output.empty() || !arguments.part.empty()) return;
   throw Error(ErrorKind::invalid_argument, "-o goes with --part");
+}
+
+void print_part_result(const Context& context, const Output& output, const WorkPart& part,
+                       const nlohmann::ordered_json& found, const std::string& found_text) {
+  nlohmann::ordered_json object = {{"output", output.path}, {"part", {part.number, part.count}}};
+  object.update(found);
+  print_result(context, std::move(object),
+               fmt::format("{}: part {} of {}: {}\n", output.path, part.number, part.count,
+                           found_text));
 }
 
 }  // namespace octavo::cli

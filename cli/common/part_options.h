@@ -34,4 +34,8 @@ Output part_output(const PartArguments& arguments, const Context& context);
 /// Throws Error{invalid_argument} for -o without --part.
 void check_part_options(const PartArguments& arguments);
 
+/// Says that a part was done. Takes the kind of things found and their number as JSON, and as text.
+void print_part_result(const Context& context, const Output& output, const WorkPart& part,
+                       const nlohmann::ordered_json& found, const std::string& found_text);
+
 }  // namespace octavo::cli

@@ -56,8 +56,7 @@ nlohmann::ordered_json clipped_json(const ClippedVoxels& clipped) {
   return {{"voxels", clipped.count}, {"farthest", clipped.farthest}, {"limit", clipped.limit}};
 }
 
-nlohmann::ordered_json built_json(const BuiltVolume& built, const std::string& output,
-                                  const Context& context) {
+nlohmann::ordered_json built_json(const BuiltVolume& built, const std::string& output) {
   const BuildResult& build = built.build;
   return {{"output", output},
           {"kind", kind_name(built.kind)},
@@ -75,15 +74,13 @@ nlohmann::ordered_json built_json(const BuiltVolume& built, const std::string& o
           {"max_error_real", built.max_error_real()},
           {"detail_errors", detail_errors_json(build.detail_errors)},
           {"coding", coding_json(build.coding)},
-          {"clipped", clipped_json(build.clipped)},
-          {"warnings", context.warnings}};
+          {"clipped", clipped_json(build.clipped)}};
 }
 
 }  // namespace
 
 void print_built(const BuiltVolume& built, const std::string& output, const Context& context) {
-  if (context.json) print_json(built_json(built, output, context));
-  else if (!context.quiet) print(built_text(built, output));
+  print_result(context, built_json(built, output), built_text(built, output));
 }
 
 }  // namespace octavo::cli

@@ -6,6 +6,7 @@
 
 #include "octavo/core/text.h"
 #include "text/label_words.h"
+#include "text/quantities.h"
 
 namespace octavo::cli {
 
@@ -106,14 +107,11 @@ std::string agreement_table(const CompareLabelsResult& result) {
   const NameColumn names(all_names);
   std::string text = fmt::format("{:>10}{} {:>16} {:>16} {:>16} {:>8}\n", "label", names.head(),
                                  "voxels in A", "voxels in B", "in both", "Dice");
-  const auto count = [](std::uint64_t voxels) {
-    return count_text(static_cast<std::int64_t>(voxels));
-  };
   for (std::size_t i = 0; i < result.agreements.size(); ++i) {
     const LabelAgreement& one = result.agreements[i];
     text += fmt::format("{:>10}{} {:>16} {:>16} {:>16} {:>8.4f}\n", one.label, names.cell(i),
-                        count(one.first_voxels), count(one.second_voxels),
-                        count(one.both_voxels), one.dice());
+                        count_of(one.first_voxels), count_of(one.second_voxels),
+                        count_of(one.both_voxels), one.dice());
   }
   return text;
 }

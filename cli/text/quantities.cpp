@@ -61,6 +61,12 @@ std::int64_t parse_integer(const std::string& text, const std::string& what) {
   return value;
 }
 
+double parse_max_error(const std::string& text) {
+  const double error = parse_number(text, "--max-error");
+  if (error < 0) reject("--max-error: must not be negative");
+  return error;
+}
+
 std::uint64_t parse_bytes(const std::string& text) {
   std::size_t digits = text.find_first_not_of("0123456789.");
   if (digits == std::string::npos) digits = text.size();
@@ -102,6 +108,11 @@ Point3 parse_spacing(const std::string& text, const std::string& what) {
     if (step <= 0) reject(fmt::format("{}: '{}'; must be positive", what, escaped(text)));
   }
   return spacing;
+}
+
+std::string box_text(const Box& box) {
+  return fmt::format("{}:{},{}:{},{}:{}", box.lo.x, box.hi.x, box.lo.y, box.hi.y, box.lo.z,
+                     box.hi.z);
 }
 
 AskedBox parse_box(const std::string& text) {

@@ -40,11 +40,17 @@ inline std::string count_of(std::uint64_t count, const std::string& noun) {
 /// The pieces of `text` between separators; empty pieces are kept.
 std::vector<std::string> split(const std::string& text, char separator);
 
+/// A largest difference: one finite number of 0 or more. Throws Error{invalid_argument}.
+double parse_max_error(const std::string& text);
+
 /// "x,y,z". Throws Error{invalid_argument} naming `what`.
 Point3 parse_point(const std::string& text, const std::string& what);
 Index3 parse_index(const std::string& text, const std::string& what);
 /// "x,y,z", or one number for all three.
 Point3 parse_spacing(const std::string& text, const std::string& what);
+
+/// "0:64,0:64,16:32": a half-open box as options take it.
+std::string box_text(const Box& box);
 
 /// A half-open box of samples, "x0:x1,y0:y1,z0:z1"; a side left empty is the end of the volume.
 AskedBox parse_box(const std::string& text);

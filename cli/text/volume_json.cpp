@@ -18,7 +18,7 @@ nlohmann::ordered_json level_json(const InfoResult& info, std::size_t level) {
   nlohmann::ordered_json bytes = one.summary.bytes;
   if (one.summary.is_in_finer) bytes = nullptr;
   return {{"level", level},
-          {"size", {one.size.x, one.size.y, one.size.z}},
+          {"size", size_json(one.size)},
           {"spacing_mm", one.spacing_mm},
           {"bricks", one.summary.bricks},
           {"uniform_bricks", one.summary.uniform_bricks},
@@ -85,6 +85,12 @@ nlohmann::ordered_json metadata_json(const Metadata& metadata) {
   return object;
 }
 
+nlohmann::ordered_json size_json(const Size3& size) { return {size.x, size.y, size.z}; }
+
+nlohmann::ordered_json box_json(const Box& box) {
+  return {{box.lo.x, box.hi.x}, {box.lo.y, box.hi.y}, {box.lo.z, box.hi.z}};
+}
+
 nlohmann::ordered_json if_in_mm(const VolumeDescription& volume,
                                 const nlohmann::ordered_json& value_mm) {
   return is_spacing_known(volume) ? value_mm : nlohmann::ordered_json(nullptr);
@@ -122,7 +128,7 @@ nlohmann::ordered_json file_json(const InfoResult& info) {
           {"format_version", info.format_version},
           {"kind", kind_name(d.kind)},
           {"type", voxel_type_name(d.type)},
-          {"size", {d.size.x, d.size.y, d.size.z}},
+          {"size", size_json(d.size)},
           {"spacing_mm", d.geometry.spacing_mm},
           {"spacing_known", is_spacing_known(d)},
           {"origin_mm", d.geometry.origin_mm},

@@ -20,6 +20,12 @@ nlohmann::ordered_json metadata_json(const Metadata& metadata);
 /// What a verb prints of the metadata, at most.
 inline constexpr std::size_t kMaxShownMetadataBytes = std::size_t{1} << 20;
 
+/// [x, y, z].
+nlohmann::ordered_json size_json(const Size3& size);
+
+/// A half-open box: [[x0, x1], [y0, y1], [z0, z1]].
+nlohmann::ordered_json box_json(const Box& box);
+
 /// The number or list as it is, or null where the spacing is not known.
 nlohmann::ordered_json if_in_mm(const VolumeDescription& volume,
                                 const nlohmann::ordered_json& value_mm);

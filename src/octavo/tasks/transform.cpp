@@ -125,6 +125,11 @@ std::uint64_t write_voxels(const std::shared_ptr<const FileReader>& reader,
       .file_bytes;
 }
 
+template <class T>
+void append(const std::vector<T>& more, std::vector<T>& all) {
+  all.insert(all.end(), more.begin(), more.end());
+}
+
 void require_bound(const TransformOptions& options) {
   if (options.max_error >= 0) return;
   throw Error(ErrorKind::invalid_argument, "the max error must not be negative")
@@ -132,6 +137,26 @@ void require_bound(const TransformOptions& options) {
 }
 
 }  // namespace
+
+void add_step(const TransformStep& step, std::vector<TransformStep>& steps) {
+  if (!steps.empty()) {
+    auto* const rotations = std::get_if<RotateStep>(&steps.back());
+    const auto* const more_rotations = std::get_if<RotateStep>(&step);
+    if (rotations != nullptr && more_rotations != nullptr &&
+        rotations->is_in_place == more_rotations->is_in_place) {
+      append(more_rotations->rotations, rotations->rotations);
+      return;
+    }
+    auto* const mirrors = std::get_if<MirrorStep>(&steps.back());
+    const auto* const more_mirrors = std::get_if<MirrorStep>(&step);
+    if (mirrors != nullptr && more_mirrors != nullptr &&
+        mirrors->is_in_place == more_mirrors->is_in_place) {
+      append(more_mirrors->axes, mirrors->axes);
+      return;
+    }
+  }
+  steps.push_back(step);
+}
 
 ComputedVolume transformed_planes(const TransformOptions& asked, const TaskContext& context) {
   require_bound(asked);

@@ -80,6 +80,10 @@ struct AffineStep {
 using TransformStep = std::variant<TranslateStep, TranslateMmStep, ShiftStep, RotateStep,
                                    MirrorStep, ScaleStep, AffineStep>;
 
+/// Adds a step behind others. Rotations that follow one another become one step, so that the grid
+/// is made larger once; and so do mirrors.
+void add_step(const TransformStep& step, std::vector<TransformStep>& steps);
+
 struct TransformOptions {
   std::string input;  ///< an .8vo file or a URL of one
   Output output;

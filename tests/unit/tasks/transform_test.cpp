@@ -303,6 +303,26 @@ TEST_F(Transform, AMaskDoesStepsOfWholeVoxelsOnItsOctreeAsItsVoxelsDo) {
   EXPECT_NE(on_tree, DenseLabels(on_tree.size));
 }
 
+TEST(TransformSteps, RotationsThatFollowOneAnotherBecomeOneStepAndSoDoMirrors) {
+  std::vector<TransformStep> steps;
+  add_step(RotateStep{{{kAboutZ, 30}}}, steps);
+  add_step(RotateStep{{{kAboutX, 60}}}, steps);
+  add_step(MirrorStep{{0}}, steps);
+  add_step(MirrorStep{{2}}, steps);
+  add_step(RotateStep{{{kAboutY, 90}}}, steps);
+  add_step(RotateStep{{{kAboutY, 90}}, true}, steps);
+  add_step(ShiftStep{{1, 2, 3}}, steps);
+  add_step(ShiftStep{{1, 2, 3}}, steps);
+  ASSERT_EQ(steps.size(), 6U);
+  const auto& rotations = std::get<RotateStep>(steps[0]).rotations;
+  ASSERT_EQ(rotations.size(), 2U);
+  EXPECT_EQ(rotations[0].degrees, 30);
+  EXPECT_EQ(rotations[1].degrees, 60);
+  EXPECT_EQ(std::get<MirrorStep>(steps[1]).axes, (std::vector<int>{0, 2}));
+  EXPECT_FALSE(std::get<RotateStep>(steps[2]).is_in_place);
+  EXPECT_TRUE(std::get<RotateStep>(steps[3]).is_in_place);
+}
+
 TEST_F(Transform, ValuesAreInterpolatedOnceForAllSteps) {
   testing::Volume volume = volume_of(labels_, 2);
   volume.description.kind = VolumeKind::grey;
