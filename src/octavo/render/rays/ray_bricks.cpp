@@ -25,7 +25,7 @@ PooledScale scale_of(VoxelType type, const SampleRange& range) {
   if (type == VoxelType::uint16) return {range.highest > 32767 ? 32768.0 : 0.0, 1};
   if (!is_pooled_wide(type)) return {};
   const double width = range.highest - range.lowest;
-  return {range.lowest, width > 0 ? 1 / width : 1};
+  return {range.lowest, width > 0 ? 1 / width : 1, width > 0 ? 1.0 : 0.0};
 }
 
 /// Bounds as rays find values between samples: as far off as roundings go.
@@ -37,9 +37,9 @@ Pooled pooled_value(T value, const PooledScale& scale) {
     return static_cast<std::int16_t>(static_cast<std::int32_t>(value) -
                                      static_cast<std::int32_t>(scale.offset));
   } else {
+    // What is not finite counts as the highest or lowest finite value, NaN as the lowest.
     const double share = scale.pooled(static_cast<double>(value));
-    // NaN counts as the lowest.
-    return share >= 0 ? static_cast<float>(std::min(share, 1.0)) : 0.0f;
+    return share >= 0 ? static_cast<float>(std::min(share, scale.highest)) : 0.0f;
   }
 }
 

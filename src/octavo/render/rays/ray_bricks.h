@@ -23,6 +23,7 @@ namespace octavo {
 struct PooledScale {
   double offset = 0;
   double scale = 1;
+  double highest = 1;  ///< pooled value, where these are shares of a range
 
   double pooled(double stored) const { return (stored - offset) * scale; }
   double stored(double pooled) const { return pooled / scale + offset; }

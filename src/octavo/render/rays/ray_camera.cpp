@@ -96,7 +96,8 @@ void set_camera(RayFrame& frame, const RayCamera& camera) {
   }
   if (has_eye) {
     const double half = camera.angle_degrees * std::numbers::pi / 360;
-    const double distance = static_cast<double>(view.height) / 2 / std::tan(half);
+    const double distance =
+        static_cast<double>(view.height) / 2 / std::tan(half) * camera.zoom;
     frame.eye_pixels = static_cast<float>(distance);
     frame.origin = floats(sum(middle, scaled(steps.toward, distance)));
     frame.origin_across = frame.origin_down = {};

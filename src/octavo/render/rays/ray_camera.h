@@ -12,6 +12,7 @@ struct RayCamera {
   /// Angle from the top to the bottom of the picture, seen from an eye; 0: rays are parallel.
   double angle_degrees = 0;
   double step_mm = 1;  ///< from sample to sample
+  double zoom = 1;     ///< that of the view: narrows the angle, and leaves the eye where it is
 };
 
 /// Sets where the rays of a frame run and what light falls on.

@@ -6,7 +6,11 @@
 //     place(k) = origin + k * step        k = 0, 1, 2 ...; in samples of the grid
 //
 // origin  on the image plane, or in the eye
-// step    one spacing along the ray
+// step    one spacing along the ray; of extremes from one plane of the grid to the next, along the
+//         axis that the ray crosses most of
+//
+// Rays that look for an extreme or a surface take a sample where they enter and one where they
+// leave besides: what is thinner than a step has no gaps.
 //
 // Invariants
 //   Where a sample lies depends on the ray alone, and what is taken there on the volume alone.
@@ -28,7 +32,7 @@ namespace octavo {
 
 enum class RayMode {
   volume,   ///< colors and opacities of a transfer function, front to back
-  extreme,  ///< the highest value; of values times -1 the lowest
+  extreme,  ///< the highest value on planes of the grid; of values times -1 the lowest
   mean,     ///< of all samples
   iso,      ///< where a value is reached first, in light
 };

@@ -183,7 +183,8 @@ class Packet {
 
   HWY_INLINE std::int64_t follow() {
     std::int64_t taken = 0;
-    k_ = hn::Max(hn::Load(kRays, tile_.k.data() + first_), hn::Ceil(enter_));
+    k_ = hn::Max(hn::Load(kRays, tile_.k.data() + first_),
+                 kTakesEnds ? enter_ : hn::Ceil(enter_));
     Wholes waits_for = whole(-1);
     RayMask active = hn::Le(k_, leave_);
     while (!hn::AllFalse(kRays, active)) {
@@ -203,11 +204,12 @@ class Packet {
       const RayMask taking = hn::And(present, hn::Gt(bound, held()));
 
       // Samples; the others skip.
-      Reals next = hn::Add(k_, real(1));
+      Reals next = hn::Add(hn::Floor(k_), real(1));
       const RayMask skipping = hn::AndNot(taking, active);
       if (!hn::AllFalse(kRays, skipping)) {
         next = hn::IfThenElse(skipping, skipped(in_brick), next);
       }
+      if constexpr (kTakesEnds) next = limited(next);
       if (!hn::AllFalse(kRays, taking)) {
         taken += static_cast<std::int64_t>(hn::CountTrue(kRays, taking));
         next = hn::IfThenElse(take(taking), real(kRayDone), next);
@@ -224,6 +226,9 @@ class Packet {
   }
 
  private:
+  /// Whether samples stand for themselves, not for a part of the ray.
+  static constexpr bool kTakesEnds = kMode == RayMode::extreme || kMode == RayMode::iso;
+
   HWY_INLINE void start(Reals u, Reals v) {
     Reals scale = real(1);
     if (f_.eye_pixels > 0) {
@@ -231,9 +236,6 @@ class Packet {
       const Reals square = hn::Add(hn::Add(hn::Mul(u, u), hn::Mul(v, v)), eye);
       scale = hn::Div(real(f_.step_pixels), hn::Sqrt(square));
     }
-    enter_ = hn::Zero(kRays);
-    leave_ = real(kRayDone);
-    enter_axis_ = whole(2);
     for (std::size_t axis = 0; axis < 3; ++axis) {
       origin_[axis] = hn::Add(hn::Add(real(f_.origin[axis]),
                                       hn::Mul(u, real(f_.origin_across[axis]))),
@@ -244,6 +246,12 @@ class Packet {
       const Reals step = hn::Mul(direction, scale);
       step_[axis] =
           hn::IfThenElse(hn::Lt(hn::Abs(step), real(kSmallestStep)), real(kSmallestStep), step);
+    }
+    if constexpr (kMode == RayMode::extreme) move_to_planes();
+    enter_ = hn::Zero(kRays);
+    leave_ = real(kRayDone);
+    enter_axis_ = whole(2);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
       const Reals low = hn::Div(hn::Sub(real(f_.low[axis]), origin_[axis]), step_[axis]);
       const Reals high = hn::Div(hn::Sub(real(f_.high[axis]), origin_[axis]), step_[axis]);
       const Reals first = hn::Min(low, high);
@@ -252,6 +260,33 @@ class Packet {
       enter_axis_ = hn::IfThenElse(of_wholes(is_later), whole(static_cast<std::int32_t>(axis)),
                                    enter_axis_);
       leave_ = hn::Min(leave_, hn::Max(low, high));
+    }
+  }
+
+  /// Moves samples to the planes of the grid that each ray crosses most squarely.
+  HWY_INLINE void move_to_planes() {
+    Reals most = hn::Abs(step_[0]);
+    Wholes main = hn::Zero(kWhole);
+    Reals step = step_[0];
+    Reals origin = origin_[0];
+    for (std::size_t axis = 1; axis < 3; ++axis) {
+      const RayMask is_more = hn::Gt(hn::Abs(step_[axis]), most);
+      most = hn::IfThenElse(is_more, hn::Abs(step_[axis]), most);
+      main = hn::IfThenElse(of_wholes(is_more), whole(static_cast<std::int32_t>(axis)), main);
+      step = hn::IfThenElse(is_more, step_[axis], step);
+      origin = hn::IfThenElse(is_more, origin_[axis], origin);
+    }
+    const Reals scale = hn::Div(real(1), most);
+    const RayMask rises = hn::Gt(step, hn::Zero(kRays));
+    const Reals plane = hn::IfThenElse(rises, hn::Ceil(origin), hn::Floor(origin));
+    const Reals ahead = hn::Abs(hn::Sub(plane, origin));
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const RayMask is_main = of_reals(hn::Eq(main, whole(static_cast<std::int32_t>(axis))));
+      const Reals moved = hn::Mul(step_[axis], scale);
+      origin_[axis] = hn::IfThenElse(
+          is_main, plane, hn::Add(origin_[axis], hn::Mul(ahead, moved)));
+      step_[axis] =
+          hn::IfThenElse(is_main, hn::IfThenElse(rises, real(1), real(-1)), moved);
     }
   }
 
@@ -314,7 +349,13 @@ class Packet {
                                         hn::Add(end, real(f_.margin)));
       nearest = hn::Min(nearest, hn::Div(hn::Sub(stop, origin_[axis]), step_[axis]));
     }
-    return hn::Max(hn::Add(k_, real(1)), hn::Ceil(nearest));
+    return hn::Max(hn::Add(hn::Floor(k_), real(1)), hn::Ceil(nearest));
+  }
+
+  /// The samples after those at k_: `next`, but the ends of rays before what lies beyond them.
+  HWY_INLINE Reals limited(Reals next) const {
+    const Reals last = hn::IfThenElse(hn::Lt(k_, leave_), leave_, real(kRayDone));
+    return hn::IfThenElse(hn::Lt(next, leave_), next, last);
   }
 
   HWY_INLINE Corners corners(RayMask taking) const {
@@ -421,7 +462,7 @@ class Packet {
 
   HWY_INLINE void hit() {
     const RayMask lanes = hits_;
-    const Reals k_before = hn::Sub(hit_k_, real(1));
+    const Reals k_before = hn::Sub(hn::Ceil(hit_k_), real(1));
     // What other lanes would look at lies nowhere: they look where they are.
     Reals outside = hn::IfThenElse(lanes, hn::Max(k_before, enter_), hit_k_);
     Reals inside = hit_k_;

@@ -43,6 +43,25 @@ PortableRay ray_at(const RayFrame& f, float u, float v) {
   return ray;
 }
 
+/// The same ray with its samples on the planes of the grid that it crosses most squarely.
+PortableRay on_planes(PortableRay ray) {
+  std::size_t main = 0;
+  for (std::size_t axis = 1; axis < 3; ++axis) {
+    if (std::abs(ray.step[axis]) > std::abs(ray.step[main])) main = axis;
+  }
+  const float scale = 1 / std::abs(ray.step[main]);
+  const bool rises = ray.step[main] > 0;
+  const float plane = rises ? std::ceil(ray.origin[main]) : std::floor(ray.origin[main]);
+  const float ahead = std::abs(plane - ray.origin[main]);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    ray.step[axis] = ray.step[axis] * scale;
+    ray.origin[axis] = ray.origin[axis] + ahead * ray.step[axis];
+  }
+  ray.step[main] = rises ? 1.0f : -1.0f;
+  ray.origin[main] = plane;
+  return ray;
+}
+
 RaySpan span_of(const RayFrame& f, const PortableRay& ray) {
   RaySpan span{0, kRayDone, 2};
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -149,12 +168,12 @@ class PortableFollower {
       : f_(frame),
         tile_(tile),
         number_(number),
-        ray_(ray_at(frame, tile.u + kTileOrder.column[number], tile.v + kTileOrder.row[number])),
+        ray_(start(frame, tile.u + kTileOrder.column[number], tile.v + kTileOrder.row[number])),
         span_(span_of(frame, ray_)) {}
 
   std::int64_t follow() {
     std::int64_t taken = 0;
-    float k = std::max(tile_.k[number_], std::ceil(span_.enter));
+    float k = std::max(tile_.k[number_], first());
     tile_.waits_for[number_] = -1;
     while (k <= span_.leave) {
       const RayPlace place = place_at(k);
@@ -168,7 +187,7 @@ class PortableFollower {
       const std::int32_t number =
           (brick[2] * f_.bricks.grid[1] + brick[1]) * f_.bricks.grid[0] + brick[0];
       if (!(f_.bricks.brick_bounds[number] > held())) {
-        k = skipped(k, inside, f_.bricks.shift);
+        k = limited(k, skipped(k, inside, f_.bricks.shift));
         continue;
       }
       const std::int32_t slot = f_.bricks.slots[number];
@@ -177,7 +196,7 @@ class PortableFollower {
         break;
       }
       if (!(f_.bricks.cube_bounds[cube_of(slot, inside, brick)] > held())) {
-        k = skipped(k, inside, kSkipShift);
+        k = limited(k, skipped(k, inside, kSkipShift));
         continue;
       }
       ++taken;
@@ -185,13 +204,29 @@ class PortableFollower {
         k = kRayDone;
         break;
       }
-      k += 1;
+      k = limited(k, std::floor(k) + 1);
     }
     tile_.k[number_] = tile_.waits_for[number_] < 0 ? kRayDone : k;
     return taken;
   }
 
  private:
+  static PortableRay start(const RayFrame& frame, float u, float v) {
+    const PortableRay ray = ray_at(frame, u, v);
+    return kMode == RayMode::extreme ? on_planes(ray) : ray;
+  }
+
+  /// Whether samples stand for themselves, not for a part of the ray.
+  static constexpr bool kTakesEnds = kMode == RayMode::extreme || kMode == RayMode::iso;
+
+  float first() const { return kTakesEnds ? span_.enter : std::ceil(span_.enter); }
+
+  /// The sample after the one at k: `next`, but the end of the ray before what lies beyond it.
+  float limited(float k, float next) const {
+    if (!kTakesEnds || next < span_.leave) return next;
+    return k < span_.leave ? span_.leave : kRayDone;
+  }
+
   /// What a bound has to be above.
   float held() const { return kMode == RayMode::extreme ? tile_.gathered[number_] : 0; }
 
@@ -245,7 +280,7 @@ class PortableFollower {
       const float stop = rises ? end - f_.margin : end + f_.margin;
       nearest = std::min(nearest, (stop - ray_.origin[axis]) / ray_.step[axis]);
     }
-    return std::max(k + 1, std::ceil(nearest));
+    return std::max(std::floor(k) + 1, std::ceil(nearest));
   }
 
   /// Takes a sample; true when the ray ends there.
@@ -290,8 +325,9 @@ class PortableFollower {
 
   /// Between the sample at k, which lies inside, and the one before it.
   void hit(float k, const RayCell& before, const SampleCorner& corner) {
-    const bool is_at_face = span_.enter > k - 1;
-    float outside = std::max(k - 1, span_.enter);
+    const float k_before = std::ceil(k) - 1;
+    const bool is_at_face = span_.enter > k_before;
+    float outside = std::max(k_before, span_.enter);
     float inside = k;
     const auto corner_at = [&](float at) {
       SampleCorner moved = corner;

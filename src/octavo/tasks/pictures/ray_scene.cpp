@@ -102,7 +102,8 @@ class RayScene final : public RenderScene {
     frame.sign = sign_;
     frame.isovalue = isovalue_;
     if (table_) frame.table = table_->table();
-    set_camera(frame, {view, shown_, asked_.angle_degrees.value_or(0), step_mm_});
+    set_camera(frame,
+               {view, shown_, asked_.angle_degrees.value_or(0), step_mm_, asked_.zoom});
     frame.light.soft_gradient = static_cast<float>(kSoftShare * colored_width_);
 
     RayField field;

@@ -179,6 +179,89 @@ TEST(RayCaster, ASphereIsHitWithinAThousandthOfAVoxel) {
   EXPECT_GT(hits, 500);
 }
 
+TEST(RayCaster, AHighVoxelKeepsItsHeightFromAllSides) {
+  auto point = ray_volume<std::int16_t>({21, 20, 23}, [](auto x, auto y, auto z) {
+    return x == 9 && y == 11 && z == 12 ? 1000 : 0;
+  });
+  point.geometry.spacing_mm = {1, 1.2, 0.9};
+  RaySetup setup;
+  setup.mode = RayMode::extreme;
+  setup.frame = {400, 400, 1, {}};
+  for (const double angle : {0.0, 45.0}) {
+    setup.angle_degrees = angle;
+    for (const double azimuth : {0.0, 17.0, 45.0, 73.0, 110.0, 208.0}) {
+      for (const double elevation : {0.0, 20.0, 35.26}) {
+        setup.viewpoint = viewpoint_at(azimuth, elevation);
+        const CastScene scene = cast_scene(point, setup);
+        const std::vector<double> values = ray_values(scene.field, RayMode::extreme, 1);
+        EXPECT_GT(*std::max_element(values.begin(), values.end()), 900)
+            << azimuth << ' ' << elevation << ' ' << angle;
+      }
+    }
+  }
+}
+
+/// Pixels of a picture from the middles of which a ray through the box of a volume runs.
+std::int64_t pixels_on_box(const CastScene& scene) {
+  std::int64_t pixels = 0;
+  scene.field.for_each_pixel([&](auto column, auto row, const RayTile&, std::size_t) {
+    const Point3 from = place_of_hit(scene, column, row, 0);
+    const Point3 to = place_of_hit(scene, column, row, 1000);
+    double enter = 0;
+    double leave = 1;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const double a = (scene.frame.low[i] - from[i]) / (to[i] - from[i]);
+      const double b = (scene.frame.high[i] - from[i]) / (to[i] - from[i]);
+      enter = std::max(enter, std::min(a, b));
+      leave = std::min(leave, std::max(a, b));
+    }
+    if (enter <= leave) ++pixels;
+  });
+  return pixels;
+}
+
+TEST(RayCaster, WhatIsThinnerThanAStepHasNoGaps) {
+  for (const std::int64_t side : {2, 13}) {
+    const auto cube =
+        ray_volume<std::uint8_t>({side, side, side}, [](auto, auto, auto) { return 100; });
+    RaySetup setup;
+    setup.isovalue = 50;
+    setup.frame = {300, 300, 1, {}};
+    for (const RayMode mode : {RayMode::iso, RayMode::extreme}) {
+      setup.mode = mode;
+      const CastScene scene = cast_scene(cube, setup);
+      std::int64_t seen = 0;
+      scene.field.for_each_pixel([&](auto, auto, const RayTile& tile, std::size_t ray) {
+        if (tile.gathered[ray] > 0) ++seen;
+      });
+      EXPECT_NEAR(static_cast<double>(seen), static_cast<double>(pixels_on_box(scene)), 5)
+          << side << ' ' << static_cast<int>(mode);
+    }
+  }
+}
+
+TEST(RayCaster, ZoomEnlargesWhatAnEyeSees) {
+  const auto ball = noisy_ball(48);
+  RaySetup setup;
+  setup.mode = RayMode::iso;
+  setup.angle_degrees = 60;
+  setup.frame = {51, 51, 1, {}};
+  const CastScene whole = cast_scene(ball, setup);
+  setup.frame.zoom = 3;
+  const CastScene zoomed = cast_scene(ball, setup);
+  // The ray of a pixel is that of the pixel three times as far from the middle.
+  for (std::int64_t row = -8; row <= 8; row += 4) {
+    for (std::int64_t column = -8; column <= 8; column += 4) {
+      std::size_t a = 0;
+      std::size_t b = 0;
+      const RayTile& near = tile_at(whole.field, 25 + column, 25 + row, a);
+      const RayTile& far = tile_at(zoomed.field, 25 + 3 * column, 25 + 3 * row, b);
+      ASSERT_EQ(near.gathered[a], far.gathered[b]) << column << ' ' << row;
+      EXPECT_NEAR(near.blue[a], far.blue[b], 1e-2) << column << ' ' << row;
+    }
+  }
+}
+
 struct GridCase {
   const char* name;
   Geometry geometry;
@@ -318,6 +401,18 @@ TEST(RayCaster, FloatsThatAreNotFiniteCountAsTheLowestOrHighest) {
     setup.mode = mode;
     setup.isovalue = 7;
     for (const float one : gathered(cast_scene(volume, setup).field)) ASSERT_FALSE(std::isnan(one));
+  }
+}
+
+TEST(RayCaster, InfiniteVoxelsAmongEqualOnesCountAsThese) {
+  auto volume = ray_volume<float>({16, 16, 16}, [](auto, auto, auto) { return 500; });
+  volume.samples[2184] = std::numeric_limits<float>::infinity();
+  volume.samples[2000] = -std::numeric_limits<float>::infinity();
+  RaySetup setup;
+  setup.mode = RayMode::extreme;
+  const CastScene scene = cast_scene(volume, setup);
+  for (const double value : ray_values(scene.field, RayMode::extreme, 1)) {
+    ASSERT_EQ(scene.scale.stored(value), 500);
   }
 }
 

@@ -95,7 +95,7 @@ CastScene cast_scene(const RayVolume<T>& volume, const RaySetup& setup) {
   frame.sign = setup.sign;
   frame.enough = setup.enough;
   frame.isovalue = static_cast<float>(scene.scale.pooled(setup.isovalue)) * setup.sign;
-  set_camera(frame, {scene.view, shown, setup.angle_degrees, step_mm});
+  set_camera(frame, {scene.view, shown, setup.angle_degrees, step_mm, setup.frame.zoom});
   const TransferTable table(setup.transfer, {}, bricks.scale(), bricks.range(), 1);
   frame.table = table.table();
   bricks.set_bounds([&](float lowest, float highest) {
