@@ -304,6 +304,9 @@ class Hexahedra(cli_test.InFolder):
         for code, words, expected in [
                 (2, ["empty.8vo", "-o", "m.inp"], "is empty"),
                 (2, [*inp, "--label", "2"], "asked for"),
+                (2, [*inp, "--label", "3", "--label", "2", "--label", "13"],
+                 "no voxel of level 0 has label 2 or label 13"),
+                (2, [*inp, "--label", "3", "--label", "Bone"], "'Bone'"),
                 (2, ["grey.8vo", "-o", "m.inp"], "octavo threshold"),
                 (2, [*inp, "--level", "30"], "level 30"),
                 (2, ["map.8vo", "-o", "m.stl"], ".vtu, .inp, .msh or .mesh"),

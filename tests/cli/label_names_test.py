@@ -150,7 +150,7 @@ class LabelNames(cli_test.InFolder):
     def test_names_are_escaped_before_they_are_shown(self):
         # A color table of Latin-1 text, a name that would turn a terminal red, one in Greek.
         self.build("a.8vo", b"3 Ar\xe9ole\n5 x\n")
-        self.assertIn("Ar\\xc3\\xa9ole", self.text("measure", "a.8vo"))
+        self.assertIn("Ar\u00e9ole", self.text("measure", "a.8vo"))
         self.assertEqual(self.info("a.8vo")["metadata"]["labels"]["3"], {"name": "Ar\u00e9ole"})
         rows = list(csv.DictReader(io.StringIO(self.text("measure", "a.8vo", "--csv"))))
         self.assertEqual(rows[0]["name"], "Ar\u00e9ole")

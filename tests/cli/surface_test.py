@@ -307,6 +307,8 @@ class Surfaces(cli_test.InFolder):
                 (2, ["mask.8vo", "--stored", "-o", "m.stl"], "leave out --stored"),
                 (2, ["grey.8vo", "--label", "1", "-o", "m.stl"], "octavo threshold"),
                 (2, ["mask.8vo", "--label", "9", "-o", "m.stl"], "has no surface"),
+                (2, ["mask.8vo", "--label", "1", "--label", "9", "-o", "m.stl"],
+                 "no voxel of level 0 has label 9"),
                 (2, ["mask.8vo", "--seed", "20,2,2", "-o", "m.stl"], "give another --seed"),
                 (2, ["mask.8vo", "--seed", "90,2,2", "-o", "m.stl"], "outside"),
                 (2, ["mask.8vo", "--level", "30", "-o", "m.stl"], "level 30"),

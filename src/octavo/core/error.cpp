@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "octavo/core/url_text.h"
+#include "octavo/core/utf8.h"
 
 namespace octavo {
 
@@ -12,6 +13,24 @@ constexpr std::size_t kMessageTextLimit = 200;
 
 std::string line_of(const std::string& path, const std::string& detail) {
   return path.empty() ? detail : escaped(path) + ": " + detail;
+}
+
+/// Whether a character of UTF-8 neither controls a terminal nor moves what stands around it.
+bool is_printable(std::string_view character) {
+  const auto first = static_cast<unsigned char>(character[0]);
+  if (character.size() == 1) return first >= 0x20 && first != 0x7f;
+  const auto second = static_cast<unsigned char>(character[1]);
+  if (character.size() == 2) {
+    const bool is_control = first == 0xc2 && second < 0xa0;   // U+0080 .. U+009F
+    const bool is_arabic_mark = first == 0xd8 && second == 0x9c;  // U+061C
+    return !is_control && !is_arabic_mark;
+  }
+  if (character.size() != 3 || first != 0xe2) return true;
+  const auto third = static_cast<unsigned char>(character[2]);
+  const bool is_mark = second == 0x80 && (third == 0x8e || third == 0x8f);  // U+200E, U+200F
+  const bool is_line_or_turn = second == 0x80 && third >= 0xa8 && third <= 0xae;  // U+2028 .. 202E
+  const bool is_isolate = second == 0x81 && third >= 0xa6 && third <= 0xa9;       // U+2066 .. 2069
+  return !is_mark && !is_line_or_turn && !is_isolate;
 }
 
 }  // namespace
@@ -36,12 +55,19 @@ std::string_view error_kind_name(ErrorKind kind) noexcept {
 std::string escaped(std::string_view text) {
   constexpr char kHex[] = "0123456789abcdef";
   std::string out;
-  for (const char c : text) {
-    if (out.size() >= kMessageTextLimit) return out + "...";
-    const auto byte = static_cast<unsigned char>(c);
-    if (byte >= 0x20 && byte < 0x7f) {
-      out += c;
-    } else {
+  while (!text.empty()) {
+    const Utf8Piece piece = first_piece(text);
+    const std::string_view bytes = text.substr(0, piece.bytes);
+    text.remove_prefix(piece.bytes);
+    const bool is_shown = piece.is_character && is_printable(bytes);
+    const std::size_t limit = is_shown ? kMessageTextLimit - piece.bytes : kMessageTextLimit - 1;
+    if (out.size() > limit) return out + "...";
+    if (is_shown) {
+      out += bytes;
+      continue;
+    }
+    for (const char c : bytes) {
+      const auto byte = static_cast<unsigned char>(c);
       out += "\\x";
       out += kHex[byte >> 4];
       out += kHex[byte & 15];

@@ -27,7 +27,8 @@ enum class ErrorKind {
 /// The name of a kind as it stands in JSON output: "corrupt", "source_rejected", ...
 std::string_view error_kind_name(ErrorKind kind) noexcept;
 
-/// `text` with control and non-ASCII-printable bytes escaped as `\xNN`, cut at 200 bytes.
+/// `text` cut at 200 bytes, with bytes escaped as `\xNN` that are no UTF-8, control characters, or
+/// characters that end lines or turn the direction of writing.
 /// For every string that comes out of a file or a path before it enters a message.
 std::string escaped(std::string_view text);
 

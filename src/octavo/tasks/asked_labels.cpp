@@ -27,6 +27,18 @@ std::vector<std::int64_t> labels_of(const AskedLabels& asked, const LabelNames& 
   return labels;
 }
 
+void require_no_missing(const std::vector<std::int64_t>& missing, int level,
+                        const LabelNames& names, const std::string& path) {
+  if (missing.empty()) return;
+  std::string words;
+  for (const std::int64_t label : missing) {
+    words += (words.empty() ? "" : " or ") + label_words(names, label);
+  }
+  throw Error(ErrorKind::invalid_argument,
+              "no voxel of level " + std::to_string(level) + " has " + words, path)
+      .with_field("labels.numbers");
+}
+
 std::string label_words(const LabelNames& names, std::int64_t label) {
   const std::string& name = names.name_of(label);
   return "label " + std::to_string(label) + (name.empty() ? "" : " (" + escaped(name) + ")");

@@ -22,6 +22,12 @@ struct AskedLabels {
 std::vector<std::int64_t> labels_of(const AskedLabels& asked, const LabelNames& names,
                                     const std::string& path);
 
+/// Throws Error{invalid_argument} that names labels which no voxel of a level has; does nothing
+/// where there are none.
+/// missing  ascending
+void require_no_missing(const std::vector<std::int64_t>& missing, int level,
+                        const LabelNames& names, const std::string& path);
+
 /// "label 3", or "label 3 (liver)" where it has a name.
 std::string label_words(const LabelNames& names, std::int64_t label);
 

@@ -195,16 +195,19 @@ std::uint64_t bytes_of_mesh(const std::vector<HexCell>& cells) {
 HexMesh mesh_of(const FileReader& reader, const FileReader* grey, HexFormat format,
                 const HexahedraOptions& options, const TaskContext& context,
                 HexahedraResult& result) {
-  const LabelTree tree =
-      read_label_tree(reader, options.level,
-                      labels_of(options.labels, reader.description().metadata.facts().labels,
-                                options.input),
-                      "label map", context);
+  const LabelNames& names = reader.description().metadata.facts().labels;
+  const std::vector<std::int64_t> asked = labels_of(options.labels, names, options.input);
+  const LabelTree tree = read_label_tree(reader, options.level, asked, "label map", context);
   if (std::ranges::all_of(tree.labels(), [](std::int64_t label) { return label == 0; })) {
     reject_hexahedra(fmt::format("is empty: no voxel of level {} has a label{}", options.level,
                                  options.labels.is_empty() ? "" : " that was asked for"),
                      options.input, options.labels.is_empty() ? "" : "labels.numbers");
   }
+  std::vector<std::int64_t> missing = asked;
+  std::erase_if(missing, [&](std::int64_t label) {
+    return std::ranges::find(tree.labels(), label) != tree.labels().end();
+  });
+  require_no_missing(missing, options.level, names, options.input);
   const std::optional<MaskTree> within = kept_part(tree, options, context, result);
   const std::uint64_t base =
       tree.memory_bytes() + (within ? within->memory_bytes() : std::uint64_t{0});

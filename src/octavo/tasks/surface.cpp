@@ -16,6 +16,7 @@
 #include "octavo/mesh/formats/mesh_bytes.h"
 #include "octavo/mesh/mesh_normals.h"
 #include "octavo/mesh/surface_piece.h"
+#include "octavo/ops/label/missing_labels.h"
 #include "octavo/tasks/inputs.h"
 #include "octavo/tasks/range_words.h"
 #include "octavo/tasks/surfaces/reduced_mesh.h"
@@ -136,6 +137,20 @@ void check_range(const FileReader& reader, const SurfaceField& field,
               options.input, "isovalue.range");
 }
 
+/// Proves that some voxel has each of the labels that were asked for. Where it is one, the surface
+/// tells.
+void check_labels(const FileReader& reader, const SurfaceOptions& options,
+                  const TaskContext& context) {
+  if (options.labels.is_empty()) return;
+  const LabelNames& names = reader.description().metadata.facts().labels;
+  const std::vector<std::int64_t> labels = labels_of(options.labels, names, options.input);
+  if (labels.size() == 1) return;
+  std::vector<std::int64_t> missing;
+  context.on_threads(
+      [&] { missing = missing_labels(reader, options.level, labels, context.watcher()); });
+  require_no_missing(missing, options.level, names, options.input);
+}
+
 TriangleMesh extracted(const FileReader& reader, const SurfaceField& field,
                        const SurfaceOptions& options, const TaskContext& context) {
   MeshCollector collector(context.max_memory_bytes);
@@ -252,6 +267,7 @@ SurfaceResult surface(const SurfaceOptions& options, const TaskContext& context)
   }
   const SurfaceField field = field_of(options, volume);
   check_range(*reader, field, options);
+  check_labels(*reader, options, context);
   if (!is_spacing_known(volume)) {
     context.warn(options.input +
                  ": its spacing is not known; the surface is written as if voxels were 1 mm");

@@ -51,6 +51,28 @@ TEST(Escaped, KeepsPrintableBytesAndCutsLongText) {
   EXPECT_LE(escaped(std::string(1000, '\n')).size(), 200u + 3 + 3);
 }
 
+TEST(Escaped, KeepsCharactersOfAnyScript) {
+  for (const char* text : {"Größe", "左肾", "Ωλένη", "\xf0\x9f\xa6\xb4", "\xc2\xa0"}) {
+    EXPECT_EQ(escaped(text), text);
+  }
+}
+
+TEST(Escaped, EscapesWhatIsNoTextOrTurnsIt) {
+  EXPECT_EQ(escaped("a\xc2\x9b" "31m"), "a\\xc2\\x9b31m") << "a control character";
+  EXPECT_EQ(escaped("\xe2\x80\xae" "x"), "\\xe2\\x80\\xaex") << "from right to left";
+  EXPECT_EQ(escaped("\xe2\x80\xa8"), "\\xe2\\x80\\xa8") << "a line end";
+  EXPECT_EQ(escaped("\xe2\x82"), "\\xe2\\x82") << "breaks off";
+  EXPECT_EQ(escaped("\xc0\xaf"), "\\xc0\\xaf") << "overlong";
+}
+
+TEST(Escaped, CutsBehindWholeCharacters) {
+  std::string text(199, 'a');
+  text += "\xc3\xa9";
+  EXPECT_EQ(escaped(text), std::string(199, 'a') + "...");
+  text.erase(0, 1);
+  EXPECT_EQ(escaped(text), text);
+}
+
 /// The kind of what `work` throws, or nothing.
 template <class Work>
 std::optional<ErrorKind> thrown_by(const Work& work) {

@@ -212,12 +212,9 @@ class LabelSurfaceWriter {
     for (const auto& [label, count] : voxel_counts_) {
       if (options_.form == LabelSurfaceForm::interfaces || is_asked(label)) require_writable(label);
     }
-    for (const std::int64_t label : asked_) {
-      if (voxel_counts_.contains(label)) continue;
-      reject_labels(fmt::format("no voxel of level {} has {}", options_.level,
-                                label_words(*names_, label)),
-                    options_.input, "labels.numbers");
-    }
+    std::vector<std::int64_t> missing = asked_;
+    std::erase_if(missing, [&](std::int64_t label) { return voxel_counts_.contains(label); });
+    require_no_missing(missing, options_.level, *names_, options_.input);
   }
 
   bool is_asked(std::int64_t label) const {
