@@ -55,6 +55,8 @@ GOALS = [
          [fuzz("round_trip")]),
     Goal("A7", "fuzz: plans and parts of builds in parts",
          [fuzz("plan", "part")]),
+    Goal("A8", "fuzz: meshes of strangers, STL, PLY and OBJ",
+         [fuzz("mesh")]),
     Goal("A6", "no byte that was never set is read or written, under valgrind",
          [Step("uninitialized", ["tools/uninitialized", "{build}"], target="octavo")]),
     Goal("B1", "every flipped bit of golden files and a million of a CT are found; no wrong voxel",

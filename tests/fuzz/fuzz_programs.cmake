@@ -12,6 +12,11 @@ foreach(target ${reading_targets})
 endforeach()
 add_subdirectory(${CMAKE_SOURCE_DIR}/src/octavo/core ${CMAKE_BINARY_DIR}/core)
 octavo_fuzz_target(metadata octavo_core)
+set(sources_mesh)
+foreach(reader mesh obj ply stl)
+  list(APPEND sources_mesh ${CMAKE_SOURCE_DIR}/src/octavo/mesh/formats/${reader}_reader.cpp)
+endforeach()
+octavo_fuzz_target(mesh octavo_core)
 
 # The others need libraries of the system, which do not go with an engine that brings its own
 # standard library.

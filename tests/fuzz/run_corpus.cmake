@@ -1,5 +1,5 @@
 # run_corpus TARGET FOLDER...: without an engine and without clang.
-set(targets ${reading_targets} metadata simd round_trip plan part)
+set(targets ${reading_targets} metadata simd round_trip plan part mesh)
 set(names)
 add_executable(run_corpus run_corpus.cpp)
 foreach(target ${targets})
@@ -20,5 +20,5 @@ set_property(SOURCE fuzz_simd.cpp APPEND PROPERTY COMPILE_DEFINITIONS octavo_sim
 target_sources(run_corpus PRIVATE decoded_brick.cpp)
 set_source_files_properties(run_corpus.cpp PROPERTIES COMPILE_DEFINITIONS FUZZ_TARGETS=${names})
 target_link_libraries(run_corpus
-  PRIVATE octavo_test_support decoders_portable octavo_dist octavo_builder octavo_file octavo_codec
+  PRIVATE octavo_test_support decoders_portable octavo_dist octavo_builder octavo_mesh octavo_file octavo_codec
   octavo_test_flags)
