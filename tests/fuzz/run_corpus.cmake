@@ -20,5 +20,5 @@ set_property(SOURCE fuzz_simd.cpp APPEND PROPERTY COMPILE_DEFINITIONS octavo_sim
 target_sources(run_corpus PRIVATE decoded_brick.cpp)
 set_source_files_properties(run_corpus.cpp PROPERTIES COMPILE_DEFINITIONS FUZZ_TARGETS=${names})
 target_link_libraries(run_corpus
-  PRIVATE octavo_test_support decoders_portable octavo_dist octavo_builder octavo_mesh octavo_file octavo_codec
-  octavo_test_flags)
+  PRIVATE octavo_test_support decoders_portable octavo_dist octavo_builder octavo_mesh octavo_file
+  octavo_codec octavo_test_flags)

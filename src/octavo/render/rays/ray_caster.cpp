@@ -6,9 +6,11 @@
 #include <atomic>
 #include <chrono>
 #include <limits>
+#include <memory>
 
 #include "octavo/core/error.h"
 #include "octavo/render/rays/ray_camera.h"
+#include "octavo/render/rays/ray_meshes.h"
 
 namespace octavo {
 
@@ -36,6 +38,15 @@ void start_tile(RayTile& tile, const RayFrame& frame, const RayField& field, std
                             top + static_cast<std::int64_t>(kTileOrder.row[i]) >= field.height;
     if (is_outside) tile.k[i] = kRayDone;
   }
+}
+
+/// The stops of the rays of each tile that has layers.
+std::vector<std::unique_ptr<RayStops>> make_stops(const RayField& field) {
+  std::vector<std::unique_ptr<RayStops>> stops(field.tiles.size());
+  for (std::size_t i = 0; i < field.layers.size(); ++i) {
+    if (!field.layers[i].is_empty()) stops[i] = std::make_unique<RayStops>();
+  }
+  return stops;
 }
 
 bool is_waiting(const RayTile& tile) {
@@ -84,6 +95,9 @@ RayField cast_rays(RayBricks& bricks, RayFrame frame, std::int64_t width, std::i
     waiting[i] = i;
   }
 
+  if (frame.meshes) field.layers = frame.meshes->layers(frame, width, height, watcher);
+  const auto stops = make_stops(field);
+
   while (true) {
     // Follow.
     const RayClock::time_point began = RayClock::now();
@@ -91,7 +105,11 @@ RayField cast_rays(RayBricks& bricks, RayFrame frame, std::int64_t width, std::i
     std::atomic<std::int64_t> samples = 0;
     tbb::parallel_for(std::size_t{0}, waiting.size(), [&](std::size_t i) {
       if (watcher.is_cancelled()) return;
-      samples += follow(frame, field.tiles[waiting[i]]);
+      const std::size_t number = waiting[i];
+      RayTile& tile = field.tiles[number];
+      samples += stops[number] ? follow_through_layers(frame, tile, field.layers[number],
+                                                       *stops[number], follow)
+                               : follow(frame, tile);
     });
     if (watcher.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
     field.samples += samples;

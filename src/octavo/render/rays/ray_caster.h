@@ -13,6 +13,7 @@
 #include "octavo/core/progress.h"
 #include "octavo/render/rays/ray_bricks.h"
 #include "octavo/render/rays/ray_job.h"
+#include "octavo/render/rays/ray_layers.h"
 
 namespace octavo {
 
@@ -21,6 +22,7 @@ struct RayField {
   std::int64_t width = 0;
   std::int64_t height = 0;
   std::vector<RayTile> tiles;  ///< row by row
+  std::vector<TileLayers> layers;  ///< of the frame's meshes, by tile; none without meshes
   std::int64_t samples = 0;    ///< taken
   double cast_seconds = 0;     ///< following rays
 
@@ -35,10 +37,10 @@ struct RayField {
 std::uint64_t ray_field_bytes(std::int64_t width, std::int64_t height);
 
 /// Casts the rays of one picture on the threads of the caller's arena.
-/// frame   with camera, mode and table; the tables of bricks are those of `bricks`
+/// frame   with camera, mode, table and meshes; the tables of bricks are those of `bricks`
 /// follow  one of follow_rays_function
-/// Throws  Error{cancelled}, and what reading bricks throws
-/// Memory  ray_field_bytes, besides bricks
+/// Throws  Error{cancelled}, and what reading bricks and RayMeshes throw
+/// Memory  ray_field_bytes, besides bricks and what meshes take
 RayField cast_rays(RayBricks& bricks, RayFrame frame, std::int64_t width, std::int64_t height,
                    FollowRays follow, const Progress& watcher);
 

@@ -30,6 +30,8 @@
 
 namespace octavo {
 
+class RayMeshes;
+
 enum class RayMode {
   volume,   ///< colors and opacities of a transfer function, front to back
   extreme,  ///< the highest value on planes of the grid; of values times -1 the lowest
@@ -106,6 +108,7 @@ struct RayFrame {
   float sign = 1;        ///< extreme, iso: of values
   float isovalue = 0;    ///< times the sign
   float enough = 0.995f; ///< opacity at which a ray ends
+  const RayMeshes* meshes = nullptr;  ///< in the same picture; or none
   float margin = 0;      ///< that a ray stays before the end of what it skips, in samples
 };
 
@@ -114,6 +117,8 @@ inline constexpr std::size_t kTileRays = kRayTileSide * kRayTileSide;
 
 /// Where a ray stands that has nothing before it.
 inline constexpr float kRayDone = 4e9f;
+/// What a sample stands for reaches so far to either side, in steps.
+inline constexpr float kHalfStep = 0.5f;
 
 /// Shorter steps along an axis count as this.
 inline constexpr float kSmallestStep = 1e-9f;
@@ -128,6 +133,15 @@ inline constexpr int kHitHalvings = 12;
 /// The gradient of a cut, far above all that is soft.
 inline constexpr float kCutGradient = 1e6f;
 
+/// Where the rays of a tile stop for something that is no sample, as polygons are: a ray waits once
+/// its next sample stands for what lies behind.
+struct RayStops {
+  alignas(64) std::array<float, kTileRays> stop{};  ///< in steps; kRayDone: nowhere
+  alignas(64) std::array<float, kTileRays> from{};  ///< what samples before it stand for is taken
+  std::array<std::uint32_t, kTileRays> next{};      ///< what it stops for
+  bool has_started = false;
+};
+
 /// The rays of a tile in Z order: 4, 8 or 16 of them in a row are a small rectangle.
 struct RayTile {
   float u = 0;  ///< of the middle of its first pixel
@@ -141,6 +155,7 @@ struct RayTile {
   /// Opacity, of an isosurface 0 or 1; number of averaged samples; the highest value.
   alignas(64) std::array<float, kTileRays> gathered{};
   alignas(64) std::array<std::int32_t, kTileRays> waits_for{};  ///< a brick, or below 0
+  const RayStops* stops = nullptr;  ///< of modes volume and iso; none where no ray stops
 };
 
 /// Column and row of each ray in its tile.
@@ -180,7 +195,8 @@ std::int64_t with_ray_mode(const RayFrame& frame, Follow&& follow) {
   }
 }
 
-/// Follows the rays of a tile until each is done or waits for a brick. Returns the samples taken.
+/// Follows the rays of a tile until each is done, waits for a brick or has come to its stop.
+/// Returns the samples taken.
 using FollowRays = std::int64_t (*)(const RayFrame& frame, RayTile& tile);
 
 /// That of plain C++.

@@ -166,6 +166,13 @@ class Packet {
     const Reals u = hn::Add(real(tile.u), hn::Load(kRays, kTileOrder.column.data() + first));
     const Reals v = hn::Add(real(tile.v), hn::Load(kRays, kTileOrder.row.data() + first));
     start(u, v);
+    stop_ = real(kRayDone);
+    from_ = real(-kRayDone);
+    if (tile.stops) {
+      stop_ = hn::Load(kRays, tile.stops->stop.data() + first);
+      from_ = hn::Load(kRays, tile.stops->from.data() + first);
+    }
+    reach_ = hn::Min(leave_, hn::Add(stop_, real(kHalfStep)));
     gathered_ = hn::Load(kRays, tile.gathered.data() + first);
     if constexpr (kMode == RayMode::iso) {
       // Of lanes without a hit a sample that has neighbors on all sides.
@@ -186,7 +193,7 @@ class Packet {
     k_ = hn::Max(hn::Load(kRays, tile_.k.data() + first_),
                  kTakesEnds ? enter_ : hn::Ceil(enter_));
     Wholes waits_for = whole(-1);
-    RayMask active = hn::Le(k_, leave_);
+    RayMask active = hn::Le(k_, reach_);
     while (!hn::AllFalse(kRays, active)) {
       place_at(k_, place_);
       find_bricks(active);
@@ -212,10 +219,17 @@ class Packet {
       if constexpr (kTakesEnds) next = limited(next);
       if (!hn::AllFalse(kRays, taking)) {
         taken += static_cast<std::int64_t>(hn::CountTrue(kRays, taking));
-        next = hn::IfThenElse(take(taking), real(kRayDone), next);
+        const RayMask ends = take(taking);
+        if (tile_.stops) {
+          // What lies behind the stop is left of the step: the sample is taken again.
+          const RayMask is_cut = hn::And(taking, hn::Gt(hn::Add(k_, real(kHalfStep)), stop_));
+          next = hn::IfThenElse(is_cut, k_, next);
+          active = hn::AndNot(hn::AndNot(ends, is_cut), active);
+        }
+        next = hn::IfThenElse(ends, real(kRayDone), next);
       }
       k_ = hn::IfThenElse(active, next, k_);
-      active = hn::And(active, hn::Le(k_, leave_));
+      active = hn::And(active, hn::Le(k_, reach_));
     }
     // All lanes find their places together.
     if constexpr (kMode == RayMode::iso) {
@@ -403,12 +417,22 @@ class Packet {
     }
   }
 
+  /// Of the opacities of steps those parts which lie before the stop and behind the one before.
+  HWY_INLINE Reals parts_of(Reals opacity) const {
+    const Reals begin = hn::Sub(k_, real(kHalfStep));
+    const Reals first = hn::Max(begin, from_);
+    const Reals part = hn::Sub(hn::Min(hn::Add(k_, real(kHalfStep)), stop_), first);
+    return hn::Div(hn::Mul(opacity, part),
+                   hn::Sub(real(1), hn::Mul(opacity, hn::Sub(first, begin))));
+  }
+
   HWY_INLINE RayMask composite(RayMask taking, Reals value, const Corners& corner) {
     const ColorTable& table = f_.table;
     Reals entry = hn::Mul(hn::Sub(value, real(table.lowest)), real(table.entries_per_value));
     entry = hn::Min(hn::Max(entry, hn::Zero(kRays)), real(static_cast<float>(table.last)));
     const Wholes number = hn::ConvertTo(kWhole, entry);
-    const Reals opacity = hn::GatherIndex(kRays, table.opacities, number);
+    Reals opacity = hn::GatherIndex(kRays, table.opacities, number);
+    if (tile_.stops) opacity = parts_of(opacity);
     const RayMask seen = hn::And(taking, hn::Gt(opacity, hn::Zero(kRays)));
     if (hn::AllFalse(kRays, seen)) return seen;
 
@@ -489,9 +513,9 @@ class Packet {
   }
 
   HWY_INLINE void keep(Wholes waits_for) {
-    const RayMask waits = of_reals(hn::Gt(waits_for, whole(-1)));
     hn::Store(waits_for, kWhole, tile_.waits_for.data() + first_);
-    hn::Store(hn::IfThenElse(waits, k_, real(kRayDone)), kRays, tile_.k.data() + first_);
+    const RayMask goes_on = hn::Le(k_, leave_);
+    hn::Store(hn::IfThenElse(goes_on, k_, real(kRayDone)), kRays, tile_.k.data() + first_);
     hn::Store(gathered_, kRays, tile_.gathered.data() + first_);
     if constexpr (kMode != RayMode::extreme) hn::Store(red_, kRays, tile_.red.data() + first_);
     if constexpr (kMode == RayMode::volume || kMode == RayMode::iso) {
@@ -508,6 +532,9 @@ class Packet {
   Reals enter_;
   Reals leave_;
   Wholes enter_axis_;
+  Reals stop_;
+  Reals from_;
+  Reals reach_;
   Reals k_;
   Reals place_[3];
   Wholes before_[3];

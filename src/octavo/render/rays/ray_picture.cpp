@@ -1,7 +1,9 @@
 #include "octavo/render/rays/ray_picture.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 namespace octavo {
@@ -21,26 +23,48 @@ std::optional<double> ray_value(const RayTile& tile, std::size_t ray, RayMode mo
   return gathered > 0 ? std::optional(tile.red[ray] / gathered) : std::nullopt;
 }
 
-Color color_of(const RayTile& tile, std::size_t ray, const RayLook& look) {
+using Channels = std::array<double, 3>;
+
+Channels channels_of(const Color& color) {
+  return {color[0] / 255.0, color[1] / 255.0, color[2] / 255.0};
+}
+
+/// What a ray shows of the volume over the background.
+Channels volume_channels(const RayTile& tile, std::size_t ray, const RayLook& look) {
+  const Channels behind = channels_of(look.background);
   if (look.mode == RayMode::extreme || look.mode == RayMode::mean) {
     const auto value = ray_value(tile, ray, look.mode, look.sign);
-    if (!value) return look.background;
+    if (!value) return behind;
     const std::uint8_t grey = look.window.grey(look.to_real.to_real(*value));
-    return {grey, grey, grey};
+    return channels_of({grey, grey, grey});
   }
-  const std::array<float, 3> seen = {tile.red[ray], tile.green[ray], tile.blue[ray]};
   const double opacity = tile.gathered[ray];
-  Color color;
-  for (std::size_t i = 0; i < color.size(); ++i) {
-    const double behind = look.background[i] / 255.0;
-    if (look.mode == RayMode::iso) {
-      const double lit = look.surface[i] / 255.0 * tile.red[ray] + tile.green[ray];
-      color[i] = seen_channel(opacity > 0 ? lit : behind);
-    } else {
-      color[i] = seen_channel(seen[i] + (1 - opacity) * behind);
+  Channels seen = {tile.red[ray], tile.green[ray], tile.blue[ray]};
+  if (look.mode == RayMode::iso) {
+    if (!(opacity > 0)) return behind;
+    for (std::size_t i = 0; i < seen.size(); ++i) {
+      seen[i] = std::min(1.0, look.surface[i] / 255.0 * tile.red[ray] + tile.green[ray]);
     }
+    return seen;
   }
-  return color;
+  for (std::size_t i = 0; i < seen.size(); ++i) seen[i] += (1 - opacity) * behind[i];
+  return seen;
+}
+
+/// The layers that lie before what a ray shows: of an isosurface those before the hit; of what has
+/// no depth all. In a volume they are part of what was gathered.
+double layers_end(const RayTile& tile, std::size_t ray, RayMode mode) {
+  const bool is_hit = mode == RayMode::iso && tile.gathered[ray] > 0;
+  return is_hit ? static_cast<double>(tile.blue[ray]) : std::numeric_limits<double>::infinity();
+}
+
+Color color_of(const RayField& field, const RayTile& tile, std::size_t ray, const RayLook& look) {
+  Channels seen = volume_channels(tile, ray, look);
+  if (!field.layers.empty() && look.mode != RayMode::volume) {
+    const auto number = static_cast<std::size_t>(&tile - field.tiles.data());
+    seen = seen_through(field.layers[number], ray, layers_end(tile, ray, look.mode), seen);
+  }
+  return {seen_channel(seen[0]), seen_channel(seen[1]), seen_channel(seen[2])};
 }
 
 }  // namespace
@@ -56,7 +80,7 @@ std::vector<double> ray_values(const RayField& field, RayMode mode, float sign) 
 Picture ray_picture(const RayField& field, const RayLook& look) {
   Picture picture = make_picture(field.width, field.height, 3);
   field.for_each_pixel([&](std::int64_t x, std::int64_t y, const RayTile& tile, std::size_t ray) {
-    picture.set(x, y, color_of(tile, ray, look));
+    picture.set(x, y, color_of(field, tile, ray, look));
   });
   return picture;
 }

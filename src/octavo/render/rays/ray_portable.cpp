@@ -169,13 +169,19 @@ class PortableFollower {
         tile_(tile),
         number_(number),
         ray_(start(frame, tile.u + kTileOrder.column[number], tile.v + kTileOrder.row[number])),
-        span_(span_of(frame, ray_)) {}
+        span_(span_of(frame, ray_)) {
+    if (tile.stops) {
+      stop_ = tile.stops->stop[number];
+      from_ = tile.stops->from[number];
+    }
+  }
 
   std::int64_t follow() {
     std::int64_t taken = 0;
     float k = std::max(tile_.k[number_], first());
     tile_.waits_for[number_] = -1;
-    while (k <= span_.leave) {
+    const float reach = std::min(span_.leave, stop_ + kHalfStep);
+    while (k <= reach) {
       const RayPlace place = place_at(k);
       const RayCell before = cell_of(place);
       RayCell inside;
@@ -204,9 +210,10 @@ class PortableFollower {
         k = kRayDone;
         break;
       }
+      if (k + kHalfStep > stop_) break;
       k = limited(k, std::floor(k) + 1);
     }
-    tile_.k[number_] = tile_.waits_for[number_] < 0 ? kRayDone : k;
+    tile_.k[number_] = k <= span_.leave ? k : kRayDone;
     return taken;
   }
 
@@ -294,7 +301,7 @@ class PortableFollower {
       tile_.gathered[number_] += 1;
       return false;
     } else if constexpr (kMode == RayMode::volume) {
-      return composite(value, corner);
+      return composite(k, value, corner);
     } else {
       if (!(value * f_.sign >= f_.isovalue)) return false;
       hit(k, before, corner);
@@ -302,12 +309,21 @@ class PortableFollower {
     }
   }
 
-  bool composite(float value, const SampleCorner& corner) {
+  /// Of the opacity of a step that part which lies before the stop and behind the one before.
+  float part_of(float k, float opacity) const {
+    const float begin = k - kHalfStep;
+    const float first = std::max(begin, from_);
+    const float part = std::min(k + kHalfStep, stop_) - first;
+    return opacity * part / (1 - opacity * (first - begin));
+  }
+
+  bool composite(float k, float value, const SampleCorner& corner) {
     const ColorTable& table = f_.table;
     const float entry = std::clamp((value - table.lowest) * table.entries_per_value, 0.0f,
                                    static_cast<float>(table.last));
     const auto number = static_cast<std::size_t>(entry);
-    const float opacity = table.opacities[number];
+    float opacity = table.opacities[number];
+    if (tile_.stops) opacity = part_of(k, opacity);
     if (!(opacity > 0)) return false;
     const float weight = opacity * (1 - tile_.gathered[number_]);
     PortableLight light{kFlatLight, 0};
@@ -370,6 +386,8 @@ class PortableFollower {
   std::size_t number_;
   PortableRay ray_;
   RaySpan span_;
+  float stop_ = kRayDone;
+  float from_ = -kRayDone;
 };
 
 template <RayMode kMode, bool kIsWide>

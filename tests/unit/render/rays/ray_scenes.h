@@ -13,6 +13,7 @@
 #include "octavo/render/rays/dense_samples.h"
 #include "octavo/render/rays/ray_camera.h"
 #include "octavo/render/rays/ray_caster.h"
+#include "octavo/render/rays/ray_meshes.h"
 #include "octavo/render/rays/ray_picture.h"
 #include "octavo/render/rays/transfer_function.h"
 
@@ -69,6 +70,7 @@ struct RaySetup {
   ViewFrame frame = {96, 80, 1, {}};
   double angle_degrees = 0;
   std::optional<Box> shown;
+  std::vector<RayMesh> meshes;
 };
 
 struct CastScene {
@@ -106,6 +108,8 @@ CastScene cast_scene(const RayVolume<T>& volume, const RaySetup& setup) {
     if (setup.mode == RayMode::iso) return most >= frame.isovalue ? 1.0f : 0.0f;
     return table.is_seen(lowest, highest) ? 1.0f : 0.0f;
   });
+  const RayMeshes meshes(setup.meshes, {volume.geometry, scene.view, setup.memory_bytes});
+  if (!setup.meshes.empty()) frame.meshes = &meshes;
   NoProgress silent;
   tbb::task_arena arena(setup.threads);
   arena.execute([&] {
