@@ -28,17 +28,19 @@ constexpr VerbText kHexahedraText = {
     "cannot express. With --conforming no node hangs: leaves beside smaller ones fall into\n"
     "pyramids and tetrahedra around their center, which may be more elements than there are\n"
     "voxels. The volume is that of the voxels.\n\n"
-    "Coordinates are mm in LPS. Each label is a set of elements; the six sides of the box around\n"
-    "the mesh, along the axes of the grid, are the sets X_MIN to Z_MAX of nodes that do not hang\n"
-    "(.inp) and the boundary attributes 1 to 6 (.mesh). Pyramids in .inp are C3D8 with four nodes\n"
-    "in one. The attribute of an element in .mesh is its label; with materials, or where a label\n"
-    "is below 1 or above 2147483647, attributes are counted from 1. Comments at the beginning say\n"
-    "the label of each.\n\n"
+    "Coordinates are mm in LPS. Each label is a set of elements, LABEL_3, or LABEL_3_left_kidney\n"
+    "where it has a name; comments, in .vtu field data, have names and colors as they are. The\n"
+    "six sides of the box around the mesh, along the axes of the grid, are the sets X_MIN to\n"
+    "Z_MAX of nodes that do not hang (.inp) and the boundary attributes 1 to 6 (.mesh). Pyramids\n"
+    "in .inp are C3D8 with four nodes in one. The attribute of an element in .mesh is its label;\n"
+    "with materials, or where a label is below 1 or above 2147483647, attributes are counted\n"
+    "from 1. Comments at the beginning say the label of each.\n\n"
     "--of gives each element the mean of the grey values in it; --density turns that into a\n"
     "density in g/cm3, SLOPE * value + INTERCEPT, as your calibration says; --modulus turns that\n"
     "into a modulus in MPa, A * density^B, where densities below 0 are taken as 0 and a warning\n"
     "counts them; the densities in .vtu stay as they are. Materials are bins of the modulus,\n"
-    "equally wide. Without it an .inp has no material; only .vtu takes --density alone.\n\n"
+    "equally wide over all labels; each label has materials of its own, up to --bins of them.\n"
+    "Without it an .inp has no material; only .vtu takes --density alone.\n\n"
     "Examples:\n"
     "  octavo hexahedra skull.8vo -o skull.vtu\n"
     "  octavo hexahedra skull.8vo --octree --keep-largest -o skull.inp\n"
@@ -192,7 +194,7 @@ void add_materials(Verb verb, HexahedraArguments& arguments) {
   verb.add_option("--poisson", arguments.poisson, "Poisson's ratio of the materials")
       ->type_name("NU")
       ->capture_default_str();
-  verb.add_option("--bins", arguments.bins, "Materials between the softest and the stiffest")
+  verb.add_option("--bins", arguments.bins, "Materials that each label has at most")
       ->type_name("N")
       ->check(whole_within(1, 100000))
       ->capture_default_str();

@@ -197,6 +197,46 @@ class Hexahedra(cli_test.InFolder):
         one = self.json("map.8vo", "--label", "3", "-o", "one.inp")
         self.assertEqual((one["elements"], one["labels"]), (counts[3], [3]))
 
+    def test_sets_have_the_names_of_their_labels(self):
+        (self.folder / "names.txt").write_text("3 Linke Niere / oben (größer) 255 128 0 255\n"
+                                               "7 gone 1 2 3 4\n", encoding="utf-8")
+        data = bytes(label_at(*place) for place in places())
+        self.build("named.8vo", data, "uint8", "--labels", "--label-names", "names.txt")
+        (name,) = [label["name"] for number, label in json.loads(
+            self.expect(0, "info", "named.8vo", "--json").stdout)["metadata"]["labels"].items()
+            if number == "3"]
+        word = "LABEL_3_Linke_Niere_oben_gr_er"
+        self.json("named.8vo", "-o", "m.inp")
+        _, blocks = read_inp(self.folder / "m.inp")
+        self.assertIn(f"*ELEMENT, TYPE=C3D8, ELSET={word}", blocks)
+        self.assertIn("*ELEMENT, TYPE=C3D8, ELSET=LABEL_1", blocks)
+        line = f"label 3, {name}, color 255 128 0\n"
+        self.assertIn(f"** {word}: {line}", (self.folder / "m.inp").read_text(encoding="utf-8"))
+        self.json("named.8vo", "-o", "m.msh")
+        text = (self.folder / "m.msh").read_text(encoding="utf-8")
+        self.assertIn(f'$PhysicalNames\n2\n3 1 "LABEL_1"\n3 3 "{word}"\n', text)
+        self.assertIn(f"\n{word}: {line}$EndComments\n", text)
+        self.json("named.8vo", "-o", "m.mesh")
+        text = (self.folder / "m.mesh").read_text(encoding="utf-8")
+        self.assertIn(f"# attribute 1 = label 1\n# attribute 3 = {line}", text)
+        self.json("named.8vo", "-o", "m.vtu")
+        read_vtu(self.folder / "m.vtu")
+        head = (self.folder / "m.vtu").read_bytes().split(b"<Piece")[0].decode()
+        fields = dict(re.findall(r'Name="(label\w+)".*?>\n(.*?)</DataArray>', head, re.S))
+        self.assertEqual(fields["labels"].split(), ["1", "3"])
+        codes = bytes(map(int, fields["label_names"].split()))
+        self.assertEqual(codes.decode().split("\0"), ["1", name, ""])
+        self.assertEqual(fields["label_colors"].split()[3:], ["255", "128", "0"])
+
+    def test_bins_are_those_of_each_label(self):
+        words = ["map.8vo", "--of", "grey.8vo", "--density", "0.01,1", "--modulus", "6850,1.49"]
+        for bins, materials in [(1, 2), (2, 4)]:
+            report = self.json(*words, "--bins", str(bins), "-o", "m.inp", "-f")
+            self.assertEqual(report["materials"], materials)
+        _, blocks = read_inp(self.folder / "m.inp")
+        (sets,) = blocks["*ELSET, ELSET=LABEL_3"]
+        self.assertEqual([name.split("_MATERIAL")[0] for name in sets], ["LABEL_3", "LABEL_3"])
+
     def test_mfem_is_told_the_parents_of_hanging_nodes(self):
         report = self.json("map.8vo", "--octree", "-o", "m.mesh")
         text = (self.folder / "m.mesh").read_text()

@@ -297,7 +297,8 @@ HexahedraResult hexahedra(const HexahedraOptions& options, const TaskContext& co
   PendingFile file(local_storage(), options.output.path);
   {
     const ProgressScope scope(context.watcher(), "mesh", 1, "mesh");
-    write_hex_mesh(mesh, format, {hex_comments(options, *reader), options.poisson_ratio},
+    write_hex_mesh(mesh, format, {hex_comments(options, *reader), options.poisson_ratio,
+                    reader->description().metadata.facts().labels},
                    context.watcher(), file);
   }
   context.stop_if_cancelled();

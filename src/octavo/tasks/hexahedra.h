@@ -26,7 +26,7 @@ struct HexahedraOptions {
   std::optional<DensityLine> density;    ///< needs `grey`, and but for .vtu `modulus`
   std::optional<ModulusPower> modulus;   ///< needs `density`
   double poisson_ratio = 0.3;            ///< of the materials
-  int bin_count = 32;                    ///< materials between the softest and the stiffest
+  int bin_count = 32;                    ///< materials that each label has at most
   bool has_quality = false;              ///< shapes and volumes are measured
 };
 

@@ -37,12 +37,18 @@ constexpr int kAbaqusDigits = 14;
 
 class AbaqusWriter {
  public:
-  AbaqusWriter(const HexMesh& mesh, const Progress& watcher, PendingFile& file)
-      : mesh_(mesh), out_(file, watcher) {}
+  AbaqusWriter(const HexMesh& mesh, const HexFileText& text, const Progress& watcher,
+               PendingFile& file)
+      : mesh_(mesh), names_(text.names), out_(file, watcher) {}
 
   void write(const HexFileText& text) {
     out_.text("*HEADING\nhexahedra, mm, LPS\n");
     for (const std::string& comment : text.comments) out_.text("** ").text(comment).text("\n");
+    for_each_label([&](std::int64_t label, std::size_t, std::size_t) {
+      if (!names_.all().contains(label)) return;
+      out_.text("** ").text(label_set_name(label, names_)).text(": ");
+      out_.text(label_line(label, names_)).text("\n");
+    });
     nodes();
     elements();
     label_sets();
@@ -83,7 +89,7 @@ class AbaqusWriter {
         const HexGroup& one = mesh_.groups()[group];
         if (one.element_counts[place] == 0) continue;
         out_.text("*ELEMENT, TYPE=").text(kTypes[place]).text(", ELSET=");
-        out_.text(group_name(mesh_, group)).text("\n");
+        out_.text(group_name(mesh_, group, names_)).text("\n");
         mesh_.visit_elements(one, shape, [&](std::span<const std::uint32_t> nodes, std::uint64_t) {
           out_.digits(++number);
           for (const std::uint32_t node : nodes) out_.text(", ").digits(std::uint64_t{node} + 1);
@@ -99,21 +105,30 @@ class AbaqusWriter {
 
   /// All groups, and with materials those of each label.
   void label_sets() {
-    const std::vector<HexGroup>& groups = mesh_.groups();
-    set_of_groups("ALL_ELEMENTS", 0, groups.size());
+    set_of_groups("ALL_ELEMENTS", 0, mesh_.groups().size());
     if (!mesh_.has_materials()) return;
+    for_each_label([&](std::int64_t label, std::size_t begin, std::size_t end) {
+      set_of_groups(label_set_name(label, names_), begin, end);
+    });
+  }
+
+  /// Calls visit(label, begin, end) with the groups of each label.
+  template <class Visit>
+  void for_each_label(Visit&& visit) const {
+    const std::vector<HexGroup>& groups = mesh_.groups();
     for (std::size_t begin = 0, end = 0; begin < groups.size(); begin = end) {
       while (end < groups.size() && groups[end].label == groups[begin].label) ++end;
-      const std::string name = group_name(mesh_, begin);
-      set_of_groups(name.substr(0, name.find("_MATERIAL")), begin, end);
+      visit(mesh_.labels()[groups[begin].label], begin, end);
     }
   }
 
   /// Of the groups [begin, end).
   void set_of_groups(const std::string& name, std::size_t begin, std::size_t end) {
     out_.text("*ELSET, ELSET=").text(name).text("\n");
-    AbaqusLine line(out_, 8);
-    for (std::size_t i = begin; i < end; ++i) line.add(std::string_view(group_name(mesh_, i)));
+    AbaqusLine line(out_, 4);
+    for (std::size_t i = begin; i < end; ++i) {
+      line.add(std::string_view(group_name(mesh_, i, names_)));
+    }
     line.finish();
   }
 
@@ -163,12 +178,13 @@ class AbaqusWriter {
         out_.text("\n*DENSITY\n");
         real(material.density_g_cm3 * kTonnePerMm3);
       }
-      out_.text("\n*SOLID SECTION, ELSET=").text(group_name(mesh_, i));
+      out_.text("\n*SOLID SECTION, ELSET=").text(group_name(mesh_, i, names_));
       out_.text(", MATERIAL=MATERIAL_").text(number).text("\n");
     }
   }
 
   const HexMesh& mesh_;
+  const LabelNames& names_;
   FileText out_;
 };
 
@@ -176,7 +192,7 @@ class AbaqusWriter {
 
 void write_hex_abaqus(const HexMesh& mesh, const HexFileText& text, const Progress& watcher,
                       PendingFile& file) {
-  AbaqusWriter(mesh, watcher, file).write(text);
+  AbaqusWriter(mesh, text, watcher, file).write(text);
 }
 
 }  // namespace octavo

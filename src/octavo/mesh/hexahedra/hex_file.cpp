@@ -6,6 +6,8 @@
 #include <limits>
 #include <numeric>
 
+#include "octavo/mesh/formats/mesh_bytes.h"
+
 namespace octavo {
 
 std::optional<HexFormat> hex_format_of(const std::string& path) {
@@ -44,13 +46,38 @@ std::vector<std::int64_t> group_attributes(const HexMesh& mesh) {
   return attributes;
 }
 
-std::string group_name(const HexMesh& mesh, std::size_t group) {
-  const std::int64_t label = mesh.labels()[mesh.groups()[group].label];
+std::string label_set_name(std::int64_t label, const LabelNames& names) {
+  constexpr std::size_t kMostLetters = 40;
+  std::string word;
+  for (const char letter : names.name_of(label)) {
+    const auto byte = static_cast<unsigned char>(letter);
+    const bool is_kept = byte < 0x80 && std::isalnum(byte) != 0;
+    if (is_kept) word += letter;
+    else if (!word.empty() && word.back() != '_') word += '_';
+    if (word.size() == kMostLetters) break;
+  }
+  if (word.ends_with('_')) word.pop_back();
   // Names of sets have no minus.
-  std::string name = label < 0 ? "LABEL_NEG" + std::to_string(label).substr(1)
-                               : "LABEL_" + std::to_string(label);
+  const std::string number = label < 0 ? "NEG" + std::to_string(label).substr(1)
+                                       : std::to_string(label);
+  return "LABEL_" + number + (word.empty() ? "" : "_" + word);
+}
+
+std::string group_name(const HexMesh& mesh, std::size_t group, const LabelNames& names) {
+  std::string name = label_set_name(mesh.labels()[mesh.groups()[group].label], names);
   if (mesh.has_materials()) name += "_MATERIAL_" + std::to_string(group + 1);
   return name;
+}
+
+std::string label_line(std::int64_t label, const LabelNames& names) {
+  std::string line = "label " + std::to_string(label);
+  const std::string& name = names.name_of(label);
+  if (!name.empty()) line += ", " + line_text(name);
+  const auto entry = names.all().find(label);
+  if (entry == names.all().end() || !entry->second.color) return line;
+  line += ", color";
+  for (const std::uint8_t value : *entry->second.color) line += " " + std::to_string(value);
+  return line;
 }
 
 }  // namespace octavo

@@ -7,15 +7,17 @@
 // | .msh | Gmsh 4.1, text | not written | physical volumes |
 // | .mesh | MFEM 1.0 | MFEM 1.1, vertex_parents | attributes, comments say of which label |
 //
-// The six sides of the box around the mesh are NSETs in .inp, of nodes that do not hang, and
-// boundary attributes 1 to 6 in .mesh: x_min, x_max, y_min, y_max, z_min, z_max along the axes of
-// the grid.
+// Names and colors of labels are field data in .vtu, elsewhere comments; names of sets hold what is
+// ASCII of them. The six sides of the box around the mesh are NSETs in .inp, of nodes that do not
+// hang, and boundary attributes 1 to 6 in .mesh: x_min, x_max, y_min, y_max, z_min, z_max along
+// the axes of the grid.
 #pragma once
 
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "octavo/core/label_names.h"
 #include "octavo/core/progress.h"
 #include "octavo/file/storage/pending_file.h"
 #include "octavo/mesh/hexahedra/hex_mesh.h"
@@ -33,6 +35,7 @@ const char* hex_format_endings();
 struct HexFileText {
   std::vector<std::string> comments;  ///< lines that say what the mesh was made of
   double poisson_ratio = 0.3;         ///< of all materials
+  LabelNames names = {};              ///< and colors of the labels
 };
 
 /// Appends a mesh to a file, mm in LPS; moduli in MPa, densities of .inp in tonne/mm3.
@@ -57,8 +60,15 @@ void write_hex_mfem(const HexMesh& mesh, const HexFileText& text, const Progress
 /// their labels where there are none and all labels are above 0 and fit in 31 bits.
 std::vector<std::int64_t> group_attributes(const HexMesh& mesh);
 
-/// "LABEL_3", or "LABEL_3_MATERIAL_7" with materials.
-std::string group_name(const HexMesh& mesh, std::size_t group);
+/// "LABEL_3", or "LABEL_3_left_kidney" where it has a name: ASCII letters and digits of that, up
+/// to 40 of them, which every solver takes in names of sets.
+std::string label_set_name(std::int64_t label, const LabelNames& names);
+
+/// The set name of its label, with materials as "LABEL_3_MATERIAL_7".
+std::string group_name(const HexMesh& mesh, std::size_t group, const LabelNames& names);
+
+/// "label 3, left kidney, color 255 128 0" as far as they are known; one line.
+std::string label_line(std::int64_t label, const LabelNames& names);
 
 inline constexpr std::array<const char*, 6> kSideNames = {"X_MIN", "X_MAX", "Y_MIN",
                                                           "Y_MAX", "Z_MIN", "Z_MAX"};

@@ -14,12 +14,21 @@ constexpr int gmsh_type(HexShape shape) {
 
 class GmshWriter {
  public:
-  GmshWriter(const HexMesh& mesh, const Progress& watcher, PendingFile& file)
-      : mesh_(mesh), attributes_(group_attributes(mesh)), out_(file, watcher) {}
+  GmshWriter(const HexMesh& mesh, const HexFileText& text, const Progress& watcher,
+             PendingFile& file)
+      : mesh_(mesh), names_(text.names), attributes_(group_attributes(mesh)), out_(file, watcher) {}
 
   void write(const HexFileText& text) {
     out_.text("$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Comments\n");
     for (const std::string& comment : text.comments) out_.text(comment).text("\n");
+    std::uint32_t last = static_cast<std::uint32_t>(mesh_.labels().size());
+    for (const HexGroup& group : mesh_.groups()) {
+      const std::int64_t label = mesh_.labels()[group.label];
+      if (group.label == last || !names_.all().contains(label)) continue;
+      last = group.label;
+      out_.text(label_set_name(label, names_)).text(": ");
+      out_.text(label_line(label, names_)).text("\n");
+    }
     out_.text("$EndComments\n");
     volumes();
     nodes();
@@ -34,7 +43,7 @@ class GmshWriter {
     out_.text("$PhysicalNames\n").digits(count).text("\n");
     for (std::size_t i = 0; i < count; ++i) {
       out_.text("3 ").digits(attributes_[i]).text(" \"");
-      out_.text(group_name(mesh_, i)).text("\"\n");
+      out_.text(group_name(mesh_, i, names_)).text("\"\n");
     }
     out_.text("$EndPhysicalNames\n$Entities\n0 0 0 ").digits(count).text("\n");
     const Box3 box = box_mm();
@@ -105,6 +114,7 @@ class GmshWriter {
   }
 
   const HexMesh& mesh_;
+  const LabelNames& names_;
   std::vector<std::int64_t> attributes_;  // of groups
   FileText out_;
 };
@@ -113,7 +123,7 @@ class GmshWriter {
 
 void write_hex_gmsh(const HexMesh& mesh, const HexFileText& text, const Progress& watcher,
                     PendingFile& file) {
-  GmshWriter(mesh, watcher, file).write(text);
+  GmshWriter(mesh, text, watcher, file).write(text);
 }
 
 }  // namespace octavo

@@ -20,7 +20,7 @@ class MfemWriter {
     const bool has_hanging = mesh_.hanging_count() != 0;
     out_.text(has_hanging ? "MFEM mesh v1.1\n\n" : "MFEM mesh v1.0\n\n");
     for (const std::string& comment : text.comments) out_.text("# ").text(comment).text("\n");
-    attributes();
+    attributes(text.names);
     out_.text("\ndimension\n3\n");
     elements();
     boundary();
@@ -40,11 +40,11 @@ class MfemWriter {
   }
 
   /// Comments, since attributes have no names in these versions of the format.
-  void attributes() {
+  void attributes(const LabelNames& names) {
     for (std::size_t i = 0; i < mesh_.groups().size(); ++i) {
       const HexGroup& group = mesh_.groups()[i];
       out_.text("# attribute ").digits(attributes_[i]);
-      out_.text(" = label ").digits(mesh_.labels()[group.label]);
+      out_.text(" = ").text(label_line(mesh_.labels()[group.label], names));
       if (group.material) out_.text(", ").digits(group.material->modulus_mpa).text(" MPa");
       out_.text("\n");
     }

@@ -1,5 +1,8 @@
+#include <algorithm>
 #include <string>
+#include <vector>
 
+#include "octavo/core/label_color.h"
 #include "octavo/mesh/hexahedra/file_text.h"
 #include "octavo/mesh/hexahedra/hex_file.h"
 
@@ -37,9 +40,49 @@ class VtuWriter {
     }
     out_.text(
         "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" "
-        "header_type=\"UInt64\">\n<UnstructuredGrid>\n<Piece NumberOfPoints=\"");
+        "header_type=\"UInt64\">\n<UnstructuredGrid>\n");
+    label_fields(text.names);
+    out_.text("<Piece NumberOfPoints=\"");
     out_.digits(mesh_.node_count()).text("\" NumberOfCells=\"");
     out_.digits(mesh_.element_count()).text("\">\n");
+  }
+
+  /// What the labels of the elements are called, and their colors; those without a name by number.
+  void label_fields(const LabelNames& names) {
+    std::vector<std::int64_t> labels;
+    for (const HexGroup& group : mesh_.groups()) {
+      const std::int64_t label = mesh_.labels()[group.label];
+      if (labels.empty() || labels.back() != label) labels.push_back(label);
+    }
+    const bool is_named = std::any_of(labels.begin(), labels.end(), [&](std::int64_t label) {
+      return names.all().contains(label);
+    });
+    if (!is_named) return;
+    out_.text("<FieldData>\n");
+    begin_field("Int64", "labels", labels.size(), 1);
+    for (const std::int64_t label : labels) out_.digits(label).text(" ");
+    out_.text("</DataArray>\n");
+    begin_field("String", "label_names", labels.size(), 1);
+    for (const std::int64_t label : labels) {
+      for (const char letter : names.text_of(label)) {
+        out_.digits(unsigned{static_cast<unsigned char>(letter)}).text(" ");
+      }
+      out_.text("0\n");
+    }
+    out_.text("</DataArray>\n");
+    begin_field("UInt8", "label_colors", labels.size(), 3);
+    for (const std::int64_t label : labels) {
+      for (const std::uint8_t value : names.color_of(label, label_color(label))) {
+        out_.digits(unsigned{value}).text(" ");
+      }
+    }
+    out_.text("</DataArray>\n</FieldData>\n");
+  }
+
+  void begin_field(const char* type, const char* name, std::size_t tuples, int components) {
+    out_.text("<DataArray type=\"").text(type).text("\" Name=\"").text(name);
+    out_.text("\" NumberOfComponents=\"").digits(components);
+    out_.text("\" NumberOfTuples=\"").digits(tuples).text("\" format=\"ascii\">\n");
   }
 
   void tag(const char* text) {
