@@ -35,7 +35,8 @@ constexpr VerbText kJoinText = {
     "pieces of parts and of the hidden file, in their order. The server of an object store can\n"
     "put them together without sending them through this machine.\n\n"
     "--missing joins nothing: it proves every part and prints the numbers of those to be made, as\n"
-    "3,17-19, ready for sbatch --array. It ends with 1 while there are any.\n\n"
+    "3,17-19, ready for sbatch --array. It ends with 1 while there are any. Parts that a join to\n"
+    "-o FILE holds already, after --consume or --step copy, are not listed.\n\n"
     "Examples:\n"
     "  octavo join scan.plan parts/ -o scan.8vo\n"
     "  octavo join scan.plan parts/ --consume -o scan.8vo\n"
@@ -165,12 +166,10 @@ void add_join(CLI::App& app, Context& context) {
   verb.add_option("parts", arguments->options.parts,
                   "Parts, or the folder in which they are; default: that of the plan")
       ->type_name("PART");
-  Option output = verb.add_option("-o,--output", arguments->options.output.path,
-                                  "The .8vo file to write")
-                      ->type_name("FILE");
+  verb.add_option("-o,--output", arguments->options.output.path, "The .8vo file to write")
+      ->type_name("FILE");
   Option missing = verb.add_flag("--missing", arguments->is_missing,
-                                 "Print the numbers of parts to be made")
-                       ->excludes(output);
+                                 "Print the numbers of parts to be made");
   Option consume = verb.add_flag("--consume", arguments->options.consumes_parts,
                                  "Remove each part once it is in the file")
                        ->excludes(missing);

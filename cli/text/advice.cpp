@@ -88,6 +88,8 @@ constexpr Advice kAdvice[] = {
     // --- Building in parts
     {kUsage, "is_resuming", "", "leave out --resume, or --parts"},
     {ErrorKind::io, "join.layout", "", "begin with --step layout"},
+    {ErrorKind::io, "join.consume", "", "--consume goes on with it"},
+    {kAny, "parts.anew", "", "octavo part --force does"},
     {kUsage, "parts.plan", "", "--force replaces it, another folder (-o) keeps both"},
     {kUsage, "parts.which", "", "give --part I"},
 

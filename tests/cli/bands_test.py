@@ -103,6 +103,30 @@ class SharedGroups(parts_test.InParts):
         self.part(7, "--part", "5", "-o", "parts")
         self.assertEqual(self.missing(1), "5\n")
 
+    def test_bands_of_other_voxels_are_missing_until_they_are_made_anew(self):
+        times = os.stat(self.folder / "scan.raw")
+        self.write_scan(parts_test.VOXELS[:-2] + b"\1\2")
+        os.utime(self.folder / "scan.raw", ns=(times.st_atime_ns, times.st_mtime_ns))
+        self.part(0, "--part", "5", "-o", "parts", "--force")
+        self.assertIn("was made of other voxels of group 2", self.join(7).stderr)
+        said = self.expect(1, "join", "scan.plan", "parts", "--missing", "--progress", "none")
+        self.assertEqual(said.stdout, "4-5\n")
+        self.assertIn("octavo part --force", said.stderr)
+        self.part(0, "--parts", "4-5", "-o", "parts", "--force")
+        self.assertEqual(self.missing(0), "")
+        self.join(0)
+
+    def test_a_limit_that_a_plan_takes_its_parts_take(self):
+        def plan(code, limit):
+            return self.expect(code, "plan", *self.raw, "--bands", "2", "-j", "1", "--max-memory",
+                               f"{limit}M", "-fo", "low.plan")
+        needed = int(re.search(r"needs about (\d+) MiB", plan(6, 1).stderr).group(1))
+        plan(6, needed - 2)
+        plan(0, needed)
+        for part in "0", "5":
+            self.expect(0, "part", "low.plan", "--part", part, "-j", "1", "--max-memory",
+                        f"{needed}M", "-o", "low", "-q", "--progress", "none")
+
     def test_a_killed_band_leaves_nothing_under_its_name(self):
         command = [cli_test.OCTAVO, "part", "scan.plan", "--part", "2", "-o", "killed",
                    "--progress", "json", "-j", "1"]

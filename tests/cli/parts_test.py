@@ -210,6 +210,25 @@ class JoinedInOtherWays(InParts):
         self.step(0, "--step", "seal")
         self.assertEqual(self.bytes_of("scan.8vo"), self.whole)
 
+    def test_parts_that_a_join_holds_are_not_missing(self):
+        self.step(0, "--step", "layout")
+        self.step(0, "--step", "copy", "--part", "1", "--consume")
+        (self.folder / "parts/scan.part-0002-of-0003").unlink()
+        for output in [], ["-o", "scan.8vo"]:
+            said = self.expect(1, "join", "scan.plan", "parts", "--missing", *output, "--progress",
+                               "none")
+            self.assertEqual(said.stdout, "2\n")
+            self.assertIn("scan.8vo: a join that has begun here holds 1 part", said.stderr)
+        self.assertEqual(self.expect(1, "join", "scan.plan", "parts", "--missing", "-o",
+                                     "other.8vo").stdout, "1-2\n")
+        self.part(0, "--part", "2", "-o", "parts", "-q")
+        self.assertEqual(self.expect(0, "join", "scan.plan", "parts", "--missing").stdout, "")
+        said = self.step(5)
+        self.assertIn("1 of 3 parts is missing: 1; a join that has begun here holds 1 of them; "
+                      "--consume goes on with it", said.stderr)
+        self.step(0, "--consume")
+        self.assertEqual(self.bytes_of("scan.8vo"), self.whole)
+
     def test_nothing_is_consumed_where_a_part_is_damaged(self):
         name = "parts/scan.part-0002-of-0003"
         bad = bytearray(self.bytes_of(name))
@@ -357,6 +376,30 @@ class Rejected(InParts):
         (self.folder / name).write_bytes(good[:-9])
         self.expect_error(4, [name], "join", "scan.plan", "-o", "scan.8vo")
 
+    def test_a_part_whose_head_is_lost_is_made_anew(self):
+        name = "scan.part-0002-of-0003"
+        good = self.bytes_of(name)
+        for bad in b"", good[:1], good[:300], b"\0" + good[1:], good[:7] + b"\xff" + good[8:]:
+            with self.subTest(len(bad)):
+                (self.folder / name).write_bytes(bad)
+                self.expect_error(4, [name], "join", "scan.plan", name, "-o", "scan.8vo")
+                self.assertIn("made anew", self.part(0, "--part", "2").stderr)
+                self.assertEqual(self.bytes_of(name), good)
+
+    def test_of_two_files_of_one_part_the_one_with_the_wrong_name_is_named(self):
+        self.part(0, "--part", "1", "-q")
+        shutil.copy(self.folder / "scan.part-0001-of-0003", self.folder / "scan.part-0000-of-0003")
+        for way in [], ["--consume"], ["--step", "layout"]:
+            self.expect_error(2, ["scan.part-0000-of-0003: is part 1, not part 0"],
+                              "join", "scan.plan", *way, "-o", "scan.8vo")
+        self.assertEqual(len([name for name in self.files() if ".part-" in name]), 3)
+
+    def test_a_plan_whose_parts_could_have_no_names_is_rejected(self):
+        for length, code in [(238, 2), (237, 0)]:
+            said = self.expect(code, "plan", *self.raw, "-o", "n" * length + ".plan")
+            self.assertEqual("too long a name for a plan" in said.stderr, code == 2, said.stderr)
+        self.expect(0, "part", "n" * 237 + ".plan", "-q", "--progress", "none")
+
     def test_a_volume_of_more_voxels_than_allowed_is_rejected(self):
         (self.folder / "slices").mkdir()
         for z in range(SIZE[2]):
@@ -433,72 +476,6 @@ class Rejected(InParts):
         changed = self.bytes_of("scan.plan").replace(b"16", b"17", 1)
         (self.folder / "changed.plan").write_bytes(changed)
         self.expect_error(4, ["changed.plan"], "part", "changed.plan", "--part", "0")
-
-
-class Scheduled(InParts):
-    def setUp(self):
-        super().setUp()
-        self.plan("--parts", "3")
-
-    def made_by(self, **variables):
-        said = self.part(0, "--json", **variables)
-        told = json.loads(said.stdout)
-        name = told["number_from"]
-        self.assertIn(f"octavo: {name} says ", said.stderr)
-        return name, [part["part"] for part in told["parts"]]
-
-    def test_the_number_of_a_part_comes_from_the_scheduler(self):
-        self.part(0, "--parts", "0-2", "-q")  # what is there is kept
-        slurm = {"SLURM_ARRAY_TASK_MIN": "1", "SLURM_ARRAY_TASK_MAX": "3"}
-        ranks = {"OMPI_COMM_WORLD_SIZE": "2"}
-        for variables, name, parts in [
-            ({"SLURM_ARRAY_TASK_ID": "2"}, "SLURM_ARRAY_TASK_ID", [2]),
-            ({"SLURM_ARRAY_TASK_ID": "3", **slurm}, "SLURM_ARRAY_TASK_ID", [2]),
-            ({"SLURM_ARRAY_TASK_ID": "1", "SLURM_ARRAY_TASK_MIN": "1",
-              "SLURM_ARRAY_TASK_MAX": "2"}, "SLURM_ARRAY_TASK_ID", [1]),
-            ({"SLURM_ARRAY_TASK_ID": "9", "SLURM_ARRAY_TASK_MIN": "0",
-              "SLURM_ARRAY_TASK_MAX": "9"}, "SLURM_ARRAY_TASK_ID", []),
-            ({"PBS_ARRAY_INDEX": "1"}, "PBS_ARRAY_INDEX", [1]),
-            ({"LSB_JOBINDEX": "1"}, "LSB_JOBINDEX", [0]),
-            ({"SGE_TASK_ID": "3"}, "SGE_TASK_ID", [2]),
-            ({"AWS_BATCH_JOB_ARRAY_INDEX": "0"}, "AWS_BATCH_JOB_ARRAY_INDEX", [0]),
-            ({"JOB_COMPLETION_INDEX": "2"}, "JOB_COMPLETION_INDEX", [2]),
-            ({"OMPI_COMM_WORLD_RANK": "0", **ranks}, "OMPI_COMM_WORLD_RANK", [0, 2]),
-            ({"OMPI_COMM_WORLD_RANK": "1", "SLURM_PROCID": "0", "SLURM_NTASKS": "1", **ranks},
-             "OMPI_COMM_WORLD_RANK", [1]),
-            ({"PMIX_RANK": "1", "SLURM_STEP_NUM_TASKS": "2"}, "PMIX_RANK", [1]),
-            ({"SLURM_PROCID": "0", "SLURM_STEP_NUM_TASKS": "3"}, "SLURM_PROCID", [0]),
-            ({"SLURM_PROCID": "7", "SLURM_STEP_NUM_TASKS": "8"}, "SLURM_PROCID", []),
-            ({"PBS_ARRAY_INDEX": "3"}, "PBS_ARRAY_INDEX", []),
-            ({"LSB_JOBINDEX": "4"}, "LSB_JOBINDEX", []),
-            ({"AWS_BATCH_JOB_ARRAY_INDEX": "3"}, "AWS_BATCH_JOB_ARRAY_INDEX", []),
-            ({"JOB_COMPLETION_INDEX": "9"}, "JOB_COMPLETION_INDEX", []),
-            ({"LSB_JOBINDEX": "0", "SGE_TASK_ID": "undefined", "PBS_ARRAY_INDEX": "2"},
-             "PBS_ARRAY_INDEX", [2]),
-        ]:
-            with self.subTest(variables):
-                self.assertEqual(self.made_by(**variables), (name, parts))
-
-    def test_a_number_without_a_part_is_rejected(self):
-        for variables, words in [
-            ({}, ["which of 3 parts", "--part"]),
-            ({"SLURM_ARRAY_TASK_ID": "3"}, ["SLURM_ARRAY_TASK_ID is 3", "parts 0 to 2"]),
-            ({"SLURM_PROCID": "0", "SLURM_NTASKS": "3"}, ["which of 3 parts", "--part"]),
-            ({"SGE_TASK_ID": "4"}, ["SGE_TASK_ID is 4", "from 1"]),
-            ({"LSB_JOBINDEX": "-4"}, ["'-4'"]),
-            ({"PBS_ARRAY_INDEX": "two"}, ["'two'"]),
-            ({"PMIX_RANK": "1"}, ["how many ranks"]),
-        ]:
-            with self.subTest(variables):
-                said = self.part(2, **variables)
-                for word in words:
-                    self.assertIn(word, said.stderr)
-        self.assertEqual(self.files(), ["scan.plan", "scan.raw"])
-
-    def test_a_number_that_is_given_counts_more_than_a_scheduler(self):
-        told = json.loads(self.part(0, "--part", "1", "--json", SLURM_ARRAY_TASK_ID="2").stdout)
-        self.assertIsNone(told["number_from"])
-        self.assertEqual(told["parts"][0]["part"], 1)
 
 
 class Elsewhere(InParts):

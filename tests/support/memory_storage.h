@@ -29,6 +29,7 @@ class MemoryStorage final : public Storage {
   bool has_failed = false;
   /// What else happens before each call; may throw.
   std::function<void(const std::string& what)> meanwhile;
+  std::string locked;               ///< a file that somebody else has locked
 
   std::unique_ptr<StorageFile> open_read(const std::string& path) override;
   std::unique_ptr<StorageFile> create_exclusive(const std::string& path) override;
@@ -36,6 +37,7 @@ class MemoryStorage final : public Storage {
   std::unique_ptr<StorageFile> open_shared(const std::string& path) override;
   std::unique_ptr<StorageFile> create_scratch(const std::string& folder) override;
   bool exists(const std::string& path) override;
+  bool is_locked(const std::string& path) override { return !locked.empty() && path == locked; }
   void rename(const std::string& from, const std::string& to) override;
   void remove(const std::string& path) override;
   /// Takes every process for gone.

@@ -160,10 +160,10 @@ TierEncoder::~TierEncoder() {
 }
 
 void TierEncoder::restore_parents(std::span<const std::int64_t> parents) {
-  const std::vector<Index3> layer = layer_order(levels_.brick_grid(tier_));
+  if (layer_.empty()) layer_ = layer_order(levels_.brick_grid(tier_));
   for (const std::int64_t parent : parents) {
-    Index3 brick = layer[restored_ % layer.size()];
-    brick.z = static_cast<std::int64_t>(restored_ / layer.size());
+    Index3 brick = layer_[restored_ % layer_.size()];
+    brick.z = static_cast<std::int64_t>(restored_ / layer_.size());
     store_parent(brick, parent);
     ++restored_;
   }

@@ -140,6 +140,7 @@ class TierEncoder {
   ErrorBound bound_;
   std::vector<std::byte> parents_;
   std::size_t restored_ = 0;  // bricks that need no encoding
+  std::vector<Index3> layer_;  // the order of bricks in a layer, once one was restored
 
   std::mutex mutex_;  // guards what follows
   std::condition_variable changed_;

@@ -57,9 +57,9 @@ BrickShare share_of(const BuildPlan& plan, const Levels& levels, const PartPlace
 }
 
 /// Bytes of so many whole bricks of a source.
-std::uint64_t bytes_of_bricks(const BuildPlan& plan, std::int64_t count) {
-  const std::int64_t voxels = levels_of(plan.source).brick_side(0).voxel_count();
-  return static_cast<std::uint64_t>(count * voxels * bytes_per_voxel(plan.source.type));
+std::uint64_t bytes_of_bricks(const VolumeDescription& volume, std::int64_t count) {
+  const std::int64_t voxels = levels_of(volume).brick_side(0).voxel_count();
+  return static_cast<std::uint64_t>(count * voxels * bytes_per_voxel(volume.type));
 }
 
 }  // namespace
@@ -88,8 +88,11 @@ void require_bands(const BuildPlan& plan, const PlaneSource& source) {
   require_lossless(outline_of(plan));
 }
 
-std::uint64_t band_share_bytes(const BuildPlan& plan) {
-  return bytes_of_bricks(plan, (layer_bricks_of(plan) + plan.bands - 1) / plan.bands);
+std::uint64_t band_share_bytes(const VolumeDescription& volume, std::int64_t bands) {
+  const Size3 grid = levels_of(volume).brick_grid(0);
+  const std::int64_t layer_bricks = grid.x * grid.y;
+  const std::int64_t shares = std::min(bands, layer_bricks);
+  return bytes_of_bricks(volume, (layer_bricks + shares - 1) / shares);
 }
 
 void build_band(const BuildPlan& plan, PlaneSource& source, const PartPlace& place,
@@ -114,7 +117,7 @@ void build_band(const BuildPlan& plan, PlaneSource& source, const PartPlace& pla
   limited.band_bytes = work.band_bytes;
   const std::int64_t bricks = place.end_brick - place.first_brick;
   const std::uint64_t band_bytes =
-      share_band_bytes(source, limited, threads, bytes_of_bricks(plan, bricks));
+      share_band_bytes(source, limited, threads, bytes_of_bricks(plan.source, bricks));
   const std::int64_t planes = end_plane - first_plane;
   const ProgressScope scope(progress, "part", planes + planes * bricks / layer_bricks_of(plan),
                             "plane passes");

@@ -28,8 +28,9 @@ void require_bands(const PlaneSource& source, const BuildOptions& options);
 /// The same of a plan.
 void require_bands(const BuildPlan& plan, const PlaneSource& source);
 
-/// Bytes of the voxels of the largest band of the plan.
-std::uint64_t band_share_bytes(const BuildPlan& plan);
+/// Bytes of the voxels of the largest band of a group that `bands` parts share, at most one part a
+/// brick.
+std::uint64_t band_share_bytes(const VolumeDescription& volume, std::int64_t bands);
 
 /// Encodes a band into a part file at `path`, as build_part does with groups.
 /// Throws  as build_part and require_bands

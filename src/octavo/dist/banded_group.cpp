@@ -86,10 +86,30 @@ void add_lengths(const IndexPage& page, std::vector<std::uint64_t>& lengths) {
 
 }  // namespace
 
+// The stamps of files say whether they were changed; where there are none, this does.
+void require_one_group(const std::vector<std::shared_ptr<PartFile>>& bands) {
+  for (const auto& part : bands) {
+    const JournalGroup& first = bands.front()->groups().front();
+    const JournalGroup& band = part->groups().front();
+    const ModelRef& model = band.models.front();
+    const bool is_same = band.voxels_crc == first.voxels_crc &&
+                         model.crc == first.models.front().crc &&
+                         model.length == first.models.front().length;
+    if (is_same) continue;
+    throw Error(ErrorKind::source_rejected,
+                "was made of other voxels of " +
+                    place_text({0, part->place().first_group, part->place().end_group}) +
+                    " than " + escaped(base_name_of(bands.front()->path())) +
+                    "; make both parts anew",
+                part->path())
+        .with_field("parts.anew");
+  }
+}
+
 BandedGroup::BandedGroup(std::vector<std::shared_ptr<PartFile>> bands, const FileHeader& header,
                          const Levels& levels)
     : bands_(std::move(bands)), header_(header), levels_(levels) {
-  require_same_group();
+  require_one_group(bands_);
   const PartFile& first = *bands_.front();
   const JournalGroup& first_band = first.groups().front();
   layer_ = first_band.end_layer - 1;
@@ -124,25 +144,6 @@ BandedGroup::BandedGroup(std::vector<std::shared_ptr<PartFile>> bands, const Fil
     group.plane_digests.insert(group.plane_digests.end(), digests.begin(), digests.end());
   }
   groups_.push_back(std::move(group));
-}
-
-// The stamps of files say whether they were changed; where there are none, this does.
-void BandedGroup::require_same_group() const {
-  const JournalGroup& first = bands_.front()->groups().front();
-  for (const auto& part : bands_) {
-    const JournalGroup& band = part->groups().front();
-    const ModelRef& model = band.models.front();
-    const bool is_same = band.voxels_crc == first.voxels_crc &&
-                         model.crc == first.models.front().crc &&
-                         model.length == first.models.front().length;
-    if (is_same) continue;
-    throw Error(ErrorKind::source_rejected,
-                "was made of other voxels of " +
-                    place_text({0, part->place().first_group, part->place().end_group}) +
-                    " than " + escaped(base_name_of(bands_.front()->path())) +
-                    "; make both parts anew",
-                part->path());
-  }
 }
 
 Bytes BandedGroup::pages_of(const PartFile& band) const {

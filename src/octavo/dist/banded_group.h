@@ -21,6 +21,10 @@
 
 namespace octavo {
 
+/// Proves that bands of one group were made of the same voxels, and trained alike.
+/// Throws Error{source_rejected} that names one of two that were not
+void require_one_group(const std::vector<std::shared_ptr<PartFile>>& bands);
+
 class BandedGroup final : public EncodedRun {
  public:
   /// bands   of one group, in the order of its bricks, which they tile; each with its groups proven
@@ -49,7 +53,6 @@ class BandedGroup final : public EncodedRun {
     std::vector<PageRef> refs;
   };
 
-  void require_same_group() const;
   Bytes pages_of(const PartFile& band) const;
   Made make() const;
   bool is_stored(std::size_t stream) const { return stream + 1 < streams_.size(); }

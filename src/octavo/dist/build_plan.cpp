@@ -137,9 +137,13 @@ BuildPlan plan_build(PlaneSource& source, const BuildOptions& options, Progress&
   Workers workers(threads);
   GroupTrainer trainer(outline.description, outline.levels, workers, outline.settings);
   plan.codec_check = codec_check(plan.source.type, plan.options);
-  if (band_bytes > 0) {
-    BandReader bands(outline.planes(source), outline.levels, 0, first_planes,
-                     band_cut(outline, band_bytes), progress);
+  // No brick is encoded here: those that the model is trained on are picked up as planes pass.
+  BandCut cut = band_cut(outline, std::max<std::uint64_t>(band_bytes, 1));
+  if (!cut.is_rows) cut.share = BrickShare();
+  const bool is_picked_up =
+      cut.share && is_integer(source.description().type) && source.can_seek();
+  if (band_bytes > 0 || is_picked_up) {
+    BandReader bands(outline.planes(source), outline.levels, 0, first_planes, cut, progress);
     plan.content_hash = content_hash_of(bands.group());
     plan.first_model = trainer.train(bands.training_bricks(), bands.group().type).serialized;
   } else {

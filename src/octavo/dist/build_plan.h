@@ -59,6 +59,8 @@ struct BuildPlan {
 ///         changed since. None for voxels that stand in no file
 /// stack   slice_stack_of what `source` was made of, where its paths are those of `files`
 /// Throws  as build_file and stamps_of; Error{source_rejected} for a file that changes meanwhile
+/// Memory  the bricks that are trained on, where integers stay as they are and the source seeks;
+///         else as build_file
 BuildPlan plan_build(PlaneSource& source, const BuildOptions& options, Progress& progress,
                      const std::vector<std::string>& files = {},
                      const std::optional<SliceStack>& stack = std::nullopt);

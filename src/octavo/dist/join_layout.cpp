@@ -53,6 +53,15 @@ ClippedVoxels clipped_of_list(std::string_view json) {
   return take_clipped(bytes, "the layout of the join");
 }
 
+/// Takes a line off the front of `text`.
+std::string_view take_layout_line(std::string_view& text) {
+  const std::size_t end = text.find('\n');
+  if (end == std::string_view::npos) fail_layout("breaks off");
+  const std::string_view line = text.substr(0, end);
+  text.remove_prefix(end + 1);
+  return line;
+}
+
 CopiedRun run_of(std::string_view line, std::uint64_t plan) {
   JsonReader in(line);
   if (in.next() != JsonToken::begin_list) fail_layout("has an odd line");
@@ -121,16 +130,9 @@ std::string layout_text(const JoinLayout& layout) {
   return object.text() + "\n" + runs;
 }
 
-JoinLayout parse_layout(std::string_view text) {
+JoinLayout parse_layout_head(std::string_view text) {
   std::string_view rest = text;
-  const auto take = [&rest] {
-    const std::size_t end = rest.find('\n');
-    if (end == std::string_view::npos) fail_layout("breaks off");
-    const std::string_view line = rest.substr(0, end);
-    rest.remove_prefix(end + 1);
-    return line;
-  };
-  const JsonObject object = json_members(take());
+  const JsonObject object = json_members(take_layout_line(rest));
   if (object.json_of("octavo_join").empty()) fail_layout("is none");
   if (object.json_of("octavo_join") != std::to_string(kLayoutVersion)) {
     throw Error(ErrorKind::unsupported_version, "the layout is of another version of the program");
@@ -141,7 +143,14 @@ JoinLayout parse_layout(std::string_view text) {
   JsonReader bytes(object.json_of("bytes"));
   layout.file_bytes = number_of(bytes);
   layout.clipped = clipped_of_list(object.json_of("clipped"));
-  while (!rest.empty()) layout.runs.push_back(run_of(take(), layout.plan));
+  return layout;
+}
+
+JoinLayout parse_layout(std::string_view text) {
+  JoinLayout layout = parse_layout_head(text);
+  std::string_view rest = text;
+  take_layout_line(rest);
+  while (!rest.empty()) layout.runs.push_back(run_of(take_layout_line(rest), layout.plan));
 
   // Runs follow each other within the file; what was changed gives another text.
   std::uint64_t at = 0;

@@ -42,6 +42,9 @@ std::vector<Section> own_bytes_of(const JoinLayout& layout);
 /// bricks C .. D.
 std::string layout_text(const JoinLayout& layout);
 
+/// What the first line of a layout says, without runs and unproven. Throws as parse_layout
+JoinLayout parse_layout_head(std::string_view text);
+
 /// Throws Error{corrupt} for what is no layout, Error{unsupported_version}
 JoinLayout parse_layout(std::string_view text);
 

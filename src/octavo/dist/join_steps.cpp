@@ -1,6 +1,7 @@
 #include "octavo/dist/join_steps.h"
 
 #include <algorithm>
+#include <map>
 #include <optional>
 #include <random>
 #include <span>
@@ -129,6 +130,18 @@ std::uint64_t most_layout_bytes(const BuildPlan& plan) {
   return parts * streams * kMostLineBytes + kMostHeadBytes;
 }
 
+/// The same of a layout of the plan itself, beside which parts are marked as copied.
+std::string why_kept_of_plan(const JoinLayout& layout, Storage& storage, const std::string& path) {
+  if (!storage.exists(joined_name(path))) return {};
+  const std::uint64_t bytes = storage.open_read(joined_name(path))->size();
+  if (bytes == layout.file_bytes) return {};
+  const std::string growing = escaped(joined_name(path));
+  return growing + ", in which a join has begun, has " + std::to_string(bytes) + " bytes, " +
+         std::to_string(layout.file_bytes) +
+         " expected: it may be all that is left of parts that were copied; where they are still "
+         "there, or can be made again, remove " + growing + "*";
+}
+
 /// Why what stands beside this name is not this join's to remove: it may be all that is left of
 /// parts that are gone. Empty where it may be removed.
 std::string why_kept(const BuildPlan& plan, Storage& storage, const std::string& path) {
@@ -136,8 +149,9 @@ std::string why_kept(const BuildPlan& plan, Storage& storage, const std::string&
   if (storage.list(join_prefix(path) + kCopiedEnding).empty()) return {};
   const std::string growing = escaped(joined_name(path));
   try {
-    const std::string text = file_text(storage, layout_name(path), kMostLayoutBytes);
-    if (parse_layout(text).plan == plan.id) return {};
+    const JoinLayout layout =
+        parse_layout(file_text(storage, layout_name(path), kMostLayoutBytes));
+    if (layout.plan == plan.id) return why_kept_of_plan(layout, storage, path);
     return "a join by another plan has begun here (" + growing +
            " and what is called so); finish it, or remove that";
   } catch (const Error& error) {
@@ -171,6 +185,13 @@ bool is_marked(Storage& storage, const std::string& mark, const std::string& pat
   if (!storage.exists(mark) || !storage.exists(path)) return false;
   const std::string end = end_of(storage, path);
   return !end.empty() && file_text(storage, mark, kMostMarkBytes).starts_with(end);
+}
+
+/// Whether two whole files hold the same, by their lengths and what their ends say of all bytes.
+bool is_same_file(Storage& storage, const std::string& a, const std::string& b) {
+  const std::string end = end_of(storage, a);
+  return !end.empty() && end == end_of(storage, b) &&
+         storage.open_read(a)->size() == storage.open_read(b)->size();
 }
 
 /// What a mark is to hold of the file at `path`.
@@ -250,9 +271,11 @@ std::uint64_t name_joined(const BuildPlan& plan, Storage& storage, const std::st
   }
   const std::string growing = joined_name(path);
   try {
-    check_target(storage, path, overwrite);
+    // Another join of these parts may have made the file meanwhile: one takes the other's place.
+    const bool replaces = overwrite || is_same_file(storage, growing, path);
+    check_target(storage, path, replaces);
     put_file(storage, sealed_name(path, plan), mark_of(storage, growing, layout->clipped));
-    if (overwrite) storage.rename(growing, path);
+    if (replaces) storage.rename(growing, path);
     else storage.rename_new(growing, path);
   } catch (const Error&) {
     // Where folders have no locks another program may have sealed it meanwhile.
@@ -333,45 +356,58 @@ JoinLayout lay_out_join(const BuildPlan& plan, const std::vector<std::shared_ptr
 
 namespace {
 
+/// Whether what stands there is still this layout, and not one of another laying out.
+bool is_still_laid_out(const JoinLayout& layout, Storage& storage, const std::string& path) {
+  if (!storage.exists(layout_name(path)) || !storage.exists(joined_name(path))) return false;
+  const auto file = storage.open_read(layout_name(path));
+  std::string head(static_cast<std::size_t>(std::min(file->size(), kMostHeadBytes)), '\0');
+  file->read(0, {reinterpret_cast<std::uint8_t*>(head.data()), head.size()});
+  return parse_layout_head(head).id == layout.id &&
+         storage.open_read(joined_name(path))->size() == layout.file_bytes;
+}
+
 /// Says that a part is copied, and removes it where it is consumed; but where the file was laid out
 /// anew meanwhile, the part is not in it.
 void mark_copied(const BuildPlan& plan, const JoinLayout& layout, const PartFile& part,
                  Storage& storage, const std::string& path, bool consumes) {
   // Nobody lays out anew between the look and the removal.
   const auto lock = storage.lock_folder(folder_of(path));
-  const std::optional<JoinLayout> now = find_layout(plan, storage, path);
-  const bool is_sealed_meanwhile = !now && is_joined(plan, storage, path);
-  if (!is_sealed_meanwhile && (!now || now->id != layout.id)) {
+  const bool is_laid_out = is_still_laid_out(layout, storage, path);
+  if (!is_laid_out && !is_joined(plan, storage, path)) {
     throw Error(ErrorKind::io,
                 "was laid out anew while a part was copied, which is not in it: copy it again",
                 path);
   }
-  if (now && !is_copied(layout, storage, path, part.place())) {
+  if (is_laid_out && !is_copied(layout, storage, path, part.place())) {
     put_file(storage, copied_name(path, part.place()), copied_text(layout));
   }
   if (consumes) storage.remove(part.path());
 }
 
-}  // namespace
+/// The runs of each part, by its first brick.
+using RunsOfParts = std::map<BrickAt, std::vector<CopiedRun>>;
 
-void copy_part(const BuildPlan& plan, const std::shared_ptr<PartFile>& part, Storage& storage,
-               const std::string& path, bool consumes, Progress& progress) {
-  const std::optional<JoinLayout> layout = find_layout(plan, storage, path);
-  if (!layout) throw Error(ErrorKind::io, "nothing is laid out for this plan", path);
+RunsOfParts runs_by_part(const JoinLayout& layout) {
+  RunsOfParts runs;
+  for (const CopiedRun& run : layout.runs) runs[begin_of(run.part)].push_back(run);
+  return runs;
+}
+
+/// As copy_part, of a part whose runs in the layout these are.
+void copy_runs(const BuildPlan& plan, const JoinLayout& layout, const std::vector<CopiedRun>& runs,
+               const std::shared_ptr<PartFile>& part, Storage& storage, const std::string& path,
+               bool consumes, Progress& progress) {
   const PartPlace& place = part->place();
 
-  // The runs of this part, as it has them
-  std::vector<CopiedRun> runs;
-  std::ranges::copy_if(layout->runs, std::back_inserter(runs), [&](const CopiedRun& run) {
-    return run.part == place;
-  });
+  // Whether they are the runs of this part, as it has them
   std::vector<std::size_t> streams;
   for (std::size_t stream = 0; stream < part->stream_count(); ++stream) {
     if (part->is_joined(stream) && part->stream(stream).length > 0) streams.push_back(stream);
   }
   const auto is_laid_out = [&](std::size_t stream, const CopiedRun& run) {
     const Section& bytes = part->stream(stream);
-    return bytes.offset == run.part_offset && bytes.length == run.length && bytes.crc == run.crc;
+    return run.part == place && bytes.offset == run.part_offset && bytes.length == run.length &&
+           bytes.crc == run.crc;
   };
   if (place.plan != plan.id || !std::ranges::equal(streams, runs, is_laid_out)) {
     throw Error(ErrorKind::invalid_argument, "is not a part of the file that was laid out",
@@ -379,11 +415,11 @@ void copy_part(const BuildPlan& plan, const std::shared_ptr<PartFile>& part, Sto
   }
 
   // Their bytes, then the mark that says that they are there
-  if (is_copied(*layout, storage, path, place)) {
-    return mark_copied(plan, *layout, *part, storage, path, consumes);
+  if (is_copied(layout, storage, path, place)) {
+    return mark_copied(plan, layout, *part, storage, path, consumes);
   }
   const WatchedParts watched({part}, progress);
-  const ProgressScope scope(progress, "copy", static_cast<std::int64_t>(part->stream_bytes()),
+  const ProgressScope scope(progress, "copy", static_cast<std::int64_t>(part->joined_bytes()),
                             "bytes");
   about(path, [&] {
     const std::unique_ptr<StorageFile> file = storage.open_shared(joined_name(path));
@@ -397,8 +433,39 @@ void copy_part(const BuildPlan& plan, const std::shared_ptr<PartFile>& part, Sto
     file->sync();
     file->close();
   });
-  mark_copied(plan, *layout, *part, storage, path, consumes);
+  mark_copied(plan, layout, *part, storage, path, consumes);
 }
+
+}  // namespace
+
+void copy_part(const BuildPlan& plan, const std::shared_ptr<PartFile>& part, Storage& storage,
+               const std::string& path, bool consumes, Progress& progress) {
+  const std::optional<JoinLayout> layout = find_layout(plan, storage, path);
+  if (!layout) throw Error(ErrorKind::io, "nothing is laid out for this plan", path);
+  std::vector<CopiedRun> runs;
+  std::ranges::copy_if(layout->runs, std::back_inserter(runs), [&](const CopiedRun& run) {
+    return run.part == part->place();
+  });
+  copy_runs(plan, *layout, runs, part, storage, path, consumes, progress);
+}
+
+namespace {
+
+/// Of two joins that consume the same parts the second one ends here, before it lays anything out:
+/// neither could get all of them.
+std::unique_ptr<StorageFile> lock_of_consumer(const std::vector<std::shared_ptr<PartFile>>& parts,
+                                              Storage& storage) {
+  const auto first = std::ranges::min_element(
+      parts, {}, [](const auto& part) { return begin_of(part->place()); });
+  if (first == parts.end()) return nullptr;
+  const std::string& name = (*first)->path();
+  std::unique_ptr<StorageFile> lock = storage.lock_left(name);
+  if (lock || !storage.is_locked(name)) return lock;
+  throw Error(ErrorKind::io,
+              "another join that consumes parts works on this one and those behind it", name);
+}
+
+}  // namespace
 
 std::vector<PartPlace> uncopied_parts(const JoinLayout& layout, Storage& storage,
                                       const std::string& path) {
@@ -441,6 +508,7 @@ std::uint64_t consume_parts(const BuildPlan& plan, const std::vector<std::string
   for (const std::string& name : paths) {
     if (storage.exists(name)) parts.push_back(PartFile::open(storage, name));
   }
+  const auto lock = lock_of_consumer(parts, storage);
   check_target(storage, path, overwrite);
   const bool goes_on = find_layout(plan, storage, path).has_value();
   prove_all(parts, progress);
@@ -453,8 +521,11 @@ std::uint64_t consume_parts(const BuildPlan& plan, const std::vector<std::string
   // Without a word of the disk on what was begun the copies themselves tell.
   const auto begun = goes_on ? begun_bytes(layout, storage, path) : std::optional<std::uint64_t>(0);
   if (begun) require_room(storage, path, left, *begun);
+  const RunsOfParts runs = runs_by_part(layout);
   for (const auto& part : parts) {
-    copy_part(plan, part, storage, path, true, progress);
+    const auto own = runs.find(begin_of(part->place()));
+    copy_runs(plan, layout, own == runs.end() ? std::vector<CopiedRun>() : own->second, part,
+              storage, path, true, progress);
   }
   const std::uint64_t bytes = name_joined(plan, storage, path, overwrite);
   discard_steps(plan, storage, path);

@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::array<std::uint8_t, 8> kPartMagic = {0x8f, '8', 'p', 'r', 't', 0x0d, 0x0a, 0x1a};
 constexpr std::size_t kHeadCrcAt = kHeaderBytes - 4;
-constexpr std::uint64_t kCopyBytes = std::uint64_t{8} << 20;
+constexpr std::uint64_t kCopyBytes = std::uint64_t{1} << 20;  // that caches of processors hold
 constexpr const char* kTail = "the tail of the part";
 
 /// Where the tail stands.
@@ -46,6 +46,22 @@ std::size_t take_count(ByteReader& in) {
   const std::uint64_t count = in.varint();
   if (count > in.left()) in.fail("ends early");
   return static_cast<std::size_t>(count);
+}
+
+/// Whether bytes are what is left of the head of a part: its start, be it empty, or all of it with
+/// bits of the magic flipped.
+bool is_begun_head(ByteSpan bytes) {
+  const std::size_t count = std::min(bytes.size(), kPartMagic.size());
+  if (std::equal(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(count),
+                 kPartMagic.begin())) {
+    return true;
+  }
+  if (bytes.size() < kHeaderBytes) return false;
+  HeaderBlock head{};
+  std::ranges::copy(bytes.first(kHeaderBytes), head.begin());
+  std::ranges::copy(kPartMagic, head.begin());
+  return crc32c(ByteSpan(head).first(kHeadCrcAt)) ==
+         load_little_endian<std::uint32_t>(head.data() + kHeadCrcAt);
 }
 
 }  // namespace
@@ -146,14 +162,14 @@ std::unique_ptr<PartFile> PartFile::open(Storage& storage, const std::string& pa
   HeaderBlock head{};
   const auto head_bytes = static_cast<std::size_t>(std::min<std::uint64_t>(size, kHeaderBytes));
   file->read(0, std::span(head).first(head_bytes));
-  if (!std::equal(kPartMagic.begin(), kPartMagic.end(), head.begin())) {
+  if (!is_begun_head(ByteSpan(head).first(head_bytes))) {
     throw Error(ErrorKind::not_octavo, "is no part of a build", path);
   }
-  ByteReader in(ByteSpan(head).subspan(kPartMagic.size()), "the head of the part");
-  const std::uint32_t version = in.u32();
   if (head_bytes < kHeaderBytes) {
     throw Error(ErrorKind::truncated, "the part ends within its head", path, size);
   }
+  ByteReader in(ByteSpan(head).subspan(kPartMagic.size()), "the head of the part");
+  const std::uint32_t version = in.u32();
   const auto head_crc = load_little_endian<std::uint32_t>(head.data() + kHeadCrcAt);
   if (!checksum_matches(crc32c(ByteSpan(head).first(kHeadCrcAt)), head_crc)) {
     part->fail("the head of the part fails its checksum");

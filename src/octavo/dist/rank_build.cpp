@@ -134,12 +134,12 @@ RankReport report_of(const Levels& levels, GatherPlan gather,
 }
 
 // Two groups are held encoded besides what a build holds.
-std::uint64_t rank_memory_bytes(const BuildPlan& plan, int threads) {
-  const auto planes = static_cast<std::uint64_t>(plan.planes_per_group);
-  const std::uint64_t bytes_of_plane = plane_bytes(plan.source);
+std::uint64_t rank_memory_bytes(const VolumeDescription& volume, int threads, double max_error) {
+  const auto planes =
+      static_cast<std::uint64_t>(group_planes(levels_of(volume), volume.type));
   const std::uint64_t encoded =
-      checked_mul(2 * planes, bytes_of_plane, "the memory of encoded groups");
-  return checked_add(build_memory_bytes(plan.source, threads, plan.options.max_error), encoded,
+      checked_mul(2 * planes, plane_bytes(volume), "the memory of encoded groups");
+  return checked_add(build_memory_bytes(volume, threads, max_error), encoded,
                      "the memory of a rank");
 }
 
@@ -152,10 +152,7 @@ BuildResult build(const BuildPlan& plan, PlaneSource& source, Communicator& rank
   result.threads = build_threads(options.work.threads);
   require_codec(plan);
   require_planned(plan, source.description());
-  check_build_memory(rank_memory_bytes(plan, result.threads) + source.resident_bytes(),
-                     options.work.max_memory_bytes,
-                     "; ranks encode whole groups; the parts of a plan may encode bands of them, "
-                     "which need less");
+  require_rank_memory(source, plan.options.max_error, options.work);
   if (ranks.is_first()) check_target(storage, path, options.overwrite);
 
   // What earlier jobs left
@@ -210,6 +207,15 @@ BuildResult build(const BuildPlan& plan, PlaneSource& source, Communicator& rank
 }
 
 }  // namespace
+
+void require_rank_memory(const PlaneSource& source, double max_error, const PartWork& work) {
+  const int threads = build_threads(work.threads);
+  check_build_memory(
+      rank_memory_bytes(source.description(), threads, max_error) + source.resident_bytes(),
+      work.max_memory_bytes,
+      "; ranks encode whole groups; the parts of a plan may encode bands of them, which need "
+      "less");
+}
 
 BuildResult build_by_ranks(const BuildPlan& plan, PlaneSource& source, Communicator& ranks,
                            Storage& storage, const std::string& path,

@@ -36,6 +36,10 @@ struct RankBuildOptions {
   PartWork work = {};                 ///< of each rank
 };
 
+/// Proves that ranks have room for whole groups of `source`.
+/// Throws Error{limit_exceeded}
+void require_rank_memory(const PlaneSource& source, double max_error, const PartWork& work);
+
 /// Collective: builds `path` by the plan, which all ranks have alike.
 /// source   of this rank; read at its groups alone
 /// storage  in which all ranks see the same files

@@ -323,5 +323,22 @@ TEST_F(BandParts, PlanesAreReadOnceMoreForTrainingWhereTheFirstPlaneTellsOtherBr
   EXPECT_EQ(planes_read(masked, plan, place_of(plan, 2)), 4 + 4);
 }
 
+TEST_F(BandParts, APlanReadsThePlanesOfItsGroupOnce) {
+  CountedPlanes planes(volume_.open());
+  NoProgress progress;
+  const BuildPlan plan = plan_build(planes, volume_.options, progress);
+  EXPECT_EQ(planes.count, 4);
+  EXPECT_EQ(plan.first_model, plan_.first_model);
+  EXPECT_EQ(plan.content_hash, plan_.content_hash);
+  CountedPlanes from_start(volume_.open());
+  from_start.is_sought = false;
+  EXPECT_EQ(plan_build(from_start, volume_.options, progress).first_model, plan_.first_model);
+  SmallVolume limited = volume_;
+  limited.options.band_bytes = 1;
+  CountedPlanes bands(limited.open());
+  EXPECT_EQ(plan_build(bands, limited.options, progress).first_model, plan_.first_model);
+  EXPECT_EQ(bands.count, 4);
+}
+
 }  // namespace
 }  // namespace octavo::testing

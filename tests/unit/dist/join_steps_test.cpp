@@ -211,6 +211,52 @@ TEST_F(JoinSteps, WhatALayoutThatCannotBeReadBelongsToStays) {
   expect_done(2);
 }
 
+TEST_F(JoinSteps, AGrowingFileThatWasCutOffIsNotLaidOutAnew) {
+  lay_out(runs_);
+  copy({0, 1}, true);
+  auto& growing = *storage_.files.at(joined_name("a.8vo"));
+  const std::vector<std::uint8_t> whole = growing;
+  growing.resize(growing.size() - 1);
+  const FileBytes part = storage_.files.at(part_name({1, 4}));
+  storage_.files[part_name({0, 1})] = part;
+  const std::string why = failure_of([&] { lay_out(runs_); }, ErrorKind::io);
+  EXPECT_NE(why.find("has " + std::to_string(whole.size() - 1) + " bytes, " +
+                     std::to_string(whole.size()) + " expected"),
+            std::string::npos)
+      << why;
+  EXPECT_NE(why.find("remove .a.8vo.join*"), std::string::npos) << why;
+  discard_steps(plan_, storage_, "a.8vo");
+  ASSERT_EQ(storage_.files.at(joined_name("a.8vo"))->size(), whole.size() - 1);
+  *storage_.files.at(joined_name("a.8vo")) = whole;
+  storage_.files.erase(part_name({0, 1}));
+  copy({1, 4});
+  copy({4, 6});
+  EXPECT_EQ(seal_join(plan_, storage_, "a.8vo", false), whole_.size());
+  expect_done(2);
+}
+
+TEST_F(JoinSteps, OfTwoJoinsToOneNameTheOneThatConsumesTakesThePlaceOfItsTwin) {
+  storage_.meanwhile = [&](const std::string& what) {
+    if (what != "rename" || storage_.files.contains("a.8vo")) return;
+    if (!storage_.files.contains(part_name({0, 1}))) {
+      storage_.files["a.8vo"] = std::make_shared<std::vector<std::uint8_t>>(whole_);
+    }
+  };
+  EXPECT_EQ(consume(), whole_.size());
+  storage_.meanwhile = {};
+  expect_done(0, 0);
+}
+
+TEST_F(JoinSteps, PartsThatAnotherJoinConsumesAreLeftToIt) {
+  storage_.locked = part_name({0, 1});
+  const std::string why = failure_of([&] { consume(); }, ErrorKind::io);
+  EXPECT_NE(why.find("another join that consumes parts works on this one"), std::string::npos)
+      << why;
+  EXPECT_EQ(storage_.files.size(), 3U) << "the parts, and nothing that grows";
+  storage_.locked.clear();
+  EXPECT_EQ(consume(), whole_.size());
+}
+
 TEST_F(JoinSteps, OnlyTheFileThatWasSealedIsTakenForThatOfItsPlan) {
   lay_out(runs_);
   for (const GroupRun& run : runs_) copy(run);

@@ -335,6 +335,14 @@ class LocalStorage final : public Storage {
     return lock_named(path);
   }
 
+  bool is_locked(const std::string& path) override {
+    LocalFile tried(path);
+    if (!tried.open(path, O_RDONLY | O_NONBLOCK)) return false;
+    const int result =
+        uninterrupted([&] { return ::flock(tried.descriptor(), LOCK_SH | LOCK_NB); });
+    return result != 0 && errno == EWOULDBLOCK;
+  }
+
   std::unique_ptr<StorageFile> create_scratch(const std::string& folder) override {
     auto file = std::make_unique<LocalFile>(folder + " (scratch file)");
     if (file->open(folder, O_RDWR | O_TMPFILE, 0600)) return file;

@@ -56,6 +56,8 @@ std::optional<std::uint64_t> Storage::stored_bytes(const std::string&) { return 
 
 bool Storage::has_locks(const std::string&) { return true; }
 
+bool Storage::is_locked(const std::string&) { return false; }
+
 std::unique_ptr<StorageFile> Storage::lock_left(const std::string&) { return nullptr; }
 
 std::unique_ptr<StorageFile> Storage::lock_folder(const std::string&) { return nullptr; }

@@ -64,6 +64,8 @@ class Storage {
   /// Locks what stands at `path`, a file or a folder, while what is returned lives; null where
   /// somebody has the lock, where the file system has none, and unless overridden.
   virtual std::unique_ptr<StorageFile> lock_left(const std::string& path);
+  /// Whether somebody has a file locked; false where that is not known, and unless overridden.
+  virtual bool is_locked(const std::string& path);
   /// A nameless scratch file in `folder` that vanishes when closed.
   virtual std::unique_ptr<StorageFile> create_scratch(const std::string& folder) = 0;
   virtual bool exists(const std::string& path) = 0;

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <exception>
 #include <filesystem>
+#include <map>
 #include <mutex>
 #include <thread>
 #include <utility>
@@ -96,12 +97,12 @@ std::int64_t parts_at_once(const PlanResult& plan, const TaskContext& context) {
 }
 
 /// Makes all parts; the first failure ends them all and is thrown.
-std::vector<std::string> make_all_parts(const BuildPlan& plan, const std::string& folder,
+std::map<std::int64_t, std::string> make_all_parts(const BuildPlan& plan, const std::string& folder,
                                         std::int64_t at_once, const TaskContext& context) {
-  std::vector<std::string> paths;
+  std::map<std::int64_t, std::string> paths;
   for (std::int64_t part = 0; part < plan.part_count; ++part) {
-    paths.push_back(
-        (std::filesystem::path(folder) / part_name(kPlanName, part, plan.part_count)).string());
+    paths[part] =
+        (std::filesystem::path(folder) / part_name(kPlanName, part, plan.part_count)).string();
   }
   std::atomic<bool> has_failed = false;
   std::mutex mutex;
@@ -125,8 +126,7 @@ std::vector<std::string> make_all_parts(const BuildPlan& plan, const std::string
   const auto work = [&] {
     for (std::int64_t part = next++; part < plan.part_count && !has_failed; part = next++) {
       try {
-        const std::string& path = paths[static_cast<std::size_t>(part)];
-        make_part(plan, part, path, context.thread_count(), {}, own);
+        make_part(plan, part, paths.at(part), context.thread_count(), {}, own);
       } catch (...) {
         const std::lock_guard lock(mutex);
         if (!has_failed.exchange(true)) failure = std::current_exception();
@@ -159,7 +159,7 @@ BuiltVolume build_in_parts(const BuildInPartsOptions& options, const TaskContext
   context.detail(std::to_string(plan.part_count) + " parts, " + std::to_string(at_once) +
                  " at once");
   const PartsFolder folder(scan.output.path);
-  std::vector<std::string> paths;
+  std::map<std::int64_t, std::string> paths;
   {
     // Each of the parts that share a group reads all of its planes
     const ProgressScope scope(context.watcher(), "parts", (plan.bands + 1) * plan.source.size.z,

@@ -1,11 +1,15 @@
 #include "octavo/tasks/parts/join_scan.h"
 
+#include <algorithm>
 #include <chrono>
 #include <map>
 #include <memory>
+#include <set>
 #include <utility>
 
 #include "octavo/core/error.h"
+#include "octavo/core/text.h"
+#include "octavo/dist/banded_group.h"
 #include "octavo/dist/join_steps.h"
 #include "octavo/dist/parts.h"
 #include "octavo/file/storage/storage.h"
@@ -19,24 +23,62 @@ namespace octavo {
 
 namespace {
 
-/// The paths of all parts. Those that an earlier join has consumed need not be there.
-std::vector<std::string> paths_of_all(const BuildPlan& plan, const JoinOptions& options) {
+/// The numbers of the parts that a join to `path` has copied.
+std::set<std::int64_t> copied_numbers(const BuildPlan& plan, const std::string& path) {
+  std::set<std::int64_t> numbers;
+  const auto layout = find_layout(plan, local_storage(), path);
+  if (!layout) return numbers;
+  for (const PartPlace& place : parts_of(*layout)) {
+    if (const auto number = part_at(plan, place)) numbers.insert(*number);
+  }
+  for (const PartPlace& place : uncopied_parts(*layout, local_storage(), path)) {
+    if (const auto number = part_at(plan, place)) numbers.erase(*number);
+  }
+  return numbers;
+}
+
+/// As require_all_found; says so where a join has begun that holds parts which are gone.
+void require_parts(const BuildPlan& plan, const std::map<std::int64_t, std::string>& found,
+                   const PartPlaces& places, const JoinOptions& options) {
+  try {
+    require_all_found(plan, found, places, options.plan);
+  } catch (const Error& error) {
+    const std::set<std::int64_t> copied = copied_numbers(plan, options.output.path);
+    const auto is_held = [&](std::int64_t part) { return !found.contains(part); };
+    const auto held = std::ranges::count_if(copied, is_held);
+    if (held == 0) throw;
+    throw Error(error.kind(),
+                error.detail() + "; a join that has begun here holds " + std::to_string(held) +
+                    " of them",
+                error.path())
+        .with_field("join.consume");
+  }
+}
+
+/// The paths of all parts by number. Those that an earlier join has consumed need not be there.
+std::map<std::int64_t, std::string> paths_of_all(const BuildPlan& plan,
+                                                 const JoinOptions& options) {
   const PartPlaces places = places_of(options);
   const auto found = found_parts(plan, places, options.plan);
   const std::string& output = options.output.path;
   const bool goes_on = options.consumes_parts && (find_layout(plan, local_storage(), output) ||
                                                   is_sealed(plan, local_storage(), output));
-  if (!goes_on) require_all_found(plan, found, places, options.plan);
-  std::vector<std::string> paths;
-  for (const auto& [part, path] : found) paths.push_back(path);
-  return paths;
+  if (!goes_on) require_parts(plan, found, places, options);
+  return found;
 }
 
-BuiltVolume consume_planned(const BuildPlan& plan, const std::vector<std::string>& paths,
+BuiltVolume consume_planned(const BuildPlan& plan,
+                            const std::map<std::int64_t, std::string>& parts,
                             const Output& output, const TaskContext& context) {
   const auto start = std::chrono::steady_clock::now();
   BuiltVolume joined{plan.source, plan.options.kind, {}};
   BuildResult& build = joined.build;
+  std::vector<std::string> paths;
+  for (const auto& [part, path] : parts) {
+    context.stop_if_cancelled();
+    if (local_storage().exists(path)) open_part(plan, part, path);
+    paths.push_back(path);
+  }
   build.file_bytes =
       consume_parts(plan, paths, local_storage(), output.path, output.overwrite,
                     {context.threads, context.max_memory_bytes}, context.watcher(),
@@ -52,6 +94,34 @@ BuiltVolume consume_planned(const BuildPlan& plan, const std::vector<std::string
   build.total_seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return joined;
+}
+
+/// Proves what stands there of parts that may share a group.
+void add_damaged(const BuildPlan& plan, const std::map<std::int64_t, std::string>& parts,
+                 MissingParts& missing, const TaskContext& context) {
+  const auto add = [&](std::int64_t part, const Error& error) {
+    missing.missing.push_back({part, error.what()});
+  };
+  std::map<std::int64_t, std::shared_ptr<PartFile>> whole;
+  for (const auto& [part, path] : parts) {
+    context.stop_if_cancelled();
+    try {
+      whole.emplace(part, open_whole_part(plan, part, path));
+    } catch (const Error& error) {
+      context.note(error.what());
+      add(part, error);
+    }
+  }
+  if (plan.bands == 1) return;
+  std::vector<std::shared_ptr<PartFile>> bands;
+  for (const auto& [part, file] : whole) bands.push_back(file);
+  try {
+    require_one_group(bands);
+  } catch (const Error& error) {
+    // Nothing tells which of them has the voxels that count.
+    context.note(error.what(), error.field());
+    for (const auto& [part, file] : whole) add(part, error);
+  }
 }
 
 }  // namespace
@@ -70,13 +140,12 @@ std::string MissingParts::list() const {
   return part_list_text(numbers);
 }
 
-BuiltVolume join_planned(const BuildPlan& plan, const std::vector<std::string>& paths,
+BuiltVolume join_planned(const BuildPlan& plan, const std::map<std::int64_t, std::string>& paths,
                          const Output& output, const TaskContext& context) {
   std::vector<std::shared_ptr<PartFile>> parts;
-  for (const std::string& path : paths) {
+  for (const auto& [part, path] : paths) {
     context.stop_if_cancelled();
-    parts.push_back(PartFile::open(local_storage(), path));
-    number_of(plan, *parts.back());
+    parts.push_back(open_part(plan, part, path));
   }
   BuiltVolume joined{plan.source, plan.options.kind, {}};
   joined.build = join_parts(plan, std::move(parts), local_storage(), output.path, output.overwrite,
@@ -90,7 +159,7 @@ BuiltVolume join_scan(const JoinOptions& options, const TaskContext& context) {
   const bool is_done =
       options.consumes_parts && is_sealed(plan, local_storage(), options.output.path);
   if (!is_done) require_joined_name(options.output);
-  const std::vector<std::string> paths = paths_of_all(plan, options);
+  const std::map<std::int64_t, std::string> paths = paths_of_all(plan, options);
   return options.consumes_parts ? consume_planned(plan, paths, options.output, context)
                                 : join_planned(plan, paths, options.output, context);
 }
@@ -111,19 +180,27 @@ MissingParts missing_parts(const JoinOptions& options, const TaskContext& contex
     }
   }
   MissingParts result{plan.part_count, {}};
-  const ProgressScope scope(context.watcher(), "prove", plan.part_count, "parts");
-  for (std::int64_t part = 0; part < plan.part_count; ++part) {
-    context.stop_if_cancelled();
-    const auto path = found.find(part);
-    try {
-      if (path != found.end()) open_whole_part(plan, part, path->second);
-      else result.missing.push_back({part, ""});
-    } catch (const Error& error) {
-      context.note(error.what());
-      result.missing.push_back({part, error.what()});
-    }
-    context.watcher().advance(1);
+  const std::string output =
+      options.output.path.empty() ? proposed_volume(options.plan) : options.output.path;
+  if (is_sealed(plan, local_storage(), output)) return result;
+  const std::set<std::int64_t> copied = copied_numbers(plan, output);
+  if (!copied.empty()) {
+    context.note(output + ": a join that has begun here holds " +
+                 counted_text(static_cast<std::int64_t>(copied.size()), "part"));
   }
+  const ProgressScope scope(context.watcher(), "prove", plan.part_count, "parts");
+  for (std::int64_t first = 0; first < plan.part_count; first += plan.bands) {
+    std::map<std::int64_t, std::string> found_bands;
+    for (std::int64_t part = first; part < first + plan.bands; ++part) {
+      const auto path = found.find(part);
+      if (path != found.end()) found_bands.emplace(*path);
+      else if (!copied.contains(part)) result.missing.push_back({part, ""});
+    }
+    std::erase_if(found_bands, [&](const auto& band) { return copied.contains(band.first); });
+    add_damaged(plan, found_bands, result, context);
+    context.watcher().advance(plan.bands);
+  }
+  std::ranges::sort(result.missing, {}, &MissingPart::number);
   return result;
 }
 

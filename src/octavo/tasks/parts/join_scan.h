@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -26,8 +27,8 @@ struct JoinOptions {
 /// Memory  as join_parts
 BuiltVolume join_scan(const JoinOptions& options, const TaskContext& context);
 
-/// The same join for a plan that was read, of parts at these paths.
-BuiltVolume join_planned(const BuildPlan& plan, const std::vector<std::string>& paths,
+/// The same join for a plan that was read, of parts at these paths, by number.
+BuiltVolume join_planned(const BuildPlan& plan, const std::map<std::int64_t, std::string>& paths,
                          const Output& output, const TaskContext& context);
 
 /// Throws Error{invalid_argument} for a name that does not end in .8vo; as require_free
@@ -48,7 +49,9 @@ struct MissingParts {
 };
 
 /// The parts that have to be made, again or at all, before a join. Every byte of those that are
-/// there is proven; what is of another plan counts as missing. Notes what is wrong with a part.
+/// there is proven; what is of another plan counts as missing, and so do parts of one group that
+/// were made of other voxels than one another. What a join to the output, or else to the
+/// proposed_volume, has copied counts as there. Notes what is wrong with a part.
 /// Throws as read_plan
 MissingParts missing_parts(const JoinOptions& options, const TaskContext& context);
 

@@ -28,18 +28,21 @@ std::string parts_there_are(std::int64_t count) {
 struct ArrayVariable {
   const char* name;
   std::int64_t first;
-  const char* minimum;  ///< the variable of the first task of the array; null where there is none
-  const char* maximum;
+  const char* minimum = nullptr;  ///< of the first task of the array; null where there is none
+  const char* maximum = nullptr;
+  const char* step = nullptr;
+  const char* tasks = nullptr;  ///< of how many there are
 };
 
 constexpr ArrayVariable kArrays[] = {
-    {"SLURM_ARRAY_TASK_ID", 0, "SLURM_ARRAY_TASK_MIN", "SLURM_ARRAY_TASK_MAX"},
-    {"PBS_ARRAY_INDEX", 0, nullptr, nullptr},
-    {"PBS_ARRAYID", 0, nullptr, nullptr},
-    {"LSB_JOBINDEX", 1, nullptr, nullptr},
-    {"SGE_TASK_ID", 1, "SGE_TASK_FIRST", "SGE_TASK_LAST"},
-    {"AWS_BATCH_JOB_ARRAY_INDEX", 0, nullptr, nullptr},
-    {"JOB_COMPLETION_INDEX", 0, nullptr, nullptr},
+    {"SLURM_ARRAY_TASK_ID", 0, "SLURM_ARRAY_TASK_MIN", "SLURM_ARRAY_TASK_MAX",
+     "SLURM_ARRAY_TASK_STEP", "SLURM_ARRAY_TASK_COUNT"},
+    {"PBS_ARRAY_INDEX", 0},
+    {"PBS_ARRAYID", 0},
+    {"LSB_JOBINDEX", 1},
+    {"SGE_TASK_ID", 1, "SGE_TASK_FIRST", "SGE_TASK_LAST", "SGE_TASK_STEPSIZE"},
+    {"AWS_BATCH_JOB_ARRAY_INDEX", 0},
+    {"JOB_COMPLETION_INDEX", 0},
 };
 
 /// A variable that numbers ranks, and those that say how many there are.
@@ -72,21 +75,45 @@ std::int64_t variable_number(const char* name, std::string_view value) {
               std::string(name) + " is '" + escaped(value) + "', no number of a task");
 }
 
+/// The value of a variable that may have no name; nothing where it is not set, or empty.
+const char* value_of(const char* name, const Variables& variables) {
+  const char* const value = name == nullptr ? nullptr : variables(name);
+  return value == nullptr || *value == '\0' ? nullptr : value;
+}
+
+std::optional<std::int64_t> count_of(const char* name, const Variables& variables) {
+  const char* const value = value_of(name, variables);
+  return value == nullptr ? std::nullopt : count_in(value);
+}
+
+/// The tasks of an array that are so far apart, the first of them first.
+struct ArrayTasks {
+  std::int64_t first;
+  std::int64_t step;
+  std::int64_t count;
+};
+
+/// Nothing where the array does not tell, and of a list with gaps.
+std::optional<ArrayTasks> tasks_of(const ArrayVariable& array, const Variables& variables) {
+  const auto lowest = count_of(array.minimum, variables);
+  const auto highest = count_of(array.maximum, variables);
+  if (!lowest || !highest || *highest < *lowest) return std::nullopt;
+  const std::int64_t step =
+      std::max<std::int64_t>(count_of(array.step, variables).value_or(1), 1);
+  const std::int64_t count = (*highest - *lowest) / step + 1;
+  if (count_of(array.tasks, variables).value_or(count) != count) return std::nullopt;
+  return ArrayTasks{*lowest, step, count};
+}
+
 ScheduledParts array_parts(const ArrayVariable& array, std::string_view value,
                            const Variables& variables, std::int64_t count) {
   const std::int64_t number = variable_number(array.name, value);
-  std::int64_t first = array.first;
   // Of as many tasks as there are parts, or more, the first one makes the first part.
-  bool is_whole = false;
-  const char* const minimum = array.minimum == nullptr ? nullptr : variables(array.minimum);
-  const char* const maximum = array.maximum == nullptr ? nullptr : variables(array.maximum);
-  if (minimum != nullptr && maximum != nullptr) {
-    const auto lowest = count_in(minimum);
-    const auto highest = count_in(maximum);
-    is_whole = lowest && highest && *highest - *lowest >= count - 1;
-    if (is_whole) first = *lowest;
-  }
-  ScheduledParts scheduled{array.name, number - first, 0, {}};
+  const std::optional<ArrayTasks> tasks = tasks_of(array, variables);
+  const bool is_whole = tasks && tasks->count >= count;
+  const std::int64_t task =
+      is_whole ? (number - tasks->first) / tasks->step : number - array.first;
+  ScheduledParts scheduled{array.name, task, 0, {}};
   if (scheduled.task >= 0 && scheduled.task < count) scheduled.parts = {scheduled.task};
   // Where nothing says how many tasks there are, those behind the last part are too many.
   const bool is_surplus = array.minimum == nullptr && scheduled.task >= count;
@@ -102,12 +129,15 @@ ScheduledParts rank_parts(const RankVariable& rank, std::string_view value,
                           const Variables& variables, std::int64_t count) {
   ScheduledParts scheduled{rank.name, variable_number(rank.name, value), 0, {}};
   for (const char* const name : rank.sizes) {
-    const char* const size = variables(name);
+    const char* const size = value_of(name, variables);
     if (size == nullptr) continue;
     scheduled.stride = variable_number(name, size);
-    break;
+    if (scheduled.task < scheduled.stride) break;
+    throw Error(ErrorKind::invalid_argument,
+                std::string(rank.name) + " is " + std::to_string(scheduled.task) + ", but " +
+                    name + " says " + std::to_string(scheduled.stride) + ": ranks count from 0");
   }
-  if (scheduled.task >= scheduled.stride) {
+  if (scheduled.stride == 0) {
     throw Error(ErrorKind::invalid_argument,
                 std::string(rank.name) + " is " + std::to_string(scheduled.task) +
                     ", but nothing says of how many ranks");
@@ -173,12 +203,12 @@ std::string scheduled_text(const ScheduledParts& scheduled, std::int64_t count) 
 
 std::optional<ScheduledParts> scheduled_parts(const Variables& variables, std::int64_t count) {
   for (const ArrayVariable& array : kArrays) {
-    const char* const value = variables(array.name);
+    const char* const value = value_of(array.name, variables);
     if (value == nullptr || is_no_array(array, value)) continue;
     return array_parts(array, value, variables, count);
   }
   for (const RankVariable& rank : kRanks) {
-    const char* const value = variables(rank.name);
+    const char* const value = value_of(rank.name, variables);
     if (value == nullptr || is_no_rank(rank, variables)) continue;
     return rank_parts(rank, value, variables, count);
   }

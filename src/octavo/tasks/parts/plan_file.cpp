@@ -46,6 +46,15 @@ void change_paths(BuildPlan& plan, F change) {
   for (std::string& path : plan.stack->files.paths) path = change(path);
 }
 
+/// The name of a plan without its ending.
+std::string stem_of(std::string name) {
+  const std::string ending = kPlanEnding;
+  if (name.ends_with(ending) && name.size() > ending.size()) {
+    name.resize(name.size() - ending.size());
+  }
+  return name;
+}
+
 std::string text_of_plan(const std::string& path) {
   const auto file = local_storage().open_read(path);
   if (file->size() > kMaxPlanBytes) {
@@ -97,16 +106,17 @@ BuildPlan read_plan(const std::string& path, const std::string& root) {
   }
 }
 
+std::string proposed_volume(const std::string& plan_path) {
+  const std::string name = base_name_of(plan_path);
+  return plan_path.substr(0, plan_path.size() - name.size()) + stem_of(name) + ".8vo";
+}
+
 std::string part_name(const std::string& plan_path, std::int64_t part, std::int64_t count) {
-  std::string stem = base_name_of(plan_path);
-  if (stem.ends_with(kPlanEnding) && stem.size() > std::string(kPlanEnding).size()) {
-    stem.resize(stem.size() - std::string(kPlanEnding).size());
-  }
   const auto number = [](std::int64_t value) {
     const std::string digits = std::to_string(value);
     return std::string(4 - std::min<std::size_t>(4, digits.size()), '0') + digits;
   };
-  return stem + ".part-" + number(part) + "-of-" + number(count);
+  return stem_of(base_name_of(plan_path)) + ".part-" + number(part) + "-of-" + number(count);
 }
 
 }  // namespace octavo

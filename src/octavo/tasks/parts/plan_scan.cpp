@@ -9,6 +9,8 @@
 #include "octavo/core/error.h"
 #include "octavo/core/url_text.h"
 #include "octavo/dist/band_part.h"
+#include "octavo/dist/rank_build.h"
+#include "octavo/file/storage/temporary.h"
 #include "octavo/tasks/parts/plan_file.h"
 #include "octavo/tasks/parts/scan_recipe.h"
 
@@ -19,11 +21,23 @@ namespace {
 constexpr std::uint64_t kPartBytes = std::uint64_t{4} << 30;
 constexpr std::int64_t kPartsThatReadAll = 8;
 
+/// Parts are called as the plan, and a little longer.
+void require_part_names(const std::string& plan_path, std::int64_t count) {
+  const std::string longest = part_name(plan_path, count - 1, count);
+  if (longest.size() <= kMaxNameBytes) return;
+  throw Error(ErrorKind::invalid_argument,
+              "is too long a name for a plan: its parts would have names of " +
+                  std::to_string(longest.size()) + " bytes, and file systems allow " +
+                  std::to_string(kMaxNameBytes),
+              plan_path);
+}
+
 void require_plan_name(const Output& output) {
   if (output.path.ends_with(".8vo")) {
     throw Error(ErrorKind::invalid_argument, "is the name of a volume; name the plan NAME.plan",
                 output.path);
   }
+  require_part_names(output.path, 1);
   require_free(output);
 }
 
@@ -51,7 +65,8 @@ void describe_plan(const BuildPlan& plan, const PlaneSource& source, PlanResult&
   const std::uint64_t needed =
       plan.bands == 1
           ? whole
-          : share_memory_bytes(volume, 1, band_share_bytes(plan)) + source.resident_bytes();
+          : share_memory_bytes(volume, 1, band_share_bytes(volume, plan.bands)) +
+                source.resident_bytes();
   result.is_in_bands = limit != 0 && needed > limit;
   result.part_memory_bytes = result.is_in_bands ? limit : needed;
   result.thread_bytes = kThreadBytes;
@@ -113,7 +128,17 @@ BuildPlan plan_in_memory(const PlanScanOptions& options, const TaskContext& cont
   try {
     PlannedPlanes opened = open_to_plan(options, context);
     const bool has_bands = options.bands.value_or(1) > 1;
-    if (has_bands) require_bands(*opened.planes, opened.build);
+    if (has_bands) {
+      // The first group is read as parts read theirs: what holds the plan holds them.
+      require_bands(*opened.planes, opened.build);
+      opened.build.band_bytes = share_band_bytes(
+          *opened.planes, opened.build, build_threads(opened.build.threads),
+          band_share_bytes(opened.planes->description(), *options.bands));
+    }
+    if (options.is_for_ranks) {
+      require_rank_memory(*opened.planes, opened.build.max_error,
+                          {opened.build.threads, opened.build.max_memory_bytes});
+    }
     BuildPlan plan = plan_build(*opened.planes, opened.build, context.watcher(),
                                 opened.files, opened.stack);
     if (has_bands) {
@@ -142,6 +167,7 @@ PlanResult plan_scan(const PlanScanOptions& options, const TaskContext& context)
   require_plan_name(output);
   PlanResult result;
   BuildPlan plan = plan_in_memory(options, context, result);
+  require_part_names(output.path, plan.part_count);
   std::vector<std::string> files;
   for (const SourceStamp& file : plan.files) files.push_back(file.path);
   require_no_input(output.path, files);

@@ -21,6 +21,7 @@ struct PlanScanOptions {
   std::optional<std::int64_t> parts = {};        ///< so many at most; no more than there are groups
   std::optional<std::uint64_t> part_bytes = {};  ///< in place of that: voxels of a part, at most
   std::optional<std::int64_t> bands = {};  ///< in place of both: so many parts share each group
+  bool is_for_ranks = false;  ///< ranks work by the plan, which need room for whole groups
   std::string source_root = {};                  ///< as write_plan
 };
 
@@ -43,14 +44,15 @@ struct PlanResult {
 
 /// The plan of a scan: its first group is read and trained on.
 /// part_count_for says how many parts there are.
-/// Throws  as open_scan_planes, open_computed, plan_build and require_bands;
+/// Throws  as open_scan_planes, open_computed, plan_build and require_bands; Error{limit_exceeded}
+///         with the memory that its parts, or ranks, need as well;
 ///         Error{invalid_argument} for a source behind a URL, which nothing tells to be unchanged
 BuildPlan plan_in_memory(const PlanScanOptions& options, const TaskContext& context,
                          PlanResult& result);
 
 /// The same, written to the file that options.scan.output names.
 /// Throws  as plan_in_memory, require_free and write_plan; Error{invalid_argument} for a name that
-///         ends in .8vo
+///         ends in .8vo, or is too long for names of parts
 PlanResult plan_scan(const PlanScanOptions& options, const TaskContext& context);
 
 /// How many parts are made of groups of so many bytes. Without a wish parts hold 4 GiB, and are 8

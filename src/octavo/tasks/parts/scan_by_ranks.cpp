@@ -22,7 +22,8 @@ BuildPlan plan_for_all(const ScanByRanksOptions& options, Communicator& ranks,
   if (ranks.is_first()) {
     require_scan_output(options.scan);
     PlanResult planned;
-    text = plan_text(plan_in_memory({.scan = options.scan}, context, planned));
+    text = plan_text(plan_in_memory({.scan = options.scan, .is_for_ranks = true}, context,
+                                    planned));
   }
   const Bytes bytes =
       ranks.broadcast({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});

@@ -1,5 +1,6 @@
 #include "octavo/tasks/parts/standing_part.h"
 
+#include "octavo/builder/build_setup.h"
 #include "octavo/core/error.h"
 #include "octavo/file/storage/storage.h"
 
@@ -27,6 +28,9 @@ std::shared_ptr<PartFile> open_part(const BuildPlan& plan, std::int64_t part,
 std::shared_ptr<PartFile> open_whole_part(const BuildPlan& plan, std::int64_t part,
                                           const std::string& path) {
   std::shared_ptr<PartFile> file = open_part(plan, part, path);
+  const Levels levels = levels_of(plan.source);
+  file->require_groups(levels, first_plane_of(plan, file->place().first_group) /
+                                   levels.brick_side(0).z);
   file->prove();
   return file;
 }
