@@ -9,8 +9,10 @@
 // step    one spacing along the ray; of extremes from one plane of the grid to the next, along the
 //         axis that the ray crosses most of
 //
-// Rays that look for an extreme or a surface take a sample where they enter and one where they
-// leave besides: what is thinner than a step has no gaps.
+// A ray has a sample where it enters and one where it leaves besides: what is thinner than a step
+// has no gaps. Colors and means are of the parts of a ray between one sample and the next, by their
+// lengths; a part is skipped where nothing is seen at both its ends, since the cubes of these touch
+// and hold all values between.
 //
 // Invariants
 //   Where a sample lies depends on the ray alone, and what is taken there on the volume alone.
@@ -35,7 +37,7 @@ class RayMeshes;
 enum class RayMode {
   volume,   ///< colors and opacities of a transfer function, front to back
   extreme,  ///< the highest value on planes of the grid; of values times -1 the lowest
-  mean,     ///< of all samples
+  mean,     ///< along the ray
   iso,      ///< where a value is reached first, in light
 };
 
@@ -64,13 +66,26 @@ struct BrickTables {
   const float* cube_bounds = nullptr;   ///< by slot and cube
 };
 
-/// A table of colors and opacities by value.
+/// A table of colors and opacities by the values at both ends of a step, between which values run
+/// straight: what lies between them is seen, however steep the step.
+///
+///     entry of a value = sum over pieces of clamp((value - begin) * entries_per_value, 0, entries)
 struct ColorTable {
-  const float* opacities = nullptr;        ///< of one step
-  const std::uint32_t* colors = nullptr;   ///< 0xbbggrr
-  float lowest = 0;                        ///< value where entry 0 begins
-  float entries_per_value = 1;
-  std::int32_t last = 0;                   ///< number of the last entry
+  static constexpr std::int32_t kSide = 256;
+
+  struct Piece {
+    float begin = 0;
+    float entries_per_value = 0;
+    float entries = 0;
+  };
+
+  const float* opacities = nullptr;       ///< of one step; [front][back]
+  const std::uint32_t* colors = nullptr;  ///< 0xbbggrr; [front][back]
+  std::array<Piece, 3> pieces;
+  /// Opacity rises from nothing at a gradient, in values a spacing, with the gradient; 0: it is
+  /// that of the table.
+  float gradient_begin = 0;
+  float gradient_rise = 0;
 };
 
 /// The light of a picture, in its axes: to the right, up, towards the viewer.
@@ -117,27 +132,29 @@ inline constexpr std::size_t kTileRays = kRayTileSide * kRayTileSide;
 
 /// Where a ray stands that has nothing before it.
 inline constexpr float kRayDone = 4e9f;
-/// What a sample stands for reaches so far to either side, in steps.
-inline constexpr float kHalfStep = 0.5f;
+/// Rays that look for a surface look no farther behind a stop, in steps.
+inline constexpr float kBehindStop = 0.5f;
 
 /// Shorter steps along an axis count as this.
 inline constexpr float kSmallestStep = 1e-9f;
 /// Light where no side of a surface is known.
 inline constexpr float kFlatLight = 0.75f;
-/// Samples that weigh less have that light.
+/// Steps that weigh less have that light.
 inline constexpr float kUnlitWeight = 1.0f / 1024;
 /// A highlight is the cosine squared so many times.
 inline constexpr int kShineSquares = 5;
+/// Parts of a step in which its length counts: 1 << it.
+inline constexpr int kStepParts = 6;
 /// Halvings of the step in which an isosurface is hit: 1/4096 of it remains.
 inline constexpr int kHitHalvings = 12;
 /// The gradient of a cut, far above all that is soft.
 inline constexpr float kCutGradient = 1e6f;
 
-/// Where the rays of a tile stop for something that is no sample, as polygons are: a ray waits once
-/// its next sample stands for what lies behind.
+/// Where the rays of a tile stop for something that is no sample, as polygons are: parts between
+/// samples end there and begin there.
 struct RayStops {
   alignas(64) std::array<float, kTileRays> stop{};  ///< in steps; kRayDone: nowhere
-  alignas(64) std::array<float, kTileRays> from{};  ///< what samples before it stand for is taken
+  alignas(64) std::array<float, kTileRays> from{};  ///< what lies before it is taken
   std::array<std::uint32_t, kTileRays> next{};      ///< what it stops for
   bool has_started = false;
 };
@@ -146,13 +163,14 @@ struct RayStops {
 struct RayTile {
   float u = 0;  ///< of the middle of its first pixel
   float v = 0;
-  alignas(64) std::array<float, kTileRays> k{};  ///< next sample
-  /// Colors times opacity. Where they are averaged `red` is the sum of values. Of an isosurface the
-  /// light on it, its highlight, and where it was hit as a fraction of k.
+  /// Next sample; below 0, and then times -1, where all before it is composited.
+  alignas(64) std::array<float, kTileRays> k{};
+  /// Colors times opacity. Where they are averaged `red` is the integral of values. Of an
+  /// isosurface the light on it, its highlight, and where it was hit as a fraction of k.
   alignas(64) std::array<float, kTileRays> red{};
   alignas(64) std::array<float, kTileRays> green{};
   alignas(64) std::array<float, kTileRays> blue{};
-  /// Opacity, of an isosurface 0 or 1; number of averaged samples; the highest value.
+  /// Opacity, of an isosurface 0 or 1; length of what is averaged, in steps; the highest value.
   alignas(64) std::array<float, kTileRays> gathered{};
   alignas(64) std::array<std::int32_t, kTileRays> waits_for{};  ///< a brick, or below 0
   const RayStops* stops = nullptr;  ///< of modes volume and iso; none where no ray stops

@@ -6,8 +6,8 @@
 //   The opacity of a layer is what it takes of what reaches it on average over the pixel: layers
 //   composited one after the other give what 16 places in the pixel give on average, whatever lies
 //   between them.
-//   A sample stands for the step around it. Where a layer cuts a step in two, the sample is taken
-//   once before and once behind it, for its share.
+//   Where a layer cuts the part of a ray between two samples, one part ends at it and the other
+//   begins there.
 // Consequences
 //   Edges are smooth, and triangles that share one leave no seam. A surface that runs through fog
 //   at an angle has no steps in it.

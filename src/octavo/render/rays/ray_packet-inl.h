@@ -13,149 +13,11 @@
 #include <hwy/highway.h>
 
 #include "octavo/render/rays/ray_job.h"
+#include "octavo/render/rays/ray_lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace octavo {
 namespace HWY_NAMESPACE {
-
-namespace hn = hwy::HWY_NAMESPACE;
-
-constexpr hn::CappedTag<float, 16> kRays{};
-constexpr hn::RebindToSigned<decltype(kRays)> kWhole{};
-using Reals = hn::Vec<decltype(kRays)>;
-using Wholes = hn::Vec<decltype(kWhole)>;
-using RayMask = hn::Mask<decltype(kRays)>;
-
-HWY_INLINE Reals real(float value) { return hn::Set(kRays, value); }
-HWY_INLINE Wholes whole(std::int32_t value) { return hn::Set(kWhole, value); }
-HWY_INLINE auto of_wholes(RayMask mask) { return hn::RebindMask(kWhole, mask); }
-HWY_INLINE RayMask of_reals(hn::Mask<decltype(kWhole)> mask) { return hn::RebindMask(kRays, mask); }
-HWY_INLINE Reals mixed(Reals a, Reals b, Reals share) {
-  return hn::Add(a, hn::Mul(hn::Sub(b, a), share));
-}
-HWY_INLINE Wholes floor_of(Reals value) { return hn::ConvertTo(kWhole, hn::Floor(value)); }
-HWY_INLINE Wholes clamped(Wholes value, Wholes low, Wholes high) {
-  return hn::Min(hn::Max(value, low), high);
-}
-
-/// Two samples in a row.
-struct SamplePair {
-  Reals first;
-  Reals second;
-};
-
-template <bool kIsWide>
-HWY_INLINE SamplePair pair_at(const BrickTables& b, Wholes at) {
-  if constexpr (kIsWide) {
-    const auto* const samples = static_cast<const float*>(b.samples);
-    return {hn::GatherIndex(kRays, samples, at),
-            hn::GatherIndex(kRays, samples, hn::Add(at, whole(1)))};
-  } else {
-    const Wholes both = hn::GatherOffset(kWhole, static_cast<const std::int32_t*>(b.samples),
-                                         hn::ShiftLeft<1>(at));
-    return {hn::ConvertTo(kRays, hn::ShiftRight<16>(hn::ShiftLeft<16>(both))),
-            hn::ConvertTo(kRays, hn::ShiftRight<16>(both))};
-  }
-}
-
-/// What stands around places: the sample before each along each axis, and the shares of the next.
-struct Corners {
-  Wholes at;
-  Reals share[3];
-};
-
-template <bool kIsWide>
-HWY_INLINE Reals row_value(const BrickTables& b, Wholes at, Reals share) {
-  const SamplePair pair = pair_at<kIsWide>(b, at);
-  return mixed(pair.first, pair.second, share);
-}
-
-template <bool kIsWide>
-HWY_INLINE Reals value_at(const BrickTables& b, const Corners& c) {
-  const auto row = [&](std::int32_t by) HWY_ATTR {
-    return row_value<kIsWide>(b, hn::Add(c.at, whole(by)), c.share[0]);
-  };
-  const Reals near = mixed(row(0), row(b.row), c.share[1]);
-  const Reals far = mixed(row(b.plane), row(b.plane + b.row), c.share[1]);
-  return mixed(near, far, c.share[2]);
-}
-
-struct Gradients {
-  Reals along[3];
-};
-
-/// A row through a place: its value there and its slope.
-struct RowsAt {
-  Reals value;
-  Reals slope;
-};
-
-template <bool kIsWide>
-HWY_INLINE RowsAt rows_at(const BrickTables& b, Wholes at, Reals share) {
-  const SamplePair low = pair_at<kIsWide>(b, hn::Sub(at, whole(1)));
-  const SamplePair high = pair_at<kIsWide>(b, hn::Add(at, whole(1)));
-  const Reals first = hn::Sub(high.first, low.first);
-  const Reals second = hn::Sub(high.second, low.second);
-  return {mixed(low.second, high.first, share), mixed(first, second, share)};
-}
-
-template <bool kIsWide>
-HWY_INLINE Gradients gradient_at(const BrickTables& b, const Corners& c) {
-  const auto at = [&](std::int32_t y, std::int32_t z) HWY_ATTR {
-    return hn::Add(c.at, whole(y * b.row + z * b.plane));
-  };
-  const auto row = [&](std::int32_t y, std::int32_t z) HWY_ATTR {
-    return row_value<kIsWide>(b, at(y, z), c.share[0]);
-  };
-  const RowsAt r00 = rows_at<kIsWide>(b, at(0, 0), c.share[0]);
-  const RowsAt r10 = rows_at<kIsWide>(b, at(1, 0), c.share[0]);
-  const RowsAt r01 = rows_at<kIsWide>(b, at(0, 1), c.share[0]);
-  const RowsAt r11 = rows_at<kIsWide>(b, at(1, 1), c.share[0]);
-  const Reals x = mixed(mixed(r00.slope, r10.slope, c.share[1]),
-                        mixed(r01.slope, r11.slope, c.share[1]), c.share[2]);
-  const Reals y =
-      mixed(mixed(hn::Sub(r10.value, row(-1, 0)), hn::Sub(row(2, 0), r00.value), c.share[1]),
-            mixed(hn::Sub(r11.value, row(-1, 1)), hn::Sub(row(2, 1), r01.value), c.share[1]),
-            c.share[2]);
-  const Reals z =
-      mixed(mixed(hn::Sub(r01.value, row(0, -1)), hn::Sub(row(0, 2), r00.value), c.share[2]),
-            mixed(hn::Sub(r11.value, row(1, -1)), hn::Sub(row(1, 2), r10.value), c.share[2]),
-            c.share[1]);
-  return {{x, y, z}};
-}
-
-struct PacketLight {
-  Reals light;
-  Reals highlight;
-};
-
-HWY_INLINE PacketLight light_on(const RayFrame& f, const Gradients& gradient) {
-  const RayLight& light = f.light;
-  const auto dot = [](const Reals* a, const float* b) HWY_ATTR {
-    return hn::Add(hn::Add(hn::Mul(a[0], real(b[0])), hn::Mul(a[1], real(b[1]))),
-                   hn::Mul(a[2], real(b[2])));
-  };
-  Reals seen[3];
-  for (std::size_t i = 0; i < 3; ++i) seen[i] = dot(gradient.along, f.gradient.data() + 3 * i);
-  const Reals length =
-      hn::Sqrt(hn::Add(hn::Add(hn::Mul(seen[0], seen[0]), hn::Mul(seen[1], seen[1])),
-                       hn::Mul(seen[2], seen[2])));
-  const Reals zero = hn::Zero(kRays);
-  Reals scale = hn::Div(real(1), hn::Max(length, real(kSmallestStep)));
-  scale = hn::IfThenElse(hn::Lt(seen[2], zero), hn::Sub(zero, scale), scale);
-  const auto along = [&](const std::array<float, 3>& direction) HWY_ATTR {
-    return hn::Max(hn::Mul(dot(seen, direction.data()), scale), zero);
-  };
-  const Reals strength = hn::Div(
-      length, hn::Add(hn::Add(length, real(light.soft_gradient)), real(kSmallestStep)));
-  const Reals lit =
-      hn::Add(real(light.ambient), hn::Mul(real(light.diffuse), along(light.toward_light)));
-  Reals shine = along(light.halfway);
-  for (int i = 0; i < kShineSquares; ++i) shine = hn::Mul(shine, shine);
-  const Reals flat = real(kFlatLight);
-  return {hn::Add(flat, hn::Mul(hn::Sub(lit, flat), strength)),
-          hn::Mul(hn::Mul(real(light.specular), shine), strength)};
-}
 
 /// The rays of as many neighbors as a vector has lanes.
 template <RayMode kMode, bool kIsWide>
@@ -172,14 +34,17 @@ class Packet {
       stop_ = hn::Load(kRays, tile.stops->stop.data() + first);
       from_ = hn::Load(kRays, tile.stops->from.data() + first);
     }
-    reach_ = hn::Min(leave_, hn::Add(stop_, real(kHalfStep)));
     gathered_ = hn::Load(kRays, tile.gathered.data() + first);
     if constexpr (kMode == RayMode::iso) {
       // Of lanes without a hit a sample that has neighbors on all sides.
       hits_ = hn::FirstN(kRays, 0);
       hit_k_ = hn::Zero(kRays);
-      hit_corner_.at = whole(kApronBelow * (frame.bricks.plane + frame.bricks.row + 1));
+      hit_at_ = whole(kApronBelow * (frame.bricks.plane + frame.bricks.row + 1));
       for (Wholes& before : hit_before_) before = hn::Zero(kWhole);
+    }
+    if constexpr (kMode == RayMode::volume) {
+      back_k_ = real(-1);
+      back_entry_ = hn::Zero(kWhole);
     }
     if constexpr (kMode != RayMode::extreme) red_ = hn::Load(kRays, tile.red.data() + first);
     if constexpr (kMode == RayMode::volume || kMode == RayMode::iso) {
@@ -189,11 +54,11 @@ class Packet {
   }
 
   HWY_INLINE std::int64_t follow() {
-    std::int64_t taken = 0;
-    k_ = hn::Max(hn::Load(kRays, tile_.k.data() + first_),
-                 kTakesEnds ? enter_ : hn::Ceil(enter_));
+    const Reals kept = hn::Load(kRays, tile_.k.data() + first_);
+    k_ = hn::Max(hn::Abs(kept), enter_);
+    done_before_ = hn::Lt(kept, hn::Zero(kRays));
     Wholes waits_for = whole(-1);
-    RayMask active = hn::Le(k_, reach_);
+    RayMask active = before_end();
     while (!hn::AllFalse(kRays, active)) {
       place_at(k_, place_);
       find_bricks(active);
@@ -215,34 +80,28 @@ class Packet {
       const RayMask skipping = hn::AndNot(taking, active);
       if (!hn::AllFalse(kRays, skipping)) {
         next = hn::IfThenElse(skipping, skipped(in_brick), next);
+        // Nothing is seen from the sample before on, as far as the stop.
+        const RayMask at_stop = hn::And(skipping, hn::Eq(k_, stop_));
+        done_before_ = hn::Or(at_stop, hn::AndNot(skipping, done_before_));
       }
-      if constexpr (kTakesEnds) next = limited(next);
+      next = limited(next);
+      if constexpr (kMode == RayMode::volume) next = hn::Min(next, stop_);
       if (!hn::AllFalse(kRays, taking)) {
-        taken += static_cast<std::int64_t>(hn::CountTrue(kRays, taking));
-        const RayMask ends = take(taking);
-        if (tile_.stops) {
-          // What lies behind the stop is left of the step: the sample is taken again.
-          const RayMask is_cut = hn::And(taking, hn::Gt(hn::Add(k_, real(kHalfStep)), stop_));
-          next = hn::IfThenElse(is_cut, k_, next);
-          active = hn::AndNot(hn::AndNot(ends, is_cut), active);
-        }
-        next = hn::IfThenElse(ends, real(kRayDone), next);
+        taken_ += static_cast<std::int64_t>(hn::CountTrue(kRays, taking));
+        next = hn::IfThenElse(taking, take(taking, next), next);
       }
       k_ = hn::IfThenElse(active, next, k_);
-      active = hn::And(active, hn::Le(k_, reach_));
+      active = hn::And(active, before_end());
     }
     // All lanes find their places together.
     if constexpr (kMode == RayMode::iso) {
       if (!hn::AllFalse(kRays, hits_)) hit();
     }
     keep(waits_for);
-    return taken;
+    return taken_;
   }
 
  private:
-  /// Whether samples stand for themselves, not for a part of the ray.
-  static constexpr bool kTakesEnds = kMode == RayMode::extreme || kMode == RayMode::iso;
-
   HWY_INLINE void start(Reals u, Reals v) {
     Reals scale = real(1);
     if (f_.eye_pixels > 0) {
@@ -275,6 +134,20 @@ class Packet {
                                    enter_axis_);
       leave_ = hn::Min(leave_, hn::Max(low, high));
     }
+  }
+
+  HWY_INLINE RayMask before_end() const {
+    if constexpr (kMode == RayMode::iso) {
+      return hn::Le(k_, hn::Min(leave_, hn::Add(stop_, real(kBehindStop))));
+    }
+    const RayMask in_box = hn::Le(k_, leave_);
+    if constexpr (kMode != RayMode::volume) return in_box;
+    const RayMask at_stop = hn::AndNot(is_done_before(), hn::Eq(k_, stop_));
+    return hn::And(in_box, hn::Or(hn::Lt(k_, stop_), at_stop));
+  }
+
+  HWY_INLINE RayMask is_done_before() const {
+    return hn::Or(done_before_, hn::Eq(back_k_, k_));
   }
 
   /// Moves samples to the planes of the grid that each ray crosses most squarely.
@@ -389,63 +262,97 @@ class Packet {
     return corners;
   }
 
-  /// Takes the samples of some lanes; those whose ray ends there.
-  HWY_INLINE RayMask take(RayMask taking) {
+  /// Takes the samples of some lanes, or the parts of their rays that begin or end there. Returns
+  /// what is next, where without ends of rays that is `next`.
+  HWY_INLINE Reals take(RayMask taking, Reals next) {
     const Corners corner = corners(taking);
-    const Reals value = value_at<kIsWide>(f_.bricks, corner);
-    if constexpr (kMode == RayMode::extreme) {
-      const Reals signed_value = hn::Mul(value, real(f_.sign));
-      gathered_ = hn::IfThenElse(taking, hn::Max(gathered_, signed_value), gathered_);
-      return hn::FirstN(kRays, 0);
+    if constexpr (kMode == RayMode::volume) {
+      return take_parts(taking, corner);
     } else if constexpr (kMode == RayMode::mean) {
-      red_ = hn::IfThenElse(taking, hn::Add(red_, value), red_);
-      gathered_ = hn::IfThenElse(taking, hn::Add(gathered_, real(1)), gathered_);
-      return hn::FirstN(kRays, 0);
-    } else if constexpr (kMode == RayMode::volume) {
-      return composite(taking, value, corner);
+      const Reals length = hn::Sub(hn::Min(next, leave_), k_);
+      const Reals middle = hn::Add(k_, hn::Mul(real(0.5f), length));
+      const Reals value = value_near(middle, corner);
+      red_ = hn::IfThenElse(taking, hn::Add(red_, hn::Mul(value, length)), red_);
+      gathered_ = hn::IfThenElse(taking, hn::Add(gathered_, length), gathered_);
+      return next;
+    }
+    const Reals value = hn::Mul(value_at<kIsWide>(f_.bricks, corner), real(f_.sign));
+    if constexpr (kMode == RayMode::extreme) {
+      gathered_ = hn::IfThenElse(taking, hn::Max(gathered_, value), gathered_);
+      return next;
     } else {
-      const RayMask inside =
-          hn::And(taking, hn::Ge(hn::Mul(value, real(f_.sign)), real(f_.isovalue)));
+      const RayMask inside = hn::And(taking, hn::Ge(value, real(f_.isovalue)));
       hits_ = hn::Or(hits_, inside);
       hit_k_ = hn::IfThenElse(inside, k_, hit_k_);
-      hit_corner_.at = hn::IfThenElse(of_wholes(inside), corner.at, hit_corner_.at);
+      hit_at_ = hn::IfThenElse(of_wholes(inside), corner.at, hit_at_);
       for (std::size_t axis = 0; axis < 3; ++axis) {
         hit_before_[axis] =
             hn::IfThenElse(of_wholes(inside), before_[axis], hit_before_[axis]);
       }
-      return inside;
+      return hn::IfThenElse(inside, real(kRayDone), next);
     }
   }
 
-  /// Of the opacities of steps those parts which lie before the stop and behind the one before.
-  HWY_INLINE Reals parts_of(Reals opacity) const {
-    const Reals begin = hn::Sub(k_, real(kHalfStep));
-    const Reals first = hn::Max(begin, from_);
-    const Reals part = hn::Sub(hn::Min(hn::Add(k_, real(kHalfStep)), stop_), first);
-    return hn::Div(hn::Mul(opacity, part),
-                   hn::Sub(real(1), hn::Mul(opacity, hn::Sub(first, begin))));
+  HWY_INLINE Reals value_near(Reals k, const Corners& corner) const {
+    return value_at<kIsWide>(f_.bricks, near_corners(k, before_, corner.at));
   }
 
-  HWY_INLINE RayMask composite(RayMask taking, Reals value, const Corners& corner) {
-    const ColorTable& table = f_.table;
-    Reals entry = hn::Mul(hn::Sub(value, real(table.lowest)), real(table.entries_per_value));
-    entry = hn::Min(hn::Max(entry, hn::Zero(kRays)), real(static_cast<float>(table.last)));
-    const Wholes number = hn::ConvertTo(kWhole, entry);
-    Reals opacity = hn::GatherIndex(kRays, table.opacities, number);
-    if (tile_.stops) opacity = parts_of(opacity);
+  /// The parts behind k_; before them, where nothing was seen before, the parts that end at k_.
+  HWY_INLINE Reals take_parts(RayMask taking, const Corners& corner) {
+    const RayMask known = hn::And(taking, hn::Eq(back_k_, k_));
+    Reals from = k_;
+    Reals to = hn::IfThenElse(
+        known, hn::Min(hn::Add(hn::Floor(k_), real(1)), hn::Min(leave_, stop_)), k_);
+    Wholes front = back_entry_;
+    const RayMask unknown = hn::AndNot(known, taking);
+    if (!hn::AllFalse(kRays, unknown)) {
+      const Reals before = hn::Max(hn::Sub(hn::Ceil(k_), real(1)), hn::Max(enter_, from_));
+      from = hn::IfThenElse(hn::AndNot(done_before_, unknown), before, from);
+      const Wholes entries = entries_of(f_.table, value_near(from, corner));
+      front = hn::IfThenElse(of_wholes(unknown), entries, front);
+    }
+    // What is found there is the front of the next one.
+    const RayMask is_empty = hn::And(taking, hn::Ge(from, to));
+    taken_ -= static_cast<std::int64_t>(hn::CountTrue(kRays, is_empty));
+
+    // Of other lanes a place where they are.
+    to = hn::IfThenElse(taking, to, k_);
+    const Wholes back = entries_of(f_.table, value_near(to, corner));
+    back_k_ = hn::IfThenElse(taking, to, back_k_);
+    back_entry_ = hn::IfThenElse(of_wholes(taking), back, back_entry_);
+
+    const Wholes entry = hn::IfThenElseZero(
+        of_wholes(taking), hn::Add(hn::Mul(front, whole(ColorTable::kSide)), back));
+    const Reals length = hn::IfThenElse(taking, hn::Sub(to, from), real(1));
+    const Reals opacity =
+        opacities_of_parts(hn::GatherIndex(kRays, f_.table.opacities, entry), length);
     const RayMask seen = hn::And(taking, hn::Gt(opacity, hn::Zero(kRays)));
-    if (hn::AllFalse(kRays, seen)) return seen;
+    Reals next = hn::IfThenElse(hn::Lt(to, leave_), to, real(kRayDone));
+    if (hn::AllFalse(kRays, seen)) return next;
+    const Reals middle = hn::Mul(hn::Add(from, to), real(0.5f));
+    composite(seen, opacity, entry, near_corners(middle, before_, corner.at));
+    const RayMask is_enough = hn::And(seen, hn::Ge(gathered_, real(f_.enough)));
+    return hn::IfThenElse(is_enough, real(kRayDone), next);
+  }
 
-    const Reals weight = hn::IfThenElseZero(seen, hn::Mul(opacity, hn::Sub(real(1), gathered_)));
-    PacketLight light{real(kFlatLight), hn::Zero(kRays)};
-    const RayMask is_lit = hn::Gt(weight, real(kUnlitWeight));
+  HWY_INLINE void composite(RayMask seen, Reals opacity, Wholes entry, const Corners& middle) {
+    const ColorTable& table = f_.table;
+    Reals weight = hn::IfThenElseZero(seen, hn::Mul(opacity, hn::Sub(real(1), gathered_)));
+    PacketLight light{real(kFlatLight), hn::Zero(kRays), hn::Zero(kRays)};
+    const bool has_slope = table.gradient_rise > 0;
+    const RayMask is_lit = has_slope ? seen : hn::Gt(weight, real(kUnlitWeight));
     if (!hn::AllFalse(kRays, is_lit)) {
-      const PacketLight full = light_on(f_, gradient_at<kIsWide>(f_.bricks, corner));
+      const PacketLight full = light_on(f_, gradient_at<kIsWide>(f_.bricks, middle));
       light = {hn::IfThenElse(is_lit, full.light, light.light),
-               hn::IfThenElseZero(is_lit, full.highlight)};
+               hn::IfThenElseZero(is_lit, full.highlight), full.slope};
     }
-    const Wholes color = hn::GatherIndex(
-        kWhole, reinterpret_cast<const std::int32_t*>(table.colors), number);
+    if (has_slope) {
+      const Reals rise = hn::Mul(hn::Sub(light.slope, real(table.gradient_begin)),
+                                 real(table.gradient_rise));
+      weight = hn::Mul(weight, hn::Min(hn::Max(rise, hn::Zero(kRays)), real(1)));
+    }
+    const Wholes color =
+        hn::GatherIndex(kWhole, reinterpret_cast<const std::int32_t*>(table.colors), entry);
     const Reals lit = hn::Mul(hn::Mul(weight, light.light), real(1 / 255.0f));
     const Reals shine = hn::Mul(weight, light.highlight);
     const auto add = [&](Wholes part, Reals& sum) HWY_ATTR {
@@ -456,31 +363,30 @@ class Packet {
     add(hn::ShiftRight<8>(color), green_);
     add(hn::ShiftRight<16>(color), blue_);
     gathered_ = hn::Add(gathered_, weight);
-    return hn::And(seen, hn::Ge(gathered_, real(f_.enough)));
   }
 
-  /// The corners of places that lie less than a step from those that were hit.
-  HWY_INLINE Corners near_corners(Reals k) const {
+  /// The corners of places that lie less than a step from those in the cells `cell`.
+  HWY_INLINE Corners near_corners(Reals k, const Wholes* cell, Wholes cell_at) const {
     const BrickTables& b = f_.bricks;
     Corners moved;
     Reals place[3];
     Wholes by[3];
     place_at(k, place);
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const Wholes before = hit_before_[axis];
+      const Wholes before = cell[axis];
       const Wholes at =
           clamped(floor_of(place[axis]), hn::Sub(before, whole(1)), hn::Add(before, whole(1)));
       by[axis] = hn::Sub(at, before);
       moved.share[axis] = hn::Sub(place[axis], hn::ConvertTo(kRays, at));
     }
     moved.at = hn::Add(
-        hit_corner_.at,
+        cell_at,
         hn::Add(hn::Add(hn::Mul(by[2], whole(b.plane)), hn::Mul(by[1], whole(b.row))), by[0]));
     return moved;
   }
 
   HWY_INLINE RayMask is_inside(Reals k) const {
-    const Reals value = value_at<kIsWide>(f_.bricks, near_corners(k));
+    const Reals value = value_at<kIsWide>(f_.bricks, near_corners(k, hit_before_, hit_at_));
     return hn::Ge(hn::Mul(value, real(f_.sign)), real(f_.isovalue));
   }
 
@@ -499,7 +405,8 @@ class Packet {
       inside = hn::IfThenElse(is_in, middle, inside);
       outside = hn::IfThenElse(is_in, outside, middle);
     }
-    Gradients gradient = gradient_at<kIsWide>(f_.bricks, near_corners(inside));
+    Gradients gradient =
+        gradient_at<kIsWide>(f_.bricks, near_corners(inside, hit_before_, hit_at_));
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const auto is_axis = hn::Eq(enter_axis_, whole(static_cast<std::int32_t>(axis)));
       const Reals face = hn::IfThenElseZero(of_reals(is_axis), real(kCutGradient));
@@ -513,9 +420,13 @@ class Packet {
   }
 
   HWY_INLINE void keep(Wholes waits_for) {
+    k_ = hn::IfThenElse(hn::Le(k_, leave_), k_, real(kRayDone));
+    if constexpr (kMode == RayMode::volume) {
+      const RayMask is_kept = hn::And(is_done_before(), hn::Lt(k_, real(kRayDone)));
+      k_ = hn::IfThenElse(is_kept, hn::Sub(hn::Zero(kRays), k_), k_);
+    }
     hn::Store(waits_for, kWhole, tile_.waits_for.data() + first_);
-    const RayMask goes_on = hn::Le(k_, leave_);
-    hn::Store(hn::IfThenElse(goes_on, k_, real(kRayDone)), kRays, tile_.k.data() + first_);
+    hn::Store(k_, kRays, tile_.k.data() + first_);
     hn::Store(gathered_, kRays, tile_.gathered.data() + first_);
     if constexpr (kMode != RayMode::extreme) hn::Store(red_, kRays, tile_.red.data() + first_);
     if constexpr (kMode == RayMode::volume || kMode == RayMode::iso) {
@@ -526,6 +437,7 @@ class Packet {
 
   const RayFrame& f_;
   RayTile& tile_;
+  std::int64_t taken_ = 0;
   std::size_t first_;
   Reals origin_[3];
   Reals step_[3];
@@ -534,7 +446,6 @@ class Packet {
   Wholes enter_axis_;
   Reals stop_;
   Reals from_;
-  Reals reach_;
   Reals k_;
   Reals place_[3];
   Wholes before_[3];
@@ -544,9 +455,12 @@ class Packet {
   Wholes slot_;
   Wholes brick_at_;
   Reals brick_bound_;
+  RayMask done_before_;  // what lies before the next sample
+  Reals back_k_;         // samples whose entries are known
+  Wholes back_entry_;
   RayMask hits_;
   Reals hit_k_;
-  Corners hit_corner_;
+  Wholes hit_at_;
   Wholes hit_before_[3];
   Reals gathered_;
   Reals red_;

@@ -137,6 +137,7 @@ RayPlace gradient_at(const BrickTables& b, const SampleCorner& c) {
 struct PortableLight {
   float light = 0;
   float highlight = 0;
+  float slope = 0;  // length of the gradient
 };
 
 PortableLight light_on(const RayFrame& f, const RayPlace& gradient) {
@@ -158,7 +159,31 @@ PortableLight light_on(const RayFrame& f, const RayPlace& gradient) {
   const float lit = light.ambient + light.diffuse * along(light.toward_light);
   float shine = along(light.halfway);
   for (int i = 0; i < kShineSquares; ++i) shine = shine * shine;
-  return {kFlatLight + (lit - kFlatLight) * strength, light.specular * shine * strength};
+  return {kFlatLight + (lit - kFlatLight) * strength, light.specular * shine * strength,
+          length};
+}
+
+std::int32_t entry_of(const ColorTable& table, float value) {
+  float entry = 0;
+  for (const ColorTable::Piece& piece : table.pieces) {
+    entry = entry +
+            std::clamp((value - piece.begin) * piece.entries_per_value, 0.0f, piece.entries);
+  }
+  return std::min(static_cast<std::int32_t>(entry), ColorTable::kSide - 1);
+}
+
+/// The opacity of a part of a step: its transmittance to the power of the length.
+float opacity_of_part(float opacity, float length) {
+  constexpr int kParts = 1 << kStepParts;
+  const auto parts = static_cast<std::int32_t>(length * kParts + 0.5f);
+  if (parts >= kParts) return opacity;
+  float transmittance = 1;
+  float root = 1 - opacity;
+  for (int bit = kParts >> 1; bit > 0; bit >>= 1) {
+    root = std::sqrt(root);
+    if ((parts & bit) != 0) transmittance = transmittance * root;
+  }
+  return 1 - transmittance;
 }
 
 template <RayMode kMode, bool kIsWide>
@@ -177,11 +202,10 @@ class PortableFollower {
   }
 
   std::int64_t follow() {
-    std::int64_t taken = 0;
-    float k = std::max(tile_.k[number_], first());
+    float k = std::max(std::abs(tile_.k[number_]), span_.enter);
+    is_done_before_ = tile_.k[number_] < 0;
     tile_.waits_for[number_] = -1;
-    const float reach = std::min(span_.leave, stop_ + kHalfStep);
-    while (k <= reach) {
+    while (is_before_end(k)) {
       const RayPlace place = place_at(k);
       const RayCell before = cell_of(place);
       RayCell inside;
@@ -193,7 +217,7 @@ class PortableFollower {
       const std::int32_t number =
           (brick[2] * f_.bricks.grid[1] + brick[1]) * f_.bricks.grid[0] + brick[0];
       if (!(f_.bricks.brick_bounds[number] > held())) {
-        k = limited(k, skipped(k, inside, f_.bricks.shift));
+        k = skip(k, inside, f_.bricks.shift);
         continue;
       }
       const std::int32_t slot = f_.bricks.slots[number];
@@ -202,19 +226,17 @@ class PortableFollower {
         break;
       }
       if (!(f_.bricks.cube_bounds[cube_of(slot, inside, brick)] > held())) {
-        k = limited(k, skipped(k, inside, kSkipShift));
+        k = skip(k, inside, kSkipShift);
         continue;
       }
-      ++taken;
-      if (take(k, before, corner_of(slot, place, before, brick))) {
-        k = kRayDone;
-        break;
-      }
-      if (k + kHalfStep > stop_) break;
-      k = limited(k, std::floor(k) + 1);
+      ++taken_;
+      k = take(k, before, corner_of(slot, place, before, brick));
     }
-    tile_.k[number_] = k <= span_.leave ? k : kRayDone;
-    return taken;
+    const bool is_done_before = is_done_before_ || k == back_k_;
+    if (k > span_.leave) k = kRayDone;
+    else if (kMode == RayMode::volume && is_done_before) k = 0 - k;
+    tile_.k[number_] = k;
+    return taken_;
   }
 
  private:
@@ -223,14 +245,23 @@ class PortableFollower {
     return kMode == RayMode::extreme ? on_planes(ray) : ray;
   }
 
-  /// Whether samples stand for themselves, not for a part of the ray.
-  static constexpr bool kTakesEnds = kMode == RayMode::extreme || kMode == RayMode::iso;
+  bool is_before_end(float k) const {
+    if constexpr (kMode == RayMode::iso) return k <= std::min(span_.leave, stop_ + kBehindStop);
+    const bool is_done_before = is_done_before_ || k == back_k_;
+    return k <= span_.leave && (k < stop_ || (k == stop_ && !is_done_before));
+  }
 
-  float first() const { return kTakesEnds ? span_.enter : std::ceil(span_.enter); }
+  float skip(float k, const RayCell& inside, int shift) {
+    const float next = limited(k, skipped(k, inside, shift));
+    if constexpr (kMode != RayMode::volume) return next;
+    // Nothing is seen from the sample before on, as far as the stop.
+    is_done_before_ = k == stop_;
+    return std::min(next, stop_);
+  }
 
   /// The sample after the one at k: `next`, but the end of the ray before what lies beyond it.
   float limited(float k, float next) const {
-    if (!kTakesEnds || next < span_.leave) return next;
+    if (next < span_.leave) return next;
     return k < span_.leave ? span_.leave : kRayDone;
   }
 
@@ -290,45 +321,80 @@ class PortableFollower {
     return std::max(std::floor(k) + 1, std::ceil(nearest));
   }
 
-  /// Takes a sample; true when the ray ends there.
-  bool take(float k, const RayCell& before, const SampleCorner& corner) {
-    const float value = value_at<kIsWide>(f_.bricks, corner);
-    if constexpr (kMode == RayMode::extreme) {
-      tile_.gathered[number_] = std::max(tile_.gathered[number_], value * f_.sign);
-      return false;
-    } else if constexpr (kMode == RayMode::mean) {
-      tile_.red[number_] += value;
-      tile_.gathered[number_] += 1;
-      return false;
-    } else if constexpr (kMode == RayMode::volume) {
-      return composite(k, value, corner);
-    } else {
-      if (!(value * f_.sign >= f_.isovalue)) return false;
-      hit(k, before, corner);
-      return true;
+  /// The corner of a place less than a step from one in the cell `before`.
+  SampleCorner near_corner(float k, const RayCell& before, const SampleCorner& corner) const {
+    SampleCorner moved = corner;
+    const RayPlace place = place_at(k);
+    std::array<std::int32_t, 3> by;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const auto floor = static_cast<std::int32_t>(std::floor(place[axis]));
+      const std::int32_t cell = std::clamp(floor, before[axis] - 1, before[axis] + 1);
+      by[axis] = cell - before[axis];
+      moved.share[axis] = place[axis] - static_cast<float>(cell);
     }
+    moved.at += by[2] * f_.bricks.plane + by[1] * f_.bricks.row + by[0];
+    return moved;
   }
 
-  /// Of the opacity of a step that part which lies before the stop and behind the one before.
-  float part_of(float k, float opacity) const {
-    const float begin = k - kHalfStep;
-    const float first = std::max(begin, from_);
-    const float part = std::min(k + kHalfStep, stop_) - first;
-    return opacity * part / (1 - opacity * (first - begin));
+  float value_near(float k, const RayCell& before, const SampleCorner& corner) const {
+    return value_at<kIsWide>(f_.bricks, near_corner(k, before, corner));
   }
 
-  bool composite(float k, float value, const SampleCorner& corner) {
-    const ColorTable& table = f_.table;
-    const float entry = std::clamp((value - table.lowest) * table.entries_per_value, 0.0f,
-                                   static_cast<float>(table.last));
-    const auto number = static_cast<std::size_t>(entry);
-    float opacity = table.opacities[number];
-    if (tile_.stops) opacity = part_of(k, opacity);
-    if (!(opacity > 0)) return false;
-    const float weight = opacity * (1 - tile_.gathered[number_]);
-    PortableLight light{kFlatLight, 0};
-    if (weight > kUnlitWeight) light = light_on(f_, gradient_at<kIsWide>(f_.bricks, corner));
-    const std::uint32_t color = table.colors[number];
+  /// Takes the sample at k, or the part of the ray that begins or ends there. Returns what is next.
+  float take(float k, const RayCell& before, const SampleCorner& corner) {
+    if constexpr (kMode == RayMode::volume) return take_part(k, before, corner);
+    const float next = limited(k, std::floor(k) + 1);
+    if constexpr (kMode == RayMode::mean) {
+      const float length = std::min(next, span_.leave) - k;
+      const float middle = k + 0.5f * length;
+      tile_.red[number_] += value_near(middle, before, corner) * length;
+      tile_.gathered[number_] += length;
+      return next;
+    }
+    const float value = value_at<kIsWide>(f_.bricks, corner) * f_.sign;
+    if constexpr (kMode == RayMode::extreme) {
+      tile_.gathered[number_] = std::max(tile_.gathered[number_], value);
+      return next;
+    }
+    if (!(value >= f_.isovalue)) return next;
+    hit(k, before, corner);
+    return kRayDone;
+  }
+
+  /// The part behind k; before it, where nothing was seen before, the part that ends at k.
+  float take_part(float k, const RayCell& before, const SampleCorner& corner) {
+    const bool is_known = back_k_ == k;
+    float from = k;
+    float to = k;
+    if (is_known) to = std::min({std::floor(k) + 1, span_.leave, stop_});
+    else if (!is_done_before_) from = std::max({std::ceil(k) - 1, span_.enter, from_});
+    const std::int32_t front =
+        is_known ? back_entry_ : entry_of(f_.table, value_near(from, before, corner));
+    const std::int32_t back = entry_of(f_.table, value_near(to, before, corner));
+    back_k_ = to;
+    back_entry_ = back;
+    if (!(from < to)) --taken_;  // the front of the next one
+    const float opacity =
+        opacity_of_part(f_.table.opacities[front * ColorTable::kSide + back], to - from);
+    if (opacity > 0) {
+      composite(opacity, f_.table.colors[front * ColorTable::kSide + back],
+                near_corner((from + to) * 0.5f, before, corner));
+      if (tile_.gathered[number_] >= f_.enough) return kRayDone;
+    }
+    return to < span_.leave ? to : kRayDone;
+  }
+
+  void composite(float opacity, std::uint32_t color, const SampleCorner& middle) {
+    float weight = opacity * (1 - tile_.gathered[number_]);
+    PortableLight light{kFlatLight, 0, 0};
+    const bool has_slope = f_.table.gradient_rise > 0;
+    if (has_slope || weight > kUnlitWeight) {
+      light = light_on(f_, gradient_at<kIsWide>(f_.bricks, middle));
+    }
+    if (has_slope) {
+      const float rise = (light.slope - f_.table.gradient_begin) * f_.table.gradient_rise;
+      weight = weight * std::clamp(rise, 0.0f, 1.0f);
+    }
     const float lit = weight * light.light * (1 / 255.0f);
     const float shine = weight * light.highlight;
     const auto channel = [&](int bits) { return static_cast<float>(color >> bits & 255); };
@@ -336,7 +402,6 @@ class PortableFollower {
     tile_.green[number_] += channel(8) * lit + shine;
     tile_.blue[number_] += channel(16) * lit + shine;
     tile_.gathered[number_] += weight;
-    return tile_.gathered[number_] >= f_.enough;
   }
 
   /// Between the sample at k, which lies inside, and the one before it.
@@ -345,21 +410,8 @@ class PortableFollower {
     const bool is_at_face = span_.enter > k_before;
     float outside = std::max(k_before, span_.enter);
     float inside = k;
-    const auto corner_at = [&](float at) {
-      SampleCorner moved = corner;
-      const RayPlace place = place_at(at);
-      std::array<std::int32_t, 3> by;
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        const auto floor = static_cast<std::int32_t>(std::floor(place[axis]));
-        const std::int32_t cell = std::clamp(floor, before[axis] - 1, before[axis] + 1);
-        by[axis] = cell - before[axis];
-        moved.share[axis] = place[axis] - static_cast<float>(cell);
-      }
-      moved.at += by[2] * f_.bricks.plane + by[1] * f_.bricks.row + by[0];
-      return moved;
-    };
     const auto is_inside = [&](float at) {
-      return value_at<kIsWide>(f_.bricks, corner_at(at)) * f_.sign >= f_.isovalue;
+      return value_near(at, before, corner) * f_.sign >= f_.isovalue;
     };
     const bool is_cut = is_at_face && is_inside(outside);
     if (is_cut) inside = outside;
@@ -368,7 +420,7 @@ class PortableFollower {
       if (is_inside(middle)) inside = middle;
       else outside = middle;
     }
-    RayPlace gradient = gradient_at<kIsWide>(f_.bricks, corner_at(inside));
+    RayPlace gradient = gradient_at<kIsWide>(f_.bricks, near_corner(inside, before, corner));
     if (is_cut) {
       // A cut has the side of the face, whatever lies behind.
       gradient = {};
@@ -386,8 +438,12 @@ class PortableFollower {
   std::size_t number_;
   PortableRay ray_;
   RaySpan span_;
+  std::int64_t taken_ = 0;
+  float back_k_ = -1;  // a sample whose entry is known
+  std::int32_t back_entry_ = 0;
   float stop_ = kRayDone;
   float from_ = -kRayDone;
+  bool is_done_before_ = false;  // what lies before the next sample
 };
 
 template <RayMode kMode, bool kIsWide>

@@ -38,6 +38,49 @@ BetweenPoints between_points(const std::vector<TransferPoint>& points, double va
   return {second - 1, second, (value - a.value) / (b.value - a.value)};
 }
 
+constexpr int kOuterEntries = 16;      // below the points, and above
+constexpr std::size_t kEntryParts = 16;
+constexpr double kMostOpacity = 1 - 1e-7;
+constexpr double kNoWidth = 1e-30;
+
+/// Per layer.
+double extinction_of(double opacity) { return -std::log1p(-std::min(opacity, kMostOpacity)); }
+
+/// Extinction and color up to a value.
+struct LayerIntegral {
+  double width = 0;
+  double extinction = 0;
+  std::array<double, 3> color{};        // times extinction
+  std::array<double, 3> plain_color{};  // times width
+
+  void add(const Color& of, double extinction_here, double width_here) {
+    width += width_here;
+    extinction += extinction_here * width_here;
+    for (std::size_t i = 0; i < 3; ++i) {
+      color[i] += of[i] * extinction_here * width_here;
+      plain_color[i] += of[i] * width_here;
+    }
+  }
+
+  float opacity_since(const LayerIntegral& begin, double layers) const {
+    const double mean = (extinction - begin.extinction) / (width - begin.width);
+    return static_cast<float>(1 - std::exp(-mean * layers));
+  }
+
+  std::uint32_t color_since(const LayerIntegral& begin) const {
+    const double weight = extinction - begin.extinction;
+    std::uint32_t packed = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const double mean = weight > 0 ? (color[i] - begin.color[i]) / weight
+                                     : (plain_color[i] - begin.plain_color[i]) /
+                                           (width - begin.width);
+      const auto channel = static_cast<std::uint32_t>(std::lround(std::clamp(mean, 0.0, 255.0)));
+      packed |= channel << (8 * i);
+    }
+    return packed;
+  }
+};
+
 }  // namespace
 
 Color TransferFunction::color_at(double value) const {
@@ -120,6 +163,10 @@ TransferFunction in_real_values(const TransferFunction& transfer, const Window& 
   for (TransferPoint& point : real.points) {
     point.value = window.center + (point.value - 0.5) * window.width;
   }
+  if (real.gradient) {
+    real.gradient->low *= window.width;
+    real.gradient->high *= window.width;
+  }
   real.is_relative = false;
   return real;
 }
@@ -127,42 +174,74 @@ TransferFunction in_real_values(const TransferFunction& transfer, const Window& 
 TransferTable::TransferTable(const TransferFunction& transfer, const Rescale& rescale,
                              const PooledScale& scale, const SampleRange& pooled,
                              double layer_share) {
-  // From the first to the last point, as far as there are values.
+  // Pieces: below the points, between them, and above.
   const auto pooled_of = [&](const TransferPoint& point) {
     const double stored = (point.value - rescale.intercept) / rescale.slope;
     return std::clamp(scale.pooled(stored), pooled.lowest, pooled.highest);
   };
   const auto [low, high] =
       std::minmax({pooled_of(transfer.points.front()), pooled_of(transfer.points.back())});
-  lowest_ = static_cast<float>(low);
-  const double width = high - low;
-  entries_per_value_ = width > 0 ? static_cast<float>(kEntries / width) : 1;
+  colored_width_ = high - low;
+  last_value_ = pooled.highest;
+  const double ends[] = {pooled.lowest, low, high, pooled.highest};
+  for (std::size_t i = 0; i < pieces_.size(); ++i) {
+    const double width = ends[i + 1] - ends[i];
+    const double entries = i == 1 ? ColorTable::kSide - 2 * kOuterEntries : kOuterEntries;
+    pieces_[i].begin = static_cast<float>(ends[i]);
+    if (!(width > 0)) continue;
+    pieces_[i].entries = static_cast<float>(entries);
+    pieces_[i].entries_per_value = static_cast<float>(entries / width);
+  }
 
+  // Integrals of extinction and color up to each part of an entry.
+  constexpr std::size_t kSide = ColorTable::kSide;
+  std::vector<LayerIntegral> sums(1);
+  for (std::size_t part = 0; part < kSide * kEntryParts; ++part) {
+    const double begin = value_at(static_cast<double>(part) / kEntryParts);
+    const double end = value_at(static_cast<double>(part + 1) / kEntryParts);
+    const double real = rescale.to_real(scale.stored(0.5 * (begin + end)));
+    // Entries beyond the last value are as that is.
+    const double width = end > begin ? end - begin : kNoWidth;
+    sums.push_back(sums.back());
+    sums.back().add(transfer.color_at(real), extinction_of(transfer.opacity_at(real)), width);
+  }
+
+  // A step from the middle of an entry to that of another one; within an entry over all of it.
+  opacities_.reserve(kSide * kSide);
+  colors_.reserve(kSide * kSide);
+  for (std::size_t front = 0; front < kSide; ++front) {
+    for (std::size_t back = 0; back < kSide; ++back) {
+      const auto [first, last] = std::minmax(front, back);
+      const std::size_t half = first == last ? 0 : kEntryParts / 2;
+      const LayerIntegral& begin = sums[first * kEntryParts + half];
+      const LayerIntegral& end = sums[(last + 1) * kEntryParts - half];
+      opacities_.push_back(end.opacity_since(begin, layer_share));
+      colors_.push_back(end.color_since(begin));
+    }
+  }
   seen_before_ = {0};
-  for (std::size_t i = 0; i < kEntries; ++i) {
-    // The outer ones stand for all that lies beyond them.
-    const double part = i == 0 ? 0 : i + 1 == kEntries ? kEntries : static_cast<double>(i) + 0.5;
-    const double value = low + part / kEntries * width;
-    const double real = rescale.to_real(scale.stored(value));
-    const double opacity = 1 - std::pow(1 - transfer.opacity_at(real), layer_share);
-    const Color color = transfer.color_at(real);
-    opacities_.push_back(static_cast<float>(opacity));
-    colors_.push_back(static_cast<std::uint32_t>(color[0]) |
-                      static_cast<std::uint32_t>(color[1]) << 8 |
-                      static_cast<std::uint32_t>(color[2]) << 16);
-    seen_before_.push_back(seen_before_.back() + (opacities_.back() > 0 ? 1 : 0));
+  for (std::size_t i = 0; i < kSide; ++i) {
+    seen_before_.push_back(seen_before_.back() + (opacities_[i * kSide + i] > 0 ? 1 : 0));
   }
 }
 
-ColorTable TransferTable::table() const {
-  return {opacities_.data(), colors_.data(), lowest_, entries_per_value_,
-          static_cast<std::int32_t>(kEntries) - 1};
+ColorTable TransferTable::table() const { return {opacities_.data(), colors_.data(), pieces_}; }
+
+double TransferTable::value_at(double entry) const {
+  for (const ColorTable::Piece& piece : pieces_) {
+    if (!(piece.entries > 0)) continue;
+    if (entry < piece.entries) return piece.begin + entry / piece.entries_per_value;
+    entry -= piece.entries;
+  }
+  return last_value_;
 }
 
 std::int32_t TransferTable::entry_of(float value) const {
-  constexpr auto kLast = static_cast<float>(kEntries - 1);
-  return static_cast<std::int32_t>(
-      std::clamp((value - lowest_) * entries_per_value_, 0.0f, kLast));
+  float entry = 0;
+  for (const ColorTable::Piece& piece : pieces_) {
+    entry += std::clamp((value - piece.begin) * piece.entries_per_value, 0.0f, piece.entries);
+  }
+  return std::min(static_cast<std::int32_t>(entry), ColorTable::kSide - 1);
 }
 
 bool TransferTable::is_seen(float lowest, float highest) const {

@@ -1,6 +1,7 @@
 // What values look like in light: a color and an opacity for each, straight between points.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -22,6 +23,14 @@ struct TransferPoint {
   bool operator==(const TransferPoint&) const = default;
 };
 
+/// Opacity by the steepness of values: nothing up to `low`, all of it from `high` on.
+struct GradientRamp {
+  double low = 0;  ///< values per mm
+  double high = 0;
+
+  bool operator==(const GradientRamp&) const = default;
+};
+
 struct TransferFunction {
   /// At least one; values never fall. Two of one value are a step. Below the first and above the
   /// last nothing changes.
@@ -30,6 +39,7 @@ struct TransferFunction {
   std::optional<double> layer_mm;
   /// Values 0 .. 1 are those of a window of the volume, others lie beside it; real values if not.
   bool is_relative = false;
+  std::optional<GradientRamp> gradient;
 
   bool operator==(const TransferFunction&) const = default;
 
@@ -53,25 +63,28 @@ TransferFunction usual_transfer_function();
 /// The same with real values in place of shares of a window.
 TransferFunction in_real_values(const TransferFunction& transfer, const Window& window);
 
-/// A transfer function for pooled values, by table.
+/// A transfer function for pooled values, integrated over steps from each value to each other one.
+/// Most entries lie between the first point and the last, the others below and above.
 class TransferTable {
  public:
-  static constexpr std::size_t kEntries = 4096;
-
   /// transfer     of real values
   /// layer_share  a step as a share of a layer
   TransferTable(const TransferFunction& transfer, const Rescale& rescale, const PooledScale& scale,
                 const SampleRange& pooled, double layer_share);
 
   ColorTable table() const;
+  /// From the first point to the last, of pooled values.
+  double colored_width() const { return colored_width_; }
   /// Whether values between two have an opacity.
   bool is_seen(float lowest, float highest) const;
 
  private:
   std::int32_t entry_of(float value) const;
+  double value_at(double entry) const;
 
-  float lowest_ = 0;
-  float entries_per_value_ = 1;
+  std::array<ColorTable::Piece, 3> pieces_;
+  double last_value_ = 0;
+  double colored_width_ = 0;
   std::vector<float> opacities_;
   std::vector<std::uint32_t> colors_;
   std::vector<std::int32_t> seen_before_;  // entries before each that have an opacity

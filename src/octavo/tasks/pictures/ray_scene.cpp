@@ -102,9 +102,12 @@ class RayScene final : public RenderScene {
     frame.sign = sign_;
     frame.isovalue = isovalue_;
     if (table_) frame.table = table_->table();
+    frame.table.gradient_begin = gradient_begin_;
+    frame.table.gradient_rise = gradient_rise_;
     set_camera(frame,
                {view, shown_, asked_.angle_degrees.value_or(0), step_mm_, asked_.zoom});
-    frame.light.soft_gradient = static_cast<float>(kSoftShare * colored_width_);
+    const double colored = table_ ? table_->colored_width() : 0;
+    frame.light.soft_gradient = static_cast<float>(kSoftShare * colored);
 
     RayField field;
     context_.on_threads([&] {
@@ -185,7 +188,12 @@ class RayScene final : public RenderScene {
     const double finest = *std::min_element(spacing.begin(), spacing.end());
     table_.emplace(transfer_, rescale_, bricks_.scale(), bricks_.range(),
                    step_mm_ / transfer_.layer_mm.value_or(finest));
-    colored_width_ = kEntriesWidth / table_->table().entries_per_value;
+    if (transfer_.gradient) {
+      const double pooled_per_step = bricks_.scale().scale / std::abs(rescale_.slope) * step_mm_;
+      const GradientRamp& ramp = *transfer_.gradient;
+      gradient_begin_ = static_cast<float>(ramp.low * pooled_per_step);
+      gradient_rise_ = static_cast<float>(1 / ((ramp.high - ramp.low) * pooled_per_step));
+    }
   }
 
   void choose_isovalue() {
@@ -254,8 +262,6 @@ class RayScene final : public RenderScene {
     }
   }
 
-  static constexpr double kEntriesWidth = static_cast<double>(TransferTable::kEntries);
-
   std::shared_ptr<const FileReader> reader_;
   const RenderOptions& asked_;
   const TaskContext& context_;
@@ -271,7 +277,8 @@ class RayScene final : public RenderScene {
   float isovalue_ = 0;
   TransferFunction transfer_;
   std::optional<TransferTable> table_;
-  double colored_width_ = 0;
+  float gradient_begin_ = 0;
+  float gradient_rise_ = 0;
   std::optional<Window> window_;  // real values
   RayCounts rays_;
   std::int64_t pictures_ = 0;

@@ -77,6 +77,18 @@ std::vector<TransferPoint> transfer_points(JsonReader& in) {
   return points;
 }
 
+GradientRamp gradient_ramp(JsonReader& in) {
+  if (in.next() != JsonToken::begin_list) fail_transfer("gradient is not a list");
+  GradientRamp ramp;
+  ramp.low = transfer_number(in, "gradient");
+  ramp.high = transfer_number(in, "gradient");
+  if (in.next() != JsonToken::end_list) fail_transfer("gradient has more than two numbers");
+  if (!(ramp.low >= 0 && ramp.high > ramp.low)) {
+    fail_transfer("gradient does not rise from 0 or more");
+  }
+  return ramp;
+}
+
 TransferFunction transfer_object(JsonReader& in) {
   if (in.next() != JsonToken::begin_object) fail_transfer("it is not an object");
   TransferFunction transfer;
@@ -92,8 +104,11 @@ TransferFunction transfer_object(JsonReader& in) {
     } else if (name == "relative") {
       if (in.next() != JsonToken::boolean) fail_transfer("relative is neither true nor false");
       transfer.is_relative = in.boolean();
+    } else if (name == "gradient") {
+      transfer.gradient = gradient_ramp(in);
     } else {
-      fail_transfer(fmt::format("the member \"{}\"; expected points, layer_mm and relative",
+      fail_transfer(fmt::format("the member \"{}\"; expected points, layer_mm, relative and "
+                                "gradient",
                                 escaped(name)));
     }
   }

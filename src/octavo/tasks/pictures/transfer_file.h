@@ -2,10 +2,11 @@
 //
 //     {"points": [{"value": 150, "color": "#d6a880", "opacity": 0},
 //                 {"value": 500, "color": "sand", "opacity": 0.7}],
-//      "layer_mm": 1, "relative": false}
+//      "layer_mm": 1, "relative": false, "gradient": [10, 40]}
 //
 // layer_mm  thickness of a layer that has these opacities; without, the finest spacing
 // relative  values 0 .. 1 are shares of the volume's window; without, real values
+// gradient  values per mm at which opacity begins and is whole; without, it is so everywhere
 #pragma once
 
 #include <string>

@@ -62,6 +62,8 @@ struct RaySetup {
   float sign = 1;
   bool skips = true;
   float enough = 0.995f;
+  float gradient_begin = 0;
+  float gradient_rise = 0;
   int brick_shift = 6;
   std::uint64_t memory_bytes = std::uint64_t{1} << 30;
   int threads = 2;
@@ -100,6 +102,8 @@ CastScene cast_scene(const RayVolume<T>& volume, const RaySetup& setup) {
   set_camera(frame, {scene.view, shown, setup.angle_degrees, step_mm, setup.frame.zoom});
   const TransferTable table(setup.transfer, {}, bricks.scale(), bricks.range(), 1);
   frame.table = table.table();
+  frame.table.gradient_begin = setup.gradient_begin;
+  frame.table.gradient_rise = setup.gradient_rise;
   bricks.set_bounds([&](float lowest, float highest) {
     const float sign = setup.sign;
     const float most = sign > 0 ? highest : -lowest;

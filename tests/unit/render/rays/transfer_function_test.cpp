@@ -38,6 +38,8 @@ TEST(TransferFunction, SharesOfAWindowBecomeRealValues) {
   EXPECT_EQ(real.points[1].value, 125);
   EXPECT_FALSE(real.is_relative);
   EXPECT_EQ(in_real_values(real, {0, 1}), real);
+  const TransferFunction steep{{{0, {}, 0}}, {}, true, GradientRamp{0.1, 0.2}};
+  EXPECT_EQ(in_real_values(steep, {100, 50}).gradient, (GradientRamp{5, 10}));
 }
 
 TEST(TransferTable, StepsOfAnyLengthComposeToOneLayer) {
@@ -46,6 +48,19 @@ TEST(TransferTable, StepsOfAnyLengthComposeToOneLayer) {
     const TransferTable table(transfer, {}, {}, {0, 100}, share);
     EXPECT_NEAR(std::pow(1 - table.table().opacities[7], 1 / share), 0.6, 1e-6);
   }
+}
+
+TEST(TransferTable, WhatLiesBetweenTheEndsOfAStepIsSeen) {
+  const TransferFunction peak{
+      {{100, {255, 0, 0}, 0}, {110, {255, 0, 0}, 0.5}, {120, {255, 0, 0}, 0}}, {}, false, {}};
+  const TransferTable table(peak, {}, {}, {0, 1000}, 1);
+  const ColorTable entries = table.table();
+  const std::int32_t across = ColorTable::kSide - 1;
+  // Two hundredths of a step from 0 to 1000 cross the peak, of a mean extinction of 0.307.
+  EXPECT_NEAR(entries.opacities[across], 0.02 * 0.307, 0.0003);
+  EXPECT_EQ(entries.colors[across], 255u);
+  EXPECT_EQ(entries.opacities[0], 0);
+  EXPECT_EQ(entries.opacities[across * ColorTable::kSide + across], 0);
 }
 
 TEST(TransferTable, WhatHasNoOpacityIsNotSeen) {

@@ -236,6 +236,10 @@ TEST(TransferFile, WhatIsWrongIsSaid) {
       {R"({"points": [{"value": 1, "color": "red", "opacity": 0, "alpha": 1}]})", "\"alpha\""},
       {R"({"points": [{"value": 1, "color": "red", "opacity": 0}], "layer_mm": 0})", "layer_mm"},
       {R"({"points": [{"value": 1, "color": "red", "opacity": 0}], "relative": 1})", "relative"},
+      {R"({"points": [{"value": 1, "color": "red", "opacity": 0}], "gradient": [2, 1]})",
+       "gradient does not rise"},
+      {R"({"points": [{"value": 1, "color": "red", "opacity": 0}], "gradient": 1})",
+       "gradient is not a list"},
       {R"({"points": [)", "no transfer function"}};
   for (const auto& one : cases) {
     try {
@@ -251,9 +255,10 @@ TEST(TransferFile, WhatIsWrongIsSaid) {
 
 TEST(TransferFile, PointsAndPresetsAreRead) {
   const TransferFunction read = parse_transfer(
-      R"({"relative": true, "layer_mm": 2.5,
+      R"({"relative": true, "layer_mm": 2.5, "gradient": [1, 2],
           "points": [{"value": 0.5, "color": "#0a0b0c", "opacity": 0.25}]})");
-  EXPECT_EQ(read, (TransferFunction{{{0.5, {10, 11, 12}, 0.25}}, 2.5, true}));
+  EXPECT_EQ(read, (TransferFunction{{{0.5, {10, 11, 12}, 0.25}}, 2.5, true,
+                                    GradientRamp{1, 2}}));
   EXPECT_EQ(read_transfer("bone"), *find_transfer_preset("bone"));
   try {
     read_transfer("no-such-file");

@@ -1,0 +1,191 @@
+// What rays side by side look at, in the lanes of vectors: values, gradients, light, entries of
+// tables.
+
+#if defined(OCTAVO_RENDER_RAYS_RAY_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef OCTAVO_RENDER_RAYS_RAY_LANES_INL_H_
+#undef OCTAVO_RENDER_RAYS_RAY_LANES_INL_H_
+#else
+#define OCTAVO_RENDER_RAYS_RAY_LANES_INL_H_
+#endif
+
+#include <hwy/highway.h>
+
+#include "octavo/render/rays/ray_job.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace octavo {
+namespace HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+constexpr hn::CappedTag<float, 16> kRays{};
+constexpr hn::RebindToSigned<decltype(kRays)> kWhole{};
+using Reals = hn::Vec<decltype(kRays)>;
+using Wholes = hn::Vec<decltype(kWhole)>;
+using RayMask = hn::Mask<decltype(kRays)>;
+
+HWY_INLINE Reals real(float value) { return hn::Set(kRays, value); }
+HWY_INLINE Wholes whole(std::int32_t value) { return hn::Set(kWhole, value); }
+HWY_INLINE auto of_wholes(RayMask mask) { return hn::RebindMask(kWhole, mask); }
+HWY_INLINE RayMask of_reals(hn::Mask<decltype(kWhole)> mask) { return hn::RebindMask(kRays, mask); }
+HWY_INLINE Reals mixed(Reals a, Reals b, Reals share) {
+  return hn::Add(a, hn::Mul(hn::Sub(b, a), share));
+}
+HWY_INLINE Wholes floor_of(Reals value) { return hn::ConvertTo(kWhole, hn::Floor(value)); }
+HWY_INLINE Wholes clamped(Wholes value, Wholes low, Wholes high) {
+  return hn::Min(hn::Max(value, low), high);
+}
+
+/// Two samples in a row.
+struct SamplePair {
+  Reals first;
+  Reals second;
+};
+
+template <bool kIsWide>
+HWY_INLINE SamplePair pair_at(const BrickTables& b, Wholes at) {
+  if constexpr (kIsWide) {
+    const auto* const samples = static_cast<const float*>(b.samples);
+    return {hn::GatherIndex(kRays, samples, at),
+            hn::GatherIndex(kRays, samples, hn::Add(at, whole(1)))};
+  } else {
+    const Wholes both = hn::GatherOffset(kWhole, static_cast<const std::int32_t*>(b.samples),
+                                         hn::ShiftLeft<1>(at));
+    return {hn::ConvertTo(kRays, hn::ShiftRight<16>(hn::ShiftLeft<16>(both))),
+            hn::ConvertTo(kRays, hn::ShiftRight<16>(both))};
+  }
+}
+
+/// What stands around places: the sample before each along each axis, and the shares of the next.
+struct Corners {
+  Wholes at;
+  Reals share[3];
+};
+
+template <bool kIsWide>
+HWY_INLINE Reals row_value(const BrickTables& b, Wholes at, Reals share) {
+  const SamplePair pair = pair_at<kIsWide>(b, at);
+  return mixed(pair.first, pair.second, share);
+}
+
+template <bool kIsWide>
+HWY_INLINE Reals value_at(const BrickTables& b, const Corners& c) {
+  const auto row = [&](std::int32_t by) HWY_ATTR {
+    return row_value<kIsWide>(b, hn::Add(c.at, whole(by)), c.share[0]);
+  };
+  const Reals near = mixed(row(0), row(b.row), c.share[1]);
+  const Reals far = mixed(row(b.plane), row(b.plane + b.row), c.share[1]);
+  return mixed(near, far, c.share[2]);
+}
+
+struct Gradients {
+  Reals along[3];
+};
+
+/// A row through a place: its value there and its slope.
+struct RowsAt {
+  Reals value;
+  Reals slope;
+};
+
+template <bool kIsWide>
+HWY_INLINE RowsAt rows_at(const BrickTables& b, Wholes at, Reals share) {
+  const SamplePair low = pair_at<kIsWide>(b, hn::Sub(at, whole(1)));
+  const SamplePair high = pair_at<kIsWide>(b, hn::Add(at, whole(1)));
+  const Reals first = hn::Sub(high.first, low.first);
+  const Reals second = hn::Sub(high.second, low.second);
+  return {mixed(low.second, high.first, share), mixed(first, second, share)};
+}
+
+template <bool kIsWide>
+HWY_INLINE Gradients gradient_at(const BrickTables& b, const Corners& c) {
+  const auto at = [&](std::int32_t y, std::int32_t z) HWY_ATTR {
+    return hn::Add(c.at, whole(y * b.row + z * b.plane));
+  };
+  const auto row = [&](std::int32_t y, std::int32_t z) HWY_ATTR {
+    return row_value<kIsWide>(b, at(y, z), c.share[0]);
+  };
+  const RowsAt r00 = rows_at<kIsWide>(b, at(0, 0), c.share[0]);
+  const RowsAt r10 = rows_at<kIsWide>(b, at(1, 0), c.share[0]);
+  const RowsAt r01 = rows_at<kIsWide>(b, at(0, 1), c.share[0]);
+  const RowsAt r11 = rows_at<kIsWide>(b, at(1, 1), c.share[0]);
+  const Reals x = mixed(mixed(r00.slope, r10.slope, c.share[1]),
+                        mixed(r01.slope, r11.slope, c.share[1]), c.share[2]);
+  const Reals y =
+      mixed(mixed(hn::Sub(r10.value, row(-1, 0)), hn::Sub(row(2, 0), r00.value), c.share[1]),
+            mixed(hn::Sub(r11.value, row(-1, 1)), hn::Sub(row(2, 1), r01.value), c.share[1]),
+            c.share[2]);
+  const Reals z =
+      mixed(mixed(hn::Sub(r01.value, row(0, -1)), hn::Sub(row(0, 2), r00.value), c.share[2]),
+            mixed(hn::Sub(r11.value, row(1, -1)), hn::Sub(row(1, 2), r10.value), c.share[2]),
+            c.share[1]);
+  return {{x, y, z}};
+}
+
+struct PacketLight {
+  Reals light;
+  Reals highlight;
+  Reals slope;  // length of the gradient
+};
+
+HWY_INLINE PacketLight light_on(const RayFrame& f, const Gradients& gradient) {
+  const RayLight& light = f.light;
+  const auto dot = [](const Reals* a, const float* b) HWY_ATTR {
+    return hn::Add(hn::Add(hn::Mul(a[0], real(b[0])), hn::Mul(a[1], real(b[1]))),
+                   hn::Mul(a[2], real(b[2])));
+  };
+  Reals seen[3];
+  for (std::size_t i = 0; i < 3; ++i) seen[i] = dot(gradient.along, f.gradient.data() + 3 * i);
+  const Reals length =
+      hn::Sqrt(hn::Add(hn::Add(hn::Mul(seen[0], seen[0]), hn::Mul(seen[1], seen[1])),
+                       hn::Mul(seen[2], seen[2])));
+  const Reals zero = hn::Zero(kRays);
+  Reals scale = hn::Div(real(1), hn::Max(length, real(kSmallestStep)));
+  scale = hn::IfThenElse(hn::Lt(seen[2], zero), hn::Sub(zero, scale), scale);
+  const auto along = [&](const std::array<float, 3>& direction) HWY_ATTR {
+    return hn::Max(hn::Mul(dot(seen, direction.data()), scale), zero);
+  };
+  const Reals strength = hn::Div(
+      length, hn::Add(hn::Add(length, real(light.soft_gradient)), real(kSmallestStep)));
+  const Reals lit =
+      hn::Add(real(light.ambient), hn::Mul(real(light.diffuse), along(light.toward_light)));
+  Reals shine = along(light.halfway);
+  for (int i = 0; i < kShineSquares; ++i) shine = hn::Mul(shine, shine);
+  const Reals flat = real(kFlatLight);
+  return {hn::Add(flat, hn::Mul(hn::Sub(lit, flat), strength)),
+          hn::Mul(hn::Mul(real(light.specular), shine), strength), length};
+}
+
+HWY_INLINE Wholes entries_of(const ColorTable& table, Reals value) {
+  Reals entry = hn::Zero(kRays);
+  for (const ColorTable::Piece& piece : table.pieces) {
+    const Reals of_piece =
+        hn::Mul(hn::Sub(value, real(piece.begin)), real(piece.entries_per_value));
+    entry = hn::Add(entry, hn::Min(hn::Max(of_piece, hn::Zero(kRays)), real(piece.entries)));
+  }
+  return hn::Min(hn::ConvertTo(kWhole, entry), whole(ColorTable::kSide - 1));
+}
+
+/// The opacities of parts of steps: their transmittances to the power of the lengths.
+HWY_INLINE Reals opacities_of_parts(Reals opacity, Reals length) {
+  constexpr int kParts = 1 << kStepParts;
+  const Wholes parts = hn::ConvertTo(
+      kWhole, hn::Add(hn::Mul(length, real(static_cast<float>(kParts))), real(0.5f)));
+  const RayMask is_part = of_reals(hn::Lt(parts, whole(kParts)));
+  if (hn::AllFalse(kRays, is_part)) return opacity;
+  Reals transmittance = real(1);
+  Reals root = hn::Sub(real(1), opacity);
+  for (int bit = kParts >> 1; bit > 0; bit >>= 1) {
+    root = hn::Sqrt(root);
+    const auto is_set = hn::Ne(hn::And(parts, whole(bit)), hn::Zero(kWhole));
+    transmittance =
+        hn::IfThenElse(of_reals(is_set), hn::Mul(transmittance, root), transmittance);
+  }
+  return hn::IfThenElse(is_part, hn::Sub(real(1), transmittance), opacity);
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace octavo
+HWY_AFTER_NAMESPACE();
+
+#endif
