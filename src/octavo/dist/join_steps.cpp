@@ -249,12 +249,7 @@ void require_room(Storage& storage, const std::string& path,
   const std::uint64_t all = largest + from_elsewhere;
   const std::uint64_t needed = all - std::min(all, begun);
   if (here->free_bytes >= needed) return;
-  constexpr std::uint64_t kMebibyte = std::uint64_t{1} << 20;
-  throw Error(ErrorKind::io,
-              "no room: " + std::to_string(needed / kMebibyte + 1) + " MiB are needed, " +
-                  std::to_string(here->free_bytes / kMebibyte) +
-                  " MiB are free; no part is removed",
-              path);
+  throw no_room_for(path, needed, here->free_bytes, "; no part is removed");
 }
 
 /// Gives the file that was laid out its name, and marks it as sealed; where it has its name already

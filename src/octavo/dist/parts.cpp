@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -227,6 +228,15 @@ void build_part(const BuildPlan& plan, PlaneSource& source, std::int64_t first_g
   writer.finish();
 }
 
+Error no_room_for(const std::string& path, std::uint64_t needed_bytes, std::uint64_t free_bytes,
+                  const std::string& more) {
+  constexpr std::uint64_t kMebibyte = std::uint64_t{1} << 20;
+  return {ErrorKind::io,
+          "no room: " + std::to_string(needed_bytes / kMebibyte + 1) + " MiB are needed, " +
+              std::to_string(free_bytes / kMebibyte) + " MiB are free" + more,
+          path};
+}
+
 std::vector<PartPlace> missing_groups(const BuildPlan& plan,
                                       const std::vector<std::shared_ptr<PartFile>>& parts) {
   std::vector<std::shared_ptr<PartFile>> sorted = parts;
@@ -251,6 +261,10 @@ BuildResult lay_out_parts(const BuildPlan& plan, std::vector<std::shared_ptr<Par
   const Levels& levels = outline.levels;
   std::uint64_t bytes = 0;
   for (const auto& part : parts) bytes += part->joined_bytes();
+  if (!leave_out) {
+    const std::optional<DiskSpace> disk = storage.disk_space(folder_of(path));
+    if (disk && disk->free_bytes < bytes) throw no_room_for(path, bytes, disk->free_bytes);
+  }
   const WatchedParts watched(parts, progress);
   const ProgressScope scope(progress, "join",
                             leave_out ? 0 : static_cast<std::int64_t>(bytes), "bytes");

@@ -50,11 +50,16 @@ std::vector<PartPlace> missing_groups(const BuildPlan& plan,
 using LeaveOut =
     std::function<void(const PartFile& part, std::size_t stream, const Section& bytes)>;
 
+/// What is said where a disk has no room for a join; `more` ends the sentence.
+Error no_room_for(const std::string& path, std::uint64_t needed_bytes, std::uint64_t free_bytes,
+                  const std::string& more = "");
+
 /// Joins parts, in any order, into the sealed file at `path`. Voxels are not read; every byte of a
 /// part is proven by its checksum.
 /// Throws  Error{invalid_argument} that names a part of another plan, or two of the same groups,
-///         and as require_codec; Error{io} where groups are missing; Error{corrupt} for a damaged
-///         part; Error{source_rejected} for bands of a group whose voxels differ; as FileWriter
+///         and as require_codec; Error{io} where groups are missing, and, before anything is
+///         written, where the disk has no room for their bytes; Error{corrupt} for a damaged part;
+///         Error{source_rejected} for bands of a group whose voxels differ; as FileWriter
 /// Memory  a sample per brick, and that of the tiers above tier 0
 BuildResult join_parts(const BuildPlan& plan, std::vector<std::shared_ptr<PartFile>> parts,
                        Storage& storage, const std::string& path, bool overwrite,

@@ -481,6 +481,25 @@ TEST_F(JoinSteps, NothingIsConsumedBeforeAllIsProvenAndThereIsRoom) {
 }
 
 // What a copy that was cut off has written needs no more room; all else does.
+TEST_F(JoinSteps, AJoinInOneWritesNothingWhereTheDiskHasNoRoomForIt) {
+  std::uint64_t bytes = 0;
+  for (const auto& part : open_parts(storage_, runs_)) bytes += part->joined_bytes();
+  for (const std::uint64_t free : {bytes - 1, bytes}) {
+    FullDisk disk(storage_, free);
+    const auto join = [&] {
+      join_parts(plan_, open_parts(disk, runs_), disk, "a.8vo", false, {.threads = 1}, progress_);
+    };
+    if (free == bytes) {
+      join();
+      expect_done(3, 0);
+    } else {
+      const std::string why = failure_of(join, ErrorKind::io);
+      EXPECT_NE(why.find("a.8vo: no room: "), std::string::npos) << why;
+      EXPECT_EQ(storage_.files.size(), 3U);
+    }
+  }
+}
+
 TEST_F(JoinSteps, AConsumingJoinThatGoesOnLooksForRoomAsWell) {
   const JoinLayout layout = lay_out(runs_);
   std::uint64_t own = 0;

@@ -185,8 +185,8 @@ MissingParts missing_parts(const JoinOptions& options, const TaskContext& contex
   if (is_sealed(plan, local_storage(), output)) return result;
   const std::set<std::int64_t> copied = copied_numbers(plan, output);
   if (!copied.empty()) {
-    context.note(output + ": a join that has begun here holds " +
-                 counted_text(static_cast<std::int64_t>(copied.size()), "part"));
+    const std::string held = counted_text(static_cast<std::int64_t>(copied.size()), "part");
+    context.note(output + ": a join that has begun here holds " + held);
   }
   const ProgressScope scope(context.watcher(), "prove", plan.part_count, "parts");
   for (std::int64_t first = 0; first < plan.part_count; first += plan.bands) {
