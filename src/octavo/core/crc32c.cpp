@@ -30,6 +30,29 @@ consteval std::array<std::uint32_t, 256> make_table() {
 
 constexpr std::array<std::uint32_t, 256> kTable = make_table();
 
+// The product of two polynomials modulo that of the checksum; the highest bit is that of x^0.
+constexpr std::uint32_t multiplied(std::uint32_t a, std::uint32_t b) noexcept {
+  std::uint32_t product = 0;
+  for (std::uint32_t bit = std::uint32_t{1} << 31; bit != 0; bit >>= 1) {
+    if ((a & bit) != 0) product ^= b;
+    b = b >> 1 ^ (b & 1 ? kReversedPolynomial : 0u);
+  }
+  return product;
+}
+
+constexpr std::uint32_t kOne = std::uint32_t{1} << 31;  // x^0
+constexpr std::uint32_t kByteShift = kOne >> 8;         // x^8
+
+// x^(8 * byte_count)
+constexpr std::uint32_t shift_by(std::uint64_t byte_count) noexcept {
+  std::uint32_t shift = kOne;
+  for (std::uint32_t power = kByteShift; byte_count != 0; byte_count >>= 1) {
+    if ((byte_count & 1) != 0) shift = multiplied(shift, power);
+    power = multiplied(power, power);
+  }
+  return shift;
+}
+
 #if defined(__x86_64__)
 #define OCTAVO_CRC32C_TARGET __attribute__((target("sse4.2")))
 OCTAVO_CRC32C_TARGET std::uint32_t step(std::uint32_t crc, std::uint64_t word) noexcept {
@@ -51,33 +74,36 @@ bool has_crc_instruction() noexcept { return (getauxval(AT_HWCAP) & HWCAP_CRC32)
 #endif
 
 #if defined(OCTAVO_CRC32C_TARGET)
+std::uint64_t word_at(const std::uint8_t* p) noexcept {
+  std::uint64_t word;
+  std::memcpy(&word, p, sizeof word);
+  return word;
+}
+
+// An instruction takes three cycles, and one can begin in each: three lanes keep them busy.
+constexpr std::size_t kLaneBytes = 4096;
+constexpr std::uint32_t kLaneShift = shift_by(kLaneBytes);
+
 OCTAVO_CRC32C_TARGET std::uint32_t crc32c_by_instruction(std::span<const std::uint8_t> bytes,
                                                          std::uint32_t crc) noexcept {
   crc = ~crc;
   const std::uint8_t* p = bytes.data();
   std::size_t left = bytes.size();
-  for (; left >= 8; left -= 8, p += 8) {
-    std::uint64_t word;
-    std::memcpy(&word, p, 8);
-    crc = step(crc, word);
+  for (; left >= 3 * kLaneBytes; left -= 3 * kLaneBytes, p += 3 * kLaneBytes) {
+    std::uint32_t second = 0;
+    std::uint32_t third = 0;
+    for (std::size_t at = 0; at < kLaneBytes; at += 8) {
+      crc = step(crc, word_at(p + at));
+      second = step(second, word_at(p + kLaneBytes + at));
+      third = step(third, word_at(p + 2 * kLaneBytes + at));
+    }
+    crc = multiplied(kLaneShift, multiplied(kLaneShift, crc) ^ second) ^ third;
   }
+  for (; left >= 8; left -= 8, p += 8) crc = step(crc, word_at(p));
   for (; left > 0; --left, ++p) crc = step(crc, *p);
   return ~crc;
 }
 #endif
-
-// The product of two polynomials modulo that of the checksum; the highest bit is that of x^0.
-constexpr std::uint32_t multiplied(std::uint32_t a, std::uint32_t b) noexcept {
-  std::uint32_t product = 0;
-  for (std::uint32_t bit = std::uint32_t{1} << 31; bit != 0; bit >>= 1) {
-    if ((a & bit) != 0) product ^= b;
-    b = b >> 1 ^ (b & 1 ? kReversedPolynomial : 0u);
-  }
-  return product;
-}
-
-constexpr std::uint32_t kOne = std::uint32_t{1} << 31;  // x^0
-constexpr std::uint32_t kByteShift = kOne >> 8;         // x^8
 
 }  // namespace
 
@@ -95,14 +121,7 @@ std::uint32_t crc32c(std::span<const std::uint8_t> bytes, std::uint32_t crc) noe
   return crc32c_portable(bytes, crc);
 }
 
-std::uint32_t crc32c_shift(std::uint64_t byte_count) noexcept {
-  std::uint32_t shift = kOne;
-  for (std::uint32_t power = kByteShift; byte_count != 0; byte_count >>= 1) {
-    if ((byte_count & 1) != 0) shift = multiplied(shift, power);
-    power = multiplied(power, power);
-  }
-  return shift;
-}
+std::uint32_t crc32c_shift(std::uint64_t byte_count) noexcept { return shift_by(byte_count); }
 
 std::uint32_t crc32c_joined(std::uint32_t first, std::uint32_t second,
                             std::uint32_t shift) noexcept {

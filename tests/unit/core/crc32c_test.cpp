@@ -32,6 +32,17 @@ TEST(Crc32c, InstructionAndTableAgreeAtEveryLengthAndAlignment) {
   }
 }
 
+TEST(Crc32c, InstructionAndTableAgreeWhereLanesBeginAndEnd) {
+  constexpr std::size_t kBlockBytes = std::size_t{3} * 4096;
+  const auto bytes = random_bytes(3 * kBlockBytes + 100, 6);
+  for (const std::size_t block : {kBlockBytes, 2 * kBlockBytes, 3 * kBlockBytes}) {
+    for (std::size_t length = block - 17; length < block + 18; ++length) {
+      const auto part = std::span(bytes).subspan(length % 9, length);
+      ASSERT_EQ(crc32c(part, 0x12345678u), crc32c_portable(part, 0x12345678u)) << length;
+    }
+  }
+}
+
 TEST(Crc32c, ContinuesWhereItStopped) {
   const auto bytes = random_bytes(1000, 4);
   const auto all = std::span<const std::uint8_t>(bytes);
