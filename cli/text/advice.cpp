@@ -173,6 +173,7 @@ constexpr Advice kAdvice[] = {
     {kSource, "is_strict", "", "--strict makes this warning an error"},
     {kAny, "max_memory_bytes", "", "raise --max-memory"},
     {kAny, "max_voxels", "", "raise --max-voxels"},
+    {kAny, "meshes.memory", "", "draw a smaller picture, or meshes of fewer triangles"},
     {kAny, "output.format", "", "'octavo export' turns .8vo files into other formats"},
     {ErrorKind::io, "output.overwrite", "", "--force replaces it"},
     {ErrorKind::io, "overwrite", "", "--force replaces it"},

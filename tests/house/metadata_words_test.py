@@ -47,6 +47,8 @@ OTHERS = {
     "src/octavo/mesh/formats/glb_file.cpp": {"attributes": "a member of glTF",
                                              "max": "a member of glTF",
                                              "name": "a member of glTF"},
+    "src/octavo/mesh/formats/ply_reader.cpp": {"format": "a word of PLY"},
+    "src/octavo/mesh/hexahedra/hex_vtu.cpp": {"labels": "an array of VTU"},
     "src/octavo/render/rays/ray_camera.cpp": {"angle_degrees": "an option"},
     "src/octavo/tasks/files/export_part.cpp": {"number": "a noun"},
     "src/octavo/tasks/files/label_hint.cpp": {"labels": "a word of file names"},
