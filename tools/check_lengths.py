@@ -12,8 +12,8 @@ import sys
 MAX_LINES = 600
 MAX_README_LINES = 40
 MAX_COLUMNS = 100
-FOLDERS = ("src", "cli", "tests", "bench", "tools", "examples", "cmake", "web/src", "python")
-GENERATED = {"node_modules", "__pycache__"}
+FOLDERS = ("src", "cli", "tests", "bench", "tools", "examples", "cmake", "web", "python")
+GENERATED = {"node_modules", "dist", "__pycache__"}
 SOURCES = {".h", ".cpp", ".py", ".cmake", ".ts", ".js"}
 
 

@@ -13,7 +13,8 @@ import sys
 
 FOLDERS = ("bench", "cli", "cmake", "docs", "examples", "python", "src", "tests", "tools", "web")
 ENDINGS = {".h", ".cpp", ".inc", ".py", ".md", ".cmake", ".txt", ".yml", ".ts"}
-SKIPPED = ("bench/results/", "tests/golden/v1/", "tools/check_words.py", "web/node_modules/")
+SKIPPED = ("bench/results/", "tests/golden/v1/", "tools/check_words.py", "web/node_modules/",
+           "web/reader/dist/", "web/viewer/dist/")
 
 # British, to American.
 SPELLINGS = {
