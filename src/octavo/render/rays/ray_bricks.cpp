@@ -43,6 +43,29 @@ Pooled pooled_value(T value, const PooledScale& scale) {
   }
 }
 
+/// Samples of a box, x fastest, one after the other.
+template <class Pooled>
+struct SampleBlock {
+  Pooled* samples = nullptr;
+  Box box;
+
+  Pooled* row(std::int64_t y, std::int64_t z) const {
+    const Size3 size = box.size();
+    return samples + ((z - box.lo.z) * size.y + (y - box.lo.y)) * size.x;
+  }
+};
+
+/// Copies a box that lies in both.
+template <class Pooled>
+void copy_box(const SampleBlock<Pooled>& from, const Box& box, const SampleBlock<Pooled>& to) {
+  for (std::int64_t z = box.lo.z; z < box.hi.z; ++z) {
+    for (std::int64_t y = box.lo.y; y < box.hi.y; ++y) {
+      std::copy_n(from.row(y, z) + (box.lo.x - from.box.lo.x), box.size().x,
+                  to.row(y, z) + (box.lo.x - to.box.lo.x));
+    }
+  }
+}
+
 }  // namespace
 
 RayBricks::RayBricks(const SampleSource& source, const Options& options)
@@ -90,17 +113,28 @@ Index3 RayBricks::place_of(std::int32_t brick) const {
   return {number % grid_.x, number / grid_.x % grid_.y, number / (grid_.x * grid_.y)};
 }
 
-Box RayBricks::own_box(const Index3& place) const {
+std::int32_t RayBricks::number_of(const Index3& place) const {
+  return static_cast<std::int32_t>((place.z * grid_.y + place.y) * grid_.x + place.x);
+}
+
+Box RayBricks::own_box(std::int32_t brick) const {
   const std::int64_t side = std::int64_t{1} << shift_;
+  const Index3 place = place_of(brick);
   const Index3 lo{place.x * side, place.y * side, place.z * side};
-  return {lo, {lo.x + side, lo.y + side, lo.z + side}};
+  return intersection(box_of(size_), {lo, {lo.x + side, lo.y + side, lo.z + side}});
+}
+
+Box RayBricks::held_box(std::int32_t brick) const {
+  const Index3 lo = own_box(brick).lo;
+  const Index3 first{lo.x - kApronBelow, lo.y - kApronBelow, lo.z - kApronBelow};
+  return {first, {first.x + row_, first.y + row_, first.z + row_}};
 }
 
 void RayBricks::set_bounds(BoundOf bound_of) {
   bound_of_ = std::move(bound_of);
   for (std::size_t brick = 0; brick < slots_.size(); ++brick) {
     // Between its last sample and the next of its neighbors as well.
-    Box box = own_box(place_of(static_cast<std::int32_t>(brick)));
+    Box box = own_box(static_cast<std::int32_t>(brick));
     box.hi = {box.hi.x + 1, box.hi.y + 1, box.hi.z + 1};
     const SampleRange range = source_.range(intersection(box_of(size_), box));
     brick_bounds_[brick] =
@@ -144,51 +178,141 @@ std::int32_t RayBricks::free_slot() {
 }
 
 void RayBricks::load(std::span<const std::int32_t> bricks) {
-  std::vector<std::int32_t> slots;
-  for (std::size_t i = 0; i < bricks.size(); ++i) {
-    slots.push_back(free_slot());
-    occupants_[static_cast<std::size_t>(slots.back())] = -1;
+  for (const std::int32_t brick : bricks) {
+    const std::int32_t slot = free_slot();
+    occupants_[static_cast<std::size_t>(slot)] = brick;
+    slots_[static_cast<std::size_t>(brick)] = slot;
   }
-  tbb::parallel_for(std::size_t{0}, bricks.size(), [&](std::size_t i) {
-    with_voxel_type(source_.type(), [&](auto id) {
-      using T = typename decltype(id)::type;
-      using Pooled = std::conditional_t<(sizeof(T) > 2), float, std::int16_t>;
-      fill<T, Pooled>(bricks[i], slots[i]);
-      find_ends<Pooled>(slots[i]);
-    });
-    set_cube_bounds(slots[i]);
-  });
-  for (std::size_t i = 0; i < bricks.size(); ++i) {
-    occupants_[static_cast<std::size_t>(slots[i])] = bricks[i];
-    slots_[static_cast<std::size_t>(bricks[i])] = slots[i];
+  try {
+    load_samples(bricks);
+  } catch (...) {
+    for (const std::int32_t brick : bricks) {
+      std::int32_t& slot = slots_[static_cast<std::size_t>(brick)];
+      occupants_[static_cast<std::size_t>(slot)] = -1;
+      slot = -1;
+    }
+    throw;
   }
   loaded_count_ += static_cast<std::int64_t>(bricks.size());
 }
 
-template <class T, class Pooled>
-void RayBricks::fill(std::int32_t brick, std::int32_t slot) {
-  // The part of it that lies in the volume.
-  const Box own = own_box(place_of(brick));
-  const Index3 first{own.lo.x - kApronBelow, own.lo.y - kApronBelow, own.lo.z - kApronBelow};
-  const Box part = intersection(
-      box_of(size_), {first, {first.x + row_, first.y + row_, first.z + row_}});
-  const Size3 held = part.size();
-  std::vector<T> read(static_cast<std::size_t>(held.voxel_count()));
-  source_.read(part, read.data());
+void RayBricks::load_samples(std::span<const std::int32_t> bricks) {
+  const auto slot_of = [&](std::size_t i) { return slots_[static_cast<std::size_t>(bricks[i])]; };
+  with_voxel_type(source_.type(), [&](auto id) {
+    using T = typename decltype(id)::type;
+    using Pooled = std::conditional_t<(sizeof(T) > 2), float, std::int16_t>;
+    tbb::parallel_for(std::size_t{0}, bricks.size(),
+                      [&](std::size_t i) { fill_own<T, Pooled>(bricks[i]); });
 
-  // Pooled, the outermost samples repeated.
-  auto* to = reinterpret_cast<Pooled*>(samples_.get()) + slot * slot_samples_;
+    // One task a neighbor: no two write to one place.
+    const std::vector<Apron> aprons = aprons_of(bricks);
+    std::vector<std::size_t> begins;
+    for (std::size_t i = 0; i < aprons.size(); ++i) {
+      if (i == 0 || aprons[i].neighbor != aprons[i - 1].neighbor) begins.push_back(i);
+    }
+    begins.push_back(aprons.size());
+    tbb::parallel_for(std::size_t{1}, begins.size(), [&](std::size_t i) {
+      fill_aprons<T, Pooled>(std::span(aprons).subspan(begins[i - 1], begins[i] - begins[i - 1]));
+    });
+
+    tbb::parallel_for(std::size_t{0}, bricks.size(), [&](std::size_t i) {
+      repeat_outermost<Pooled>(bricks[i]);
+      find_ends<Pooled>(slot_of(i));
+      set_cube_bounds(slot_of(i));
+    });
+  });
+}
+
+std::vector<RayBricks::Apron> RayBricks::aprons_of(std::span<const std::int32_t> bricks) const {
+  std::vector<Apron> aprons;
+  for (const std::int32_t brick : bricks) {
+    const Index3 place = place_of(brick);
+    const Box around = intersection(box_of(grid_), {{place.x - 1, place.y - 1, place.z - 1},
+                                                    {place.x + 2, place.y + 2, place.z + 2}});
+    visit_cells(around, {1, 1, 1}, [&](const Index3& neighbor) {
+      if (neighbor != place) aprons.push_back({number_of(neighbor), brick});
+      return true;
+    });
+  }
+  std::stable_sort(aprons.begin(), aprons.end(),
+                   [](const Apron& a, const Apron& b) { return a.neighbor < b.neighbor; });
+  return aprons;
+}
+
+template <class Pooled>
+Pooled* RayBricks::slot_samples(std::int32_t slot) {
+  return reinterpret_cast<Pooled*>(samples_.get()) + slot * slot_samples_;
+}
+
+/// Reads a box; pooled, dense.
+template <class T, class Pooled>
+void RayBricks::read_pooled(const Box& box, std::vector<T>& read, Pooled* out) {
+  read.resize(static_cast<std::size_t>(box.size().voxel_count()));
+  source_.read(box, read.data());
+  for (std::size_t i = 0; i < read.size(); ++i) out[i] = pooled_value<Pooled>(read[i], scale_);
+}
+
+template <class T, class Pooled>
+void RayBricks::fill_own(std::int32_t brick) {
+  const Box own = own_box(brick);
+  std::vector<T> read;
+  std::vector<Pooled> pooled(static_cast<std::size_t>(own.size().voxel_count()));
+  read_pooled<T, Pooled>(own, read, pooled.data());
+  const SampleBlock<Pooled> to{slot_samples<Pooled>(slots_[static_cast<std::size_t>(brick)]),
+                               held_box(brick)};
+  copy_box(SampleBlock<Pooled>{pooled.data(), own}, own, to);
+}
+
+/// aprons  of one neighbor
+template <class T, class Pooled>
+void RayBricks::fill_aprons(std::span<const Apron> aprons) {
+  const std::int32_t neighbor = aprons.front().neighbor;
+  const std::int32_t slot = slots_[static_cast<std::size_t>(neighbor)];
+  const Box own = own_box(neighbor);
+  SampleBlock<Pooled> from;
+  std::vector<Pooled> pooled;
+  if (slot >= 0) {
+    from = {slot_samples<Pooled>(slot), held_box(neighbor)};
+  } else {
+    // All of one that rays may come to: then the source has it at hand. Of others what is needed.
+    Box needed;
+    for (const Apron& apron : aprons) {
+      needed = united(needed, intersection(own, held_box(apron.brick)));
+    }
+    if (brick_bounds_[static_cast<std::size_t>(neighbor)] > 0) needed = own;
+    std::vector<T> read;
+    pooled.resize(static_cast<std::size_t>(needed.size().voxel_count()));
+    read_pooled<T, Pooled>(needed, read, pooled.data());
+    from = {pooled.data(), needed};
+  }
+  for (const Apron& apron : aprons) {
+    const Box held = held_box(apron.brick);
+    const std::int32_t to = slots_[static_cast<std::size_t>(apron.brick)];
+    copy_box(from, intersection(own, held), {slot_samples<Pooled>(to), held});
+  }
+}
+
+/// Beyond the volume.
+template <class Pooled>
+void RayBricks::repeat_outermost(std::int32_t brick) {
+  const Box held = held_box(brick);
+  const Box part = intersection(box_of(size_), held);
+  if (part == held) return;
+  const Box in{{part.lo.x - held.lo.x, part.lo.y - held.lo.y, part.lo.z - held.lo.z},
+               {part.hi.x - held.lo.x, part.hi.y - held.lo.y, part.hi.z - held.lo.z}};
+  Pooled* const samples = slot_samples<Pooled>(slots_[static_cast<std::size_t>(brick)]);
+  const auto row_at = [&](std::int64_t y, std::int64_t z) {
+    return samples + (z * row_ + y) * row_;
+  };
   for (std::int64_t z = 0; z < row_; ++z) {
-    const std::int64_t from_z = std::clamp<std::int64_t>(first.z + z - part.lo.z, 0, held.z - 1);
-    for (std::int64_t y = 0; y < row_; ++y, to += row_) {
-      const std::int64_t from_y = std::clamp<std::int64_t>(first.y + y - part.lo.y, 0, held.y - 1);
-      const T* const row = read.data() + (from_z * held.y + from_y) * held.x;
-      const std::int64_t begin = part.lo.x - first.x;
-      for (std::int64_t x = 0; x < held.x; ++x) {
-        to[begin + x] = pooled_value<Pooled>(row[x], scale_);
-      }
-      std::fill(to, to + begin, to[begin]);
-      std::fill(to + begin + held.x, to + row_, to[begin + held.x - 1]);
+    const std::int64_t from_z = std::clamp(z, in.lo.z, in.hi.z - 1);
+    for (std::int64_t y = 0; y < row_; ++y) {
+      const std::int64_t from_y = std::clamp(y, in.lo.y, in.hi.y - 1);
+      const Pooled* const from = row_at(from_y, from_z);
+      Pooled* const to = row_at(y, z);
+      if (from != to) std::copy(from + in.lo.x, from + in.hi.x, to + in.lo.x);
+      std::fill(to, to + in.lo.x, to[in.lo.x]);
+      std::fill(to + in.hi.x, to + row_, to[in.hi.x - 1]);
     }
   }
 }

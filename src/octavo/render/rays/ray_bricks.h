@@ -4,6 +4,9 @@
 //     | 2 |    64 samples  | 3  |      it, so that no ray looks into two bricks at once; beyond the
 //     +---+----------------+----+      volume its outermost samples are repeated
 //
+// Bricks that are loaded together are read once each. What they hold of a neighbor comes out of
+// that neighbor where it is in memory; one that is not is read once for all of them.
+//
 // Samples of up to 16 bits are kept as int16, others as floats between 0 and 1: pooled values.
 #pragma once
 
@@ -76,10 +79,30 @@ class RayBricks {
     float highest = 0;
   };
 
+  /// A part of a brick in memory that one of its neighbors holds.
+  struct Apron {
+    std::int32_t neighbor = 0;
+    std::int32_t brick = 0;
+  };
+
   std::int32_t free_slot();
-  Box own_box(const Index3& place) const;
+  std::int32_t number_of(const Index3& place) const;
+  /// Its own samples, as far as the volume goes.
+  Box own_box(std::int32_t brick) const;
+  /// With its aprons, beyond the volume as well.
+  Box held_box(std::int32_t brick) const;
+  template <class Pooled>
+  Pooled* slot_samples(std::int32_t slot);
+  std::vector<Apron> aprons_of(std::span<const std::int32_t> bricks) const;
+  void load_samples(std::span<const std::int32_t> bricks);
   template <class T, class Pooled>
-  void fill(std::int32_t brick, std::int32_t slot);
+  void read_pooled(const Box& box, std::vector<T>& read, Pooled* out);
+  template <class T, class Pooled>
+  void fill_own(std::int32_t brick);
+  template <class T, class Pooled>
+  void fill_aprons(std::span<const Apron> aprons);
+  template <class Pooled>
+  void repeat_outermost(std::int32_t brick);
   template <class Pooled>
   void find_ends(std::int32_t slot);
   void set_cube_bounds(std::int32_t slot);
