@@ -1,6 +1,7 @@
 """Files out of arrays, of planes as they come, and of scans on disk."""
 
 import contextlib
+import json
 import operator
 import os
 import shutil
@@ -407,29 +408,38 @@ def _build_by_program(source, path, options, given):
     program = _program()
     if not os.path.exists(source) and "://" not in source:
         raise StorageError(f"{source}: is not there", path=source)
-    for name in ("slope", "intercept", "unit", "label_names", "direction", "origin"):
-        if options[name] is not None:
-            raise ArgumentError(f"{name} comes from the files of a scan; it is for arrays")
-    command = [program, "build", _no_option(source), "-o", _no_option(path), "--json", "--preset",
-               given["preset"]]
-    if options["kind"]:
-        command.append(f"--{options['kind']}")
-    if options["spacing"] is not None:
-        command += ["--spacing", ",".join(map(repr, _three(options["spacing"], "spacing")[::-1]))]
-    for name, flag in (("access", "--access"), ("nan", "--nan"), ("inf", "--inf")):
-        if given[name] is not None:
-            command += [flag, str(given[name])]
-    for name, flag in (("max_error", "--max-error"), ("keep_details", "--keep-details"),
-                       ("threads", "--threads"), ("max_memory", "--max-memory")):
+    command = [program, "build", _no_option(source), "-o", _no_option(path), "--json",
+               *_words_of(options, given)]
+    for name, flag in (("threads", "--threads"), ("max_memory", "--max-memory")):
         if given[name]:
             command += [flag, repr(given[name])]
-    for name, flag in (("thumbnail", "--thumbnail"), ("overwrite", "--force"),
-                       ("resume", "--resume")):
+    for name, flag in (("overwrite", "--force"), ("resume", "--resume")):
         if given[name]:
             command.append(flag)
     done = subprocess.run(command, capture_output=True, text=True)
     if done.returncode != 0:
         raise _error_of_program(done)
+
+
+def _words_of(options, given):
+    """What the program is told of the bytes that it makes of a scan."""
+    for name in ("slope", "intercept", "unit", "label_names", "direction", "origin"):
+        if options.get(name) is not None:
+            raise ArgumentError(f"{name} comes from the files of a scan; it is for arrays")
+    words = [] if given["preset"] == "small" else ["--preset", given["preset"]]
+    if options["kind"]:
+        words.append(f"--{options['kind']}")
+    if options["spacing"] is not None:
+        words += ["--spacing", ",".join(map(repr, _three(options["spacing"], "spacing")[::-1]))]
+    for name, flag in (("access", "--access"), ("nan", "--nan"), ("inf", "--inf")):
+        if given[name] is not None:
+            words += [flag, str(given[name])]
+    for name, flag in (("max_error", "--max-error"), ("keep_details", "--keep-details")):
+        if given[name]:
+            words += [flag, repr(given[name])]
+    if given["thumbnail"]:
+        words.append("--thumbnail")
+    return words
 
 
 def _no_option(path):
@@ -444,6 +454,11 @@ _KIND_OF_EXIT = {2: "invalid_argument", 3: "unsupported_version", 4: "corrupt", 
 def _error_of_program(done):
     from ._errors import _CLASSES
     lines = [line for line in done.stderr.splitlines() if line.strip()]
+    said = {}
+    if lines and lines[-1].startswith('{"error":'):
+        said = json.loads(lines.pop())["error"]
     text = "\n".join(lines).removeprefix("octavo: ").removeprefix("error: ")
-    kind = _KIND_OF_EXIT.get(done.returncode, "internal")
-    return _CLASSES.get(kind, Error)(text or f"octavo ended with {done.returncode}")
+    kind = said.get("kind") or _KIND_OF_EXIT.get(done.returncode, "internal")
+    return _CLASSES.get(kind, Error)(text or f"octavo ended with {done.returncode}",
+                                     said.get("detail", ""), said.get("path", ""),
+                                     said.get("offset"))
