@@ -57,6 +57,7 @@ set(OCTAVO_READ_SOURCES
   codec/label/label_walk_portable.cpp
   codec/label/label_word_bricks.cpp
   file/bit_flip.cpp
+  file/box_plan.cpp
   file/brick_check.cpp
   file/damage.cpp
   file/directory.cpp
@@ -71,7 +72,9 @@ set(OCTAVO_READ_SOURCES
   file/plane_digests.cpp
   file/reader.cpp
   file/slab_trailer.cpp
+  file/storage/byte_range.cpp
   file/storage/byte_source.cpp
+  file/storage/sparse_source.cpp
   file/thumbnail.cpp
   file/thumbnail_check.cpp
   file/verified_part.cpp

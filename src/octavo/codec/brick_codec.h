@@ -150,6 +150,15 @@ class BrickCodec {
   /// Whether level 0 of such a brick has parts, unless it is uniform or stored.
   virtual bool has_parts(const BrickShape& /*shape*/) const noexcept { return false; }
 
+  /// The parts of such a brick, which is neither uniform nor stored: those of open_parts, but
+  /// nothing is decoded.
+  /// front   of segment 1; 256 bytes of it are enough
+  /// Throws  Error{corrupt}
+  virtual std::vector<BrickParts::Part> list_parts(const BrickShape& /*shape*/,
+                                                   ByteSpan /*front*/) const {
+    return {};
+  }
+
   /// Decodes the levels above 0 of a brick whose level 0 has parts; null for other bricks.
   /// segments  as for `decode`; segment 0 may be an empty span
   /// Throws    Error{corrupt}

@@ -59,6 +59,12 @@ inline Box intersection(const Box& a, const Box& b) {
   return r;
 }
 
+/// A box at another place.
+inline Box moved(const Box& box, const Index3& by) {
+  return {{box.lo.x + by.x, box.lo.y + by.y, box.lo.z + by.z},
+          {box.hi.x + by.x, box.hi.y + by.y, box.hi.z + by.z}};
+}
+
 /// The smallest box around two; an empty one counts for nothing.
 inline Box united(const Box& a, const Box& b) {
   if (a.is_empty()) return b;
@@ -69,6 +75,16 @@ inline Box united(const Box& a, const Box& b) {
     r.hi[axis] = std::max(a.hi[axis], b.hi[axis]);
   }
   return r;
+}
+
+/// How many cells of a grid a box meets along each axis.
+/// side  of a cell; the first one begins at 0
+inline Size3 cells_met(const Box& box, const Size3& side) {
+  Size3 met;
+  for (int axis = 0; axis < 3; ++axis) {
+    met[axis] = (box.hi[axis] - 1) / side[axis] - box.lo[axis] / side[axis] + 1;
+  }
+  return met;
 }
 
 /// Calls visit(place) for the cells of a grid that a box meets, x fastest, until it gives false.

@@ -29,6 +29,19 @@ void check_section(ByteSpan bytes, const Section& section, const char* what) {
                 section.crc, section.offset, section.length);
 }
 
+/// The bytes that are read behind the header.
+/// Throws Error{limit_exceeded} for metadata that are too long.
+ByteRange tail_of(const FileHeader& header, const ReaderOptions& options) {
+  if (header.metadata.length > options.max_metadata_bytes) {
+    throw Error(ErrorKind::limit_exceeded,
+                "metadata of " + std::to_string(header.metadata.length) + " bytes; the limit is " +
+                    std::to_string(options.max_metadata_bytes));
+  }
+  const bool has_pages = header.file_bytes - header.pages.offset <= options.max_tail_bytes;
+  const std::uint64_t start = has_pages ? header.pages.offset : header.directory.offset;
+  return {start, header.file_bytes - start};
+}
+
 std::string text_of(ByteSpan bytes) {
   std::string text(bytes.begin(), bytes.end());
   text.erase(text.find_last_not_of(' ') + 1);
@@ -66,19 +79,15 @@ OpenFile::OpenFile(std::shared_ptr<const ByteSource> source, const ReaderOptions
     const std::uint64_t source_bytes = source_->size();
     header_ = parse_header(read_bytes(0, std::min(kHeaderBytes, source_bytes)), source_bytes);
     levels_ = Levels(header_.description.size, header_.halvings);
-    read_tail(options.max_metadata_bytes);
+    read_tail(options);
   });
 }
 
-void OpenFile::read_tail(std::uint64_t max_metadata_bytes) {
-  if (header_.metadata.length > max_metadata_bytes) {
-    throw Error(ErrorKind::limit_exceeded,
-                "metadata of " + std::to_string(header_.metadata.length) + " bytes; the limit is " +
-                    std::to_string(max_metadata_bytes));
-  }
-  const bool has_pages = header_.file_bytes - header_.pages.offset <= kTailBytes;
-  const std::uint64_t start = has_pages ? header_.pages.offset : header_.directory.offset;
-  const Bytes tail = read_bytes(start, header_.file_bytes - start);
+void OpenFile::read_tail(const ReaderOptions& options) {
+  const ByteRange range = tail_of(header_, options);
+  const std::uint64_t start = range.offset;
+  const bool has_pages = start == header_.pages.offset;
+  const Bytes tail = read_bytes(start, range.length);
   const auto part = [&](const Section& section) {
     return ByteSpan(tail).subspan(section.offset - start, section.length);
   };
@@ -96,6 +105,23 @@ void OpenFile::read_tail(std::uint64_t max_metadata_bytes) {
 
 Bytes OpenFile::read_bytes(std::uint64_t offset, std::uint64_t length) const {
   return read_arriving(*source_, offset, length);
+}
+
+std::size_t OpenFile::page_of(int tier_number, const Index3& position) const {
+  const TierIndex& tier = root_.tiers[static_cast<std::size_t>(tier_number)];
+  return static_cast<std::size_t>(position.z * tier.layer_pages +
+                                  place_in_layer(tier.grid, position) / kPageBricks);
+}
+
+ByteRange OpenFile::page_range(int tier, std::size_t number) const {
+  const PageRef& ref = root_.tiers[static_cast<std::size_t>(tier)].pages[number];
+  return {ref.offset, ref.length};
+}
+
+bool OpenFile::has_page(int tier, std::size_t number) const {
+  if (!pages_.empty() || page_cache_.find({static_cast<std::uint64_t>(tier), number})) return true;
+  const ByteRange range = page_range(tier, number);
+  return source_->missing({&range, 1}).empty();
 }
 
 std::shared_ptr<const IndexPage> OpenFile::page(int tier, std::size_t number) const {
@@ -126,6 +152,13 @@ Piece OpenFile::piece_of(const BrickEntry& entry, int piece) const {
   const BrickEntry::StoredPiece& stored = entry.pieces[static_cast<std::size_t>(piece)];
   return {stored.offset, stored.length, stored.crc, Levels::first_level(entry.tier) + piece,
           entry.code};
+}
+
+bool OpenFile::has_codec(std::uint32_t model) const {
+  if (codec_cache_.find({0, model})) return true;
+  const Piece piece = model_piece(model);
+  const ByteRange range{piece.offset, piece.length};
+  return source_->missing({&range, 1}).empty();
 }
 
 std::shared_ptr<const BrickCodec> OpenFile::codec(std::uint32_t model) const {
@@ -176,11 +209,23 @@ Bytes OpenFile::read_within(const Piece& piece, std::uint64_t offset,
   return named([&] { return read_bytes(piece.offset + offset, length); });
 }
 
+// Pieces of a brick stand far apart: where each of them takes a wait, they are waited for together.
+void OpenFile::fetch_pieces(const BrickEntry& entry, int first) const {
+  if (source_->fetched_bytes_kept() == 0) return;
+  std::vector<ByteRange> pieces;
+  for (std::size_t i = static_cast<std::size_t>(first); i < entry.pieces.size(); ++i) {
+    pieces.push_back({entry.pieces[i].offset, entry.pieces[i].length});
+  }
+  const std::vector<ByteRange> missing = source_->missing(pieces);
+  if (missing.size() > 1) source_->fetch(joined(missing, {}));
+}
+
 BrickBytes OpenFile::read_segments(const BrickEntry& entry, int in_brick_level) const {
   BrickBytes bytes;
   const auto count = static_cast<int>(entry.pieces.size());
   // A brick without coarsest samples holds all its voxels in the finest segment.
   const int first = entry.pieces.back().length == 0 ? 0 : piece_of_level(in_brick_level);
+  fetch_pieces(entry, first);
   for (int i = first; i < count; ++i) {
     const Piece piece = piece_of(entry, i);
     if (piece.length > 0) bytes.pieces[static_cast<std::size_t>(i)] = read_piece(piece);
@@ -297,9 +342,23 @@ BrickEntry OpenFile::entry_at(int tier_number, const Index3& position) const {
   }
   const TierIndex& tier = root_.tiers[static_cast<std::size_t>(tier_number)];
   const std::int64_t place = place_in_layer(tier.grid, position);
-  const auto number =
-      static_cast<std::size_t>(position.z * tier.layer_pages + place / kPageBricks);
+  const std::size_t number = page_of(tier_number, position);
   return entry_in_page(*page(tier_number, number), tier_number, number, place % kPageBricks);
+}
+
+ReadPlan plan_of_opening(const ByteSource& source, const ReaderOptions& options) {
+  const std::uint64_t source_bytes = source.size();
+  ReadPlan plan;
+  const ByteRange head{0, std::min(kHeaderBytes, source_bytes)};
+  plan.ranges = source.missing({&head, 1});
+  plan.is_complete = plan.ranges.empty();
+  if (plan.is_complete) {
+    const ByteRange tail = tail_of(
+        parse_header(read_arriving(source, head.offset, head.length), source_bytes), options);
+    plan.ranges = joined(source.missing({&tail, 1}), {});
+  }
+  plan.needed_bytes = total_bytes(plan.ranges);
+  return plan;
 }
 
 }  // namespace octavo

@@ -29,9 +29,6 @@ struct Piece {
 /// "brick o-code 0x1a3 level 5 at byte 81920", or "model 2 at byte 512".
 std::string describe(const Piece& piece);
 
-/// The index pages are read with the tail when both together are not larger than this.
-inline constexpr std::uint64_t kTailBytes = std::uint64_t{1} << 20;
-
 /// The segments of a brick and the bytes that they point into.
 struct BrickBytes {
   std::array<Bytes, kTierPieces> pieces;
@@ -42,7 +39,7 @@ struct BrickBytes {
 class OpenFile {
  public:
   /// Two reads: the header, and the tail from the directory on; with the pages when the tail stays
-  /// within 1 MiB. Throws what FileReader::open throws.
+  /// within options.max_tail_bytes. Throws what FileReader::open throws.
   OpenFile(std::shared_ptr<const ByteSource> source, const ReaderOptions& options);
 
   const ByteSource& source() const { return *source_; }
@@ -57,8 +54,17 @@ class OpenFile {
   /// The one part with that tag, or null.
   const PartEntry* find_part(const PartTag& tag) const;
 
+  /// The number of the page that describes a brick. Requires a position inside the grid.
+  std::size_t page_of(int tier, const Index3& position) const;
+  ByteRange page_range(int tier, std::size_t number) const;
+  /// Whether a page is kept or its bytes are at hand.
+  bool has_page(int tier, std::size_t number) const;
+
   /// A parsed page; the last ones used are kept. Throws Error{corrupt}.
   std::shared_ptr<const IndexPage> page(int tier, std::size_t number) const;
+
+  /// Whether a codec is kept or its bytes are at hand.
+  bool has_codec(std::uint32_t model) const;
 
   /// The codec of a model; the last ones used are kept. Throws Error{corrupt}.
   std::shared_ptr<const BrickCodec> codec(std::uint32_t model) const;
@@ -108,7 +114,8 @@ class OpenFile {
  private:
   template <class F>
   auto named(F read) const;
-  void read_tail(std::uint64_t max_metadata_bytes);
+  void read_tail(const ReaderOptions& options);
+  void fetch_pieces(const BrickEntry& entry, int first) const;
   Bytes read_bytes(std::uint64_t offset, std::uint64_t length) const;
 
   std::shared_ptr<const ByteSource> source_;

@@ -12,17 +12,6 @@ namespace octavo {
 
 namespace {
 
-// Bricks of a grid that a half-open range of samples meets.
-Index3 first_brick(const Box& box, const Size3& side) {
-  return {box.lo.x / side.x, box.lo.y / side.y, box.lo.z / side.z};
-}
-
-Size3 bricks_met(const Box& box, const Size3& side) {
-  const Index3 first = first_brick(box, side);
-  return {(box.hi.x - 1) / side.x - first.x + 1, (box.hi.y - 1) / side.y - first.y + 1,
-          (box.hi.z - 1) / side.z - first.z + 1};
-}
-
 /// So many bricks for each thread are enough to go round.
 constexpr std::int64_t kBricksPerThread = 4;
 
@@ -44,6 +33,42 @@ void run_among_threads(std::int64_t count, const std::function<void(std::int64_t
   tbb::this_task_arena::isolate([&] { run_on_threads(count, task); });
 }
 
+struct ParallelReading {
+  const FileReader& reader;
+  const Box& box;  ///< whose array `out` is
+  int level;
+  void* out;
+  int threads;
+};
+
+void read_bricks_of(const ParallelReading& reading, const Box& wanted) {
+  const FileReader& reader = reading.reader;
+  const Levels& levels = reader.levels();
+  const int level = reading.level;
+  const Size3 side = brick_side_at(levels, level);
+  const Index3 first{wanted.lo.x / side.x, wanted.lo.y / side.y, wanted.lo.z / side.z};
+  const Size3 met = cells_met(wanted, side);
+  const Index3& lo = reading.box.lo;
+  const Size3 size = reading.box.size();
+  const std::int64_t voxel_bytes = bytes_per_voxel(reader.description().type);
+  const ForEach of_parts = run_among_threads;
+  for_each_parallel(reading.threads)(met.voxel_count(), [&](std::int64_t i) {
+    const Index3 brick{first.x + i % met.x, first.y + i / met.x % met.y,
+                       first.z + i / (met.x * met.y)};
+    const Box part = intersection(wanted, brick_box_at(levels, level, brick));
+    const std::int64_t at =
+        ((part.lo.z - lo.z) * size.y + (part.lo.y - lo.y)) * size.x + (part.lo.x - lo.x);
+    const VoxelTarget target{static_cast<std::uint8_t*>(reading.out) + at * voxel_bytes, size.x,
+                             size.x * size.y};
+    // Where bricks alone keep the threads busy, they are read whole.
+    if (met.voxel_count() < kBricksPerThread * thread_count(reading.threads)) {
+      reader.read_in_tasks(part, level, target, of_parts);
+    } else {
+      reader.read_strided(part, level, target.voxels, target.row_stride, target.plane_stride);
+    }
+  });
+}
+
 }  // namespace
 
 ForEach for_each_parallel(int threads) {
@@ -58,26 +83,8 @@ void read_parallel(const FileReader& reader, const Box& box, int level, void* ou
   const bool is_one_task = threads == 1 || level < 0 || level >= levels.count() ||
                            box.is_empty() || !box_of(levels.size(level)).contains(box);
   if (is_one_task) return reader.read(box, level, out);
-  const Size3 side = brick_side_at(levels, level);
-  const Index3 first = first_brick(box, side);
-  const Size3 met = bricks_met(box, side);
-  const Size3 size = box.size();
-  const std::int64_t voxel_bytes = bytes_per_voxel(reader.description().type);
-  const ForEach of_parts = run_among_threads;
-  for_each_parallel(threads)(met.voxel_count(), [&](std::int64_t i) {
-    const Index3 brick{first.x + i % met.x, first.y + i / met.x % met.y,
-                       first.z + i / (met.x * met.y)};
-    const Box part = intersection(box, brick_box_at(levels, level, brick));
-    const std::int64_t at = ((part.lo.z - box.lo.z) * size.y + (part.lo.y - box.lo.y)) * size.x +
-                            (part.lo.x - box.lo.x);
-    const VoxelTarget target{static_cast<std::uint8_t*>(out) + at * voxel_bytes, size.x,
-                             size.x * size.y};
-    // Where bricks alone keep the threads busy, they are read whole.
-    if (met.voxel_count() < kBricksPerThread * thread_count(threads)) {
-      reader.read_in_tasks(part, level, target, of_parts);
-    } else {
-      reader.read_strided(part, level, target.voxels, target.row_stride, target.plane_stride);
-    }
+  reader.for_fetched(box, level, [&](const Box& part) {
+    read_bricks_of({reader, box, level, out, threads}, part);
   });
 }
 

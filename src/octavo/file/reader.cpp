@@ -8,6 +8,7 @@
 
 #include "octavo/codec/label/label_word_bricks.h"
 #include "octavo/codec/label_bricks.h"
+#include "octavo/file/box_plan.h"
 #include "octavo/file/open_file.h"
 
 namespace octavo {
@@ -24,6 +25,12 @@ struct Target {
   std::uint8_t* row(std::int64_t x, std::int64_t y, std::int64_t z) const {
     const std::int64_t at = z * plane_stride + y * row_stride + x;
     return bytes + static_cast<std::size_t>(at) * voxel_bytes;
+  }
+
+  // The array of a box inside the one whose array this is.
+  Target from(const Index3& lo, const Index3& own_lo) const {
+    return {row(lo.x - own_lo.x, lo.y - own_lo.y, lo.z - own_lo.z), voxel_bytes, row_stride,
+            plane_stride};
   }
 };
 
@@ -52,11 +59,6 @@ void copy_shared(const Bytes& samples, const Box& held, const Box& box, const Ta
                   samples.data() + static_cast<std::size_t>(at) * out.voxel_bytes, row_bytes);
     }
   }
-}
-
-Box moved(const Box& box, const Index3& by) {
-  return {{box.lo.x + by.x, box.lo.y + by.y, box.lo.z + by.z},
-          {box.hi.x + by.x, box.hi.y + by.y, box.hi.z + by.z}};
 }
 
 // A brick decoded down to level 1.
@@ -96,6 +98,13 @@ void run_to_end(const ForEach* run, std::size_t count,
 
 // Of the memory for decoded bricks, one part in so many is for opened ones.
 constexpr std::uint64_t kOpenedShare = 8;
+
+// Of a part of level 0 among the decoded bricks.
+LruCache<Bytes>::Key key_of_part(const BrickEntry& entry, std::size_t part) {
+  constexpr std::uint64_t kPlaceOfPart = 256;
+  const auto level = static_cast<std::uint64_t>(Levels::first_level(entry.tier));
+  return {level + kPlaceOfPart * (part + 1), entry.code};
+}
 
 void require_labels(const FileReader& reader) {
   if (reader.description().kind == VolumeKind::labels) return;
@@ -181,6 +190,20 @@ class FileReaderImpl final : public FileReader {
     read_bricks(box, level, out, &run);
   }
 
+  ReadPlan ranges_of(const Box& box, int level, const JoinLimits& limits) const override {
+    check_box(box, level);
+    return plan_of_box(file_, box, level, limits, nullptr);
+  }
+
+  void for_fetched(const Box& box, int level,
+                   const std::function<void(const Box& part)>& read) const override {
+    check_box(box, level);
+    const auto is_decoded = [&](const BrickEntry& entry, const Box& part) {
+      return has_decoded(entry, level, part);
+    };
+    octavo::for_fetched(file_, box, level, is_decoded, read);
+  }
+
  private:
   void stop_if_cancelled() const {
     if (watcher_ != nullptr && watcher_->is_cancelled()) {
@@ -188,6 +211,8 @@ class FileReaderImpl final : public FileReader {
     }
   }
 
+  /// Whether those voxels of a brick are kept decoded.
+  bool has_decoded(const BrickEntry& entry, int level, const Box& part) const;
   void check_level(int level) const;
   void check_box(const Box& box, int level) const;
   void check_brick_level(const BrickEntry& entry, int in_brick_level) const;
@@ -399,11 +424,6 @@ bool FileReaderImpl::read_parts(const BrickEntry& entry, const Box& whole, const
   if (cache_.find({static_cast<std::uint64_t>(first_level), entry.code})) return false;
   const auto brick = opened(entry, brick_shape(levels(), entry.tier, entry.brick));
   if (!brick) return false;
-  const auto key_of = [&](std::size_t part) {
-    constexpr std::uint64_t kPlaceOfPart = 256;
-    return LruCache<Bytes>::Key{static_cast<std::uint64_t>(first_level) + kPlaceOfPart * (part + 1),
-                                entry.code};
-  };
   // Kept ones, and those that are missing
   const std::vector<BrickParts::Part>& parts = brick->parts->parts();
   std::vector<std::size_t> missing;
@@ -412,7 +432,7 @@ bool FileReaderImpl::read_parts(const BrickEntry& entry, const Box& whole, const
   };
   for (std::size_t i = 0; i < parts.size(); ++i) {
     if (intersection(moved(parts[i].box, whole.lo), box).is_empty()) continue;
-    if (const auto kept = cache_.find(key_of(i))) copy_part(i, *kept);
+    if (const auto kept = cache_.find(key_of_part(entry, i))) copy_part(i, *kept);
     else missing.push_back(i);
   }
   std::vector<std::shared_ptr<const Bytes>> samples(missing.size());
@@ -420,7 +440,21 @@ bool FileReaderImpl::read_parts(const BrickEntry& entry, const Box& whole, const
   for (std::size_t i = 0; i < missing.size(); ++i) {
     copy_part(missing[i], *samples[i]);
     if (!how.keeps) continue;
-    cache_.insert(key_of(missing[i]), samples[i], samples[i]->size() + sizeof(Bytes));
+    cache_.insert(key_of_part(entry, missing[i]), samples[i], samples[i]->size() + sizeof(Bytes));
+  }
+  return true;
+}
+
+bool FileReaderImpl::has_decoded(const BrickEntry& entry, int level, const Box& part) const {
+  if (cache_.find({static_cast<std::uint64_t>(level), entry.code})) return true;
+  if (level != Levels::first_level(entry.tier)) return false;
+  const auto brick = opened_cache_.find({static_cast<std::uint64_t>(entry.tier), entry.code});
+  if (!brick) return false;
+  const Index3 at = brick_box_at(levels(), level, entry.brick).lo;
+  const std::vector<BrickParts::Part>& parts = brick->parts->parts();
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (intersection(moved(parts[i].box, at), part).is_empty()) continue;
+    if (!cache_.find(key_of_part(entry, i))) return false;
   }
   return true;
 }
@@ -458,15 +492,13 @@ void FileReaderImpl::read_bricks(const Box& box, int level, const VoxelTarget& o
   const bool is_large =
       static_cast<std::uint64_t>(box.size().voxel_count()) * voxel_bytes > cache_.capacity() / 4;
   const BrickReading how{!is_large, run};
-  const Size3 side = brick_side_at(levels(), level);
-  const int tier = Levels::tier_of(level);
-  for (std::int64_t z = box.lo.z / side.z; z * side.z < box.hi.z; ++z) {
-    for (std::int64_t y = box.lo.y / side.y; y * side.y < box.hi.y; ++y) {
-      for (std::int64_t x = box.lo.x / side.x; x * side.x < box.hi.x; ++x) {
-        read_shared(brick(tier, {x, y, z}), level, box, how, target);
-      }
-    }
-  }
+  for_fetched(box, level, [&](const Box& part) {
+    const Target own = target.from(part.lo, box.lo);
+    visit_cells(part, brick_side_at(levels(), level), [&](const Index3& position) {
+      read_shared(brick(Levels::tier_of(level), position), level, part, how, own);
+      return true;
+    });
+  });
 }
 
 }  // namespace
@@ -491,6 +523,16 @@ Box brick_box_at(const Levels& levels, int level, const Index3& brick) {
 void FileReader::read_in_tasks(const Box& box, int level, const VoxelTarget& out,
                                const ForEach& /*run*/) const {
   read_strided(box, level, out.voxels, out.row_stride, out.plane_stride);
+}
+
+ReadPlan FileReader::ranges_of(const Box& /*box*/, int /*level*/,
+                               const JoinLimits& /*limits*/) const {
+  return {};
+}
+
+void FileReader::for_fetched(const Box& box, int /*level*/,
+                             const std::function<void(const Box& part)>& read) const {
+  read(box);
 }
 
 void FileReader::read_words(const BrickEntry& entry, LabelWords& words) const {

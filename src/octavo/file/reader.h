@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -18,6 +19,7 @@
 #include "octavo/core/volume.h"
 #include "octavo/file/directory.h"
 #include "octavo/file/for_each.h"
+#include "octavo/file/read_plan.h"
 #include "octavo/file/storage/byte_source.h"
 #include "octavo/octree/label_words.h"
 
@@ -28,6 +30,9 @@ struct VoxelTarget;
 struct ReaderOptions {
   std::uint64_t cache_bytes = std::uint64_t{256} << 20;  ///< decoded bricks kept, at most
   std::uint64_t max_metadata_bytes = std::uint64_t{16} << 20;
+  /// The pages of the index are read when the file is opened where that takes no more than this;
+  /// else one by one when they are needed.
+  std::uint64_t max_tail_bytes = std::uint64_t{1} << 20;
   /// Its is_cancelled() ends every reading of voxels at the next brick, with Error{cancelled}. It
   /// outlives the reader; may be null.
   const Progress* watcher = nullptr;
@@ -127,6 +132,21 @@ class FileReader {
   /// Readers of no such parts read on the calling thread.
   virtual void read_in_tasks(const Box& box, int level, const VoxelTarget& out,
                              const ForEach& run) const;
+
+  /// What is missing of the bytes that reading `box` needs: pages of the index, models, pieces of
+  /// bricks or parts of them. Where some of these tell where others stand, the plan is not
+  /// complete: once its ranges are there, the next one names the rest. Nothing is missing of files
+  /// at hand.
+  /// Throws Error{invalid_argument} as read(); Error{corrupt} for a damaged page or model
+  virtual ReadPlan ranges_of(const Box& box, int level, const JoinLimits& limits = {}) const;
+
+  /// Calls read(part) for boxes that tile `box`, one after the other, each when the source has
+  /// fetched its bytes: in few requests, and no more than it keeps. Of bytes at hand nothing is
+  /// fetched, and `box` is one part. Readers do this for every box themselves; who reads a box in
+  /// pieces does it for the whole of it first.
+  /// Throws as ranges_of() and ByteSource::fetch(), and what `read` throws
+  virtual void for_fetched(const Box& box, int level,
+                           const std::function<void(const Box& part)>& read) const;
 
   /// The length of the thumbnail; 0 when there is none.
   virtual std::uint64_t thumbnail_bytes() const = 0;

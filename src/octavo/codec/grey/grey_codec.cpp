@@ -263,6 +263,14 @@ bool GreyCodec::has_parts(const BrickShape& shape) const noexcept {
   return grey::has_parts(in_order(shape, p.axis_order), p.cut_axes);
 }
 
+std::vector<BrickParts::Part> GreyCodec::list_parts(const BrickShape& shape,
+                                                    ByteSpan front) const {
+  if (!has_parts(shape)) return {};
+  const Parameters& p = model_->parameters;
+  const std::vector<Part> parts = parts_of(in_order(shape, p.axis_order), p.cut_axes);
+  return placed_parts(parts, take_part_list(front, parts.size()), p.axis_order);
+}
+
 std::unique_ptr<BrickParts> GreyCodec::open_parts(const BrickShape& shape, VoxelType type,
                                                   const ValueRange& range,
                                                   std::span<const ByteSpan> segments) const {

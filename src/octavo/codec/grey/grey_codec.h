@@ -26,6 +26,8 @@ class GreyCodec final : public BrickCodec {
   std::int64_t decode_parent(const BrickShape& shape, VoxelType type, const ValueRange& range,
                              std::span<const ByteSpan> segments) const override;
   bool has_parts(const BrickShape& shape) const noexcept override;
+  std::vector<BrickParts::Part> list_parts(const BrickShape& shape,
+                                           ByteSpan front) const override;
   std::unique_ptr<BrickParts> open_parts(const BrickShape& shape, VoxelType type,
                                          const ValueRange& range,
                                          std::span<const ByteSpan> segments) const override;

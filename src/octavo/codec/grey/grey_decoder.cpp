@@ -334,16 +334,8 @@ class GreyParts final : public BrickParts {
       : source_(source),
         state_(decode_coarser<Sample>(source, segments, 0)),
         coarse_(thread_workspace<Sample>().means),
-        parts_(parts_of(source.shape, source.parameters().cut_axes)) {
-    std::uint64_t offset = 0;
-    for (std::size_t i = 0; i < parts_.size(); ++i) {
-      const std::uint64_t length = state_.entries[i].length;
-      const Box box = own_box(parts_[i], source.parameters().axis_order);
-      own_parts_.push_back({box, offset, length});
-      if (length > kMaxPartBytes) throw Error(ErrorKind::corrupt, "a part is too long");
-      offset += length;
-    }
-  }
+        parts_(parts_of(source.shape, source.parameters().cut_axes)),
+        own_parts_(placed_parts(parts_, state_.entries, source.parameters().axis_order)) {}
 
   const std::vector<BrickParts::Part>& parts() const noexcept override { return own_parts_; }
 
@@ -353,9 +345,6 @@ class GreyParts final : public BrickParts {
   }
 
  private:
-  /// More than any segment may have: sums of lengths do not overflow.
-  static constexpr std::uint64_t kMaxPartBytes = std::uint64_t{1} << 32;
-
   Source source_;
   LevelState state_;
   CoarseSamples<Sample> coarse_;

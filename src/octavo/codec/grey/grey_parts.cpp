@@ -10,6 +10,8 @@ namespace octavo::grey {
 namespace {
 
 constexpr std::size_t kCrcBytes = 4;
+/// More than any segment may have: sums of lengths do not overflow.
+constexpr std::uint64_t kMaxPartBytes = std::uint64_t{1} << 32;
 
 /// Along an axis that is not cut all is one part.
 std::int64_t part_side(const Size3& size, std::uint8_t cut_axes, int axis) {
@@ -107,6 +109,19 @@ std::vector<PartBytes> take_part_list(ByteSpan& bytes, std::size_t count) {
     }
   }
   return entries;
+}
+
+std::vector<BrickParts::Part> placed_parts(const std::vector<Part>& parts,
+                                           const std::vector<PartBytes>& entries,
+                                           const AxisOrder& order) {
+  std::vector<BrickParts::Part> placed;
+  std::uint64_t offset = 0;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (entries[i].length > kMaxPartBytes) throw Error(ErrorKind::corrupt, "a part is too long");
+    placed.push_back({own_box(parts[i], order), offset, entries[i].length});
+    offset += entries[i].length;
+  }
+  return placed;
 }
 
 template <class Sample>

@@ -65,6 +65,12 @@ void put_part_list(Bytes& out, const std::vector<PartBytes>& entries);
 /// Throws Error{corrupt}.
 std::vector<PartBytes> take_part_list(ByteSpan& bytes, std::size_t count);
 
+/// The parts along the brick's own axes, and where their bytes stand.
+/// Throws Error{corrupt} where one is longer than any segment.
+std::vector<BrickParts::Part> placed_parts(const std::vector<Part>& parts,
+                                           const std::vector<PartBytes>& entries,
+                                           const AxisOrder& order);
+
 /// The samples of level 1 of a brick with margins, from which parts take those in and around them.
 template <class Sample>
 class CoarseSamples {

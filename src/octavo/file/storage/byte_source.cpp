@@ -1,8 +1,9 @@
+#include "octavo/file/storage/byte_source.h"
+
 #include <algorithm>
 #include <utility>
 
 #include "octavo/core/error.h"
-#include "octavo/file/storage/storage.h"
 
 namespace octavo {
 
@@ -31,6 +32,10 @@ class MemorySource final : public ByteSource {
 constexpr std::uint64_t kFirstPartBytes = std::uint64_t{1} << 20;
 
 }  // namespace
+
+std::vector<ByteRange> ByteSource::missing(std::span<const ByteRange> /*ranges*/) const {
+  return {};
+}
 
 std::vector<std::uint8_t> read_arriving(const ByteSource& source, std::uint64_t offset,
                                         std::uint64_t length) {

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "octavo/file/storage/byte_range.h"
+
 namespace octavo {
 
 /// Random access to immutable bytes. Thread-safe.
@@ -19,6 +21,17 @@ class ByteSource {
   /// Fills `out` with the bytes from `offset` on, or throws: Error{truncated} when the source is
   /// shorter, Error{io} when reading fails.
   virtual void read(std::uint64_t offset, std::span<std::uint8_t> out) const = 0;
+
+  /// What of `ranges` is not at hand: reading it waits for somebody, or fails until the bytes were
+  /// brought. Rising and apart from one another.
+  virtual std::vector<ByteRange> missing(std::span<const ByteRange> ranges) const;
+
+  /// How many bytes fetch() keeps at most; 0 where it does nothing.
+  virtual std::uint64_t fetched_bytes_kept() const { return 0; }
+
+  /// Brings ranges that are read soon, several at the same time, and keeps them in memory until
+  /// others take their place. Throws as read() does, when all have come or failed.
+  virtual void fetch(std::span<const ByteRange> /*ranges*/) const {}
 };
 
 /// The bytes [offset, offset + length) of a source. They are asked for in parts, the first of at

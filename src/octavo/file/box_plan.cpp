@@ -1,0 +1,177 @@
+#include "octavo/file/box_plan.h"
+
+#include <algorithm>
+#include <set>
+#include <utility>
+
+#include "octavo/codec/brick_codec.h"
+#include "octavo/core/error.h"
+
+namespace octavo {
+
+namespace {
+
+/// More than the list of the parts of a brick can take.
+constexpr std::uint64_t kPartListBytes = 256;
+
+class BoxPlanner {
+ public:
+  BoxPlanner(const OpenFile& file, int level)
+      : file_(file), level_(level), tier_(Levels::tier_of(level)) {}
+
+  /// A brick whose voxels inside `part` are wanted. Throws Error{corrupt}
+  void add_brick(const Index3& position, const Box& part, const IsDecoded& is_decoded) {
+    const std::size_t page = file_.page_of(tier_, position);
+    if (!file_.has_page(tier_, page)) {
+      if (pages_.insert(page).second) needed_.push_back(file_.page_range(tier_, page));
+      is_complete_ = false;
+      return;
+    }
+    const BrickEntry entry = file_.entry_at(tier_, position);
+    if (entry.is_uniform() || (is_decoded && is_decoded(entry, part))) return;
+    const bool has_model = file_.has_codec(entry.model);
+    if (!has_model && models_.insert(entry.model).second) {
+      const Piece piece = file_.model_piece(entry.model);
+      needed_.push_back({piece.offset, piece.length});
+    }
+    const std::size_t first = first_piece(entry, part, has_model);
+    for (std::size_t i = first; i < entry.pieces.size(); ++i) add_piece(entry, i);
+  }
+
+  ReadPlan plan(const JoinLimits& limits) && {
+    ReadPlan plan;
+    const std::vector<ByteRange> missing = file_.source().missing(needed_);
+    plan.needed_bytes = total_bytes(missing);
+    plan.ranges = joined(missing, limits);
+    plan.is_complete = is_complete_;
+    return plan;
+  }
+
+ private:
+  void add_piece(const BrickEntry& entry, std::size_t number) {
+    const BrickEntry::StoredPiece& piece = entry.pieces[number];
+    if (piece.length > 0) needed_.push_back({piece.offset, piece.length});
+  }
+
+  /// The finest piece that is needed whole. Adds those parts of level 0 that decode alone.
+  std::size_t first_piece(const BrickEntry& entry, const Box& part, bool has_model) {
+    const int in_brick = level_ - Levels::first_level(tier_);
+    if (entry.pieces.back().length == 0) return 0;
+    if (in_brick > 0) return static_cast<std::size_t>(piece_of_level(in_brick));
+    const Box whole = brick_box_at(file_.levels(), level_, entry.brick);
+    const BrickShape shape = brick_shape(file_.levels(), tier_, entry.brick);
+    // A brick of fewer levels has no parts, whatever its model.
+    if (part == whole || shape.level_count < 3) return 0;
+    if (!has_model) {
+      is_complete_ = false;
+      return 1;
+    }
+    const auto codec = file_.codec(entry.model);
+    if (!codec->has_parts(shape)) return 0;
+    add_parts(entry, *codec, shape, {part, whole.lo});
+    return 1;
+  }
+
+  struct WantedBox {
+    Box box;
+    Index3 origin;  ///< of the brick
+  };
+
+  /// Parts by their list, which stands at the front of level 1. It is not proven here: where it is
+  /// damaged, reading says so, and needs none of the parts for that.
+  void add_parts(const BrickEntry& entry, const BrickCodec& codec, const BrickShape& shape,
+                 const WantedBox& wanted) {
+    const Piece piece = file_.piece_of(entry, 1);
+    const ByteRange list{piece.offset, std::min(piece.length, kPartListBytes)};
+    if (!file_.source().missing({&list, 1}).empty()) {
+      is_complete_ = false;
+      return;
+    }
+    const BrickEntry::StoredPiece& finest = entry.pieces.front();
+    for (const BrickParts::Part& part : parts_in(file_.read_within(piece, 0, list.length), codec,
+                                                 shape)) {
+      if (part.offset > finest.length || part.length > finest.length - part.offset) return;
+      if (intersection(moved(part.box, wanted.origin), wanted.box).is_empty()) continue;
+      needed_.push_back({finest.offset + part.offset, part.length});
+    }
+  }
+
+  static std::vector<BrickParts::Part> parts_in(const Bytes& front, const BrickCodec& codec,
+                                                const BrickShape& shape) {
+    try {
+      return codec.list_parts(shape, front);
+    } catch (const Error&) {
+      return {};
+    }
+  }
+
+  const OpenFile& file_;
+  int level_;
+  int tier_;
+  std::set<std::size_t> pages_;
+  std::set<std::uint32_t> models_;
+  std::vector<ByteRange> needed_;
+  bool is_complete_ = true;
+};
+
+/// Plans of more bricks are not made: they would take more memory than what they fetch.
+constexpr std::int64_t kMostPlannedBricks = 1 << 14;
+/// Of plans for one box: pages, models and pieces, parts, and once more where others read as well.
+constexpr int kMostPlans = 4;
+
+/// Fetches what a box needs. False, with nothing or a part of it fetched, where that is more than
+/// the source keeps.
+bool fetch_box(const OpenFile& file, const Box& box, int level, const IsDecoded& is_decoded) {
+  const ByteSource& source = file.source();
+  std::uint64_t fetched = 0;
+  for (int i = 0; i < kMostPlans; ++i) {
+    const ReadPlan plan = plan_of_box(file, box, level, {}, is_decoded);
+    fetched += total_bytes(plan.ranges);
+    if (fetched > source.fetched_bytes_kept()) return false;
+    if (!plan.ranges.empty()) source.fetch(plan.ranges);
+    if (plan.is_complete) break;
+  }
+  return true;
+}
+
+/// The halves of a box along the axis with the most bricks, cut between bricks.
+std::pair<Box, Box> halves_of(const Box& box, const Size3& side, const Size3& met) {
+  int axis = 2;
+  for (int other = 1; other >= 0; --other) {
+    if (met[other] > met[axis]) axis = other;
+  }
+  const std::int64_t cut = (box.lo[axis] / side[axis] + met[axis] / 2) * side[axis];
+  std::pair<Box, Box> halves{box, box};
+  halves.first.hi[axis] = cut;
+  halves.second.lo[axis] = cut;
+  return halves;
+}
+
+}  // namespace
+
+void for_fetched(const OpenFile& file, const Box& box, int level, const IsDecoded& is_decoded,
+                 const std::function<void(const Box& part)>& read) {
+  if (file.source().fetched_bytes_kept() == 0) return read(box);
+  const Size3 side = brick_side_at(file.levels(), level);
+  const Size3 met = cells_met(box, side);
+  const bool is_small = met.voxel_count() <= kMostPlannedBricks;
+  if (is_small && (fetch_box(file, box, level, is_decoded) || met.voxel_count() == 1)) {
+    return read(box);
+  }
+  const auto [first, second] = halves_of(box, side, met);
+  for_fetched(file, first, level, is_decoded, read);
+  for_fetched(file, second, level, is_decoded, read);
+}
+
+ReadPlan plan_of_box(const OpenFile& file, const Box& box, int level, const JoinLimits& limits,
+                     const IsDecoded& is_decoded) {
+  BoxPlanner planner(file, level);
+  visit_cells(box, brick_side_at(file.levels(), level), [&](const Index3& position) {
+    const Box whole = brick_box_at(file.levels(), level, position);
+    planner.add_brick(position, intersection(box, whole), is_decoded);
+    return true;
+  });
+  return std::move(planner).plan(limits);
+}
+
+}  // namespace octavo

@@ -1,0 +1,25 @@
+// What is missing to read a box of a level, and how it is fetched.
+#pragma once
+
+#include <functional>
+
+#include "octavo/core/box.h"
+#include "octavo/file/open_file.h"
+#include "octavo/file/read_plan.h"
+
+namespace octavo {
+
+/// Whether the voxels that a box shares with a brick are kept decoded.
+/// part  in samples of the level that is read
+using IsDecoded = std::function<bool(const BrickEntry& entry, const Box& part)>;
+
+/// As FileReader::ranges_of; bricks that are kept decoded need nothing.
+/// Requires a box inside the level. Complexity O(bricks)
+ReadPlan plan_of_box(const OpenFile& file, const Box& box, int level, const JoinLimits& limits,
+                     const IsDecoded& is_decoded);
+
+/// As FileReader::for_fetched, but for those bricks that are kept decoded.
+void for_fetched(const OpenFile& file, const Box& box, int level, const IsDecoded& is_decoded,
+                 const std::function<void(const Box& part)>& read);
+
+}  // namespace octavo
