@@ -61,6 +61,7 @@ void add_verbs(CLI::App& app, Context& context) {
   add_erode(app, context);
   add_open(app, context);
   add_close(app, context);
+  add_distance(app, context);
   add_shell(app, context);
   add_surface(app, context);
   add_hexahedra(app, context);

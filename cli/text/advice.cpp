@@ -100,6 +100,8 @@ constexpr Advice kAdvice[] = {
      "make cubes of it with octavo condense"},
     {kAny, "compare.labels", "",
      "--labels compares label maps: leave it out, or make labels with octavo threshold"},
+    {kUsage, "distance.max_mm", "", "give another --max-mm"},
+    {kUsage, "distance.step_mm", "", "give another --step, or --steps"},
     {kAny, "grey.kind", "", "--of takes the scan that was thresholded"},
     {kAny, "grid", "", "both must share one grid"},
     {kAny, "is_resampling", "", "--resample brings it onto that of the first"},

@@ -1,0 +1,224 @@
+#include "octavo/ops/distance/distance_field.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <span>
+
+#include "octavo/core/error.h"
+
+namespace octavo {
+
+namespace {
+
+constexpr std::int64_t kFloatBytes = 4;
+
+std::span<std::uint8_t> bytes_of(float* values, std::int64_t count) {
+  return {reinterpret_cast<std::uint8_t*>(values), static_cast<std::size_t>(count * kFloatBytes)};
+}
+
+/// The largest square, whatever its sign.
+float largest_of(const float* squared, std::int64_t count) {
+  return tbb::parallel_reduce(
+      tbb::blocked_range<std::int64_t>(0, count, 1 << 16), 0.0F,
+      [&](const auto& range, float largest) {
+        for (std::int64_t i = range.begin(); i != range.end(); ++i) {
+          largest = std::max(largest, std::abs(squared[i]));
+        }
+        return largest;
+      },
+      [](float a, float b) { return std::max(a, b); });
+}
+
+double length_mm(float squared, const DistanceSettings& settings, double limit_mm) {
+  const double root = std::sqrt(static_cast<double>(squared));
+  return std::min(root * distance_unit_mm(settings), limit_mm);
+}
+
+class FieldInMemory final : public DistanceField {
+ public:
+  FieldInMemory(const MaskTree& mask, const DistanceSettings& settings, double limit_mm,
+                Progress& progress)
+      : plane_(mask.size().x * mask.size().y),
+        settings_(settings),
+        limit_mm_(limit_mm),
+        squared_(static_cast<std::size_t>(mask.size().voxel_count())) {
+    measure_planes(mask, 0, mask.size().z, settings, progress, squared_.data());
+    measure_columns(mask.size(), settings, squared_.data());
+    largest_mm_ = length_mm(largest_of(squared_.data(), mask.size().voxel_count()), settings,
+                            limit_mm);
+  }
+
+  void read(std::int64_t begin, std::int64_t end, float* mm) override {
+    to_distances((end - begin) * plane_, settings_, limit_mm_, squared_.data() + begin * plane_,
+                 mm);
+  }
+  std::optional<double> largest_mm() const override { return largest_mm_; }
+
+ private:
+  std::int64_t plane_;
+  DistanceSettings settings_;
+  double limit_mm_;
+  std::vector<float> squared_;
+  double largest_mm_ = 0;
+};
+
+class FieldOnDisk final : public DistanceField {
+ public:
+  FieldOnDisk(const MaskTree& mask, const DistanceSettings& settings, double limit_mm,
+              std::uint64_t bytes, Storage& storage, const std::string& folder,
+              Progress& progress)
+      : size_(mask.size()),
+        settings_(settings),
+        limit_mm_(limit_mm),
+        file_(storage.create_scratch(folder)) {
+    std::vector<float> room(static_cast<std::size_t>(bytes) / kFloatBytes);
+    write_planes(mask, room, progress);
+    write_columns(room, progress);
+  }
+
+  void read(std::int64_t begin, std::int64_t end, float* mm) override {
+    const std::int64_t plane = size_.x * size_.y;
+    const std::int64_t count = (end - begin) * plane;
+    file_->read(offset(begin, 0), bytes_of(mm, count));
+    to_distances(count, settings_, limit_mm_, mm, mm);
+  }
+  std::optional<double> largest_mm() const override { return largest_mm_; }
+
+ private:
+  std::uint64_t offset(std::int64_t z, std::int64_t y) const {
+    return static_cast<std::uint64_t>((z * size_.y + y) * size_.x * kFloatBytes);
+  }
+
+  void write_planes(const MaskTree& mask, std::vector<float>& room, Progress& progress) {
+    const std::int64_t plane = size_.x * size_.y;
+    const std::int64_t planes = static_cast<std::int64_t>(room.size()) / plane;
+    for (std::int64_t z = 0; z < size_.z; z += planes) {
+      const std::int64_t end = std::min(z + planes, size_.z);
+      measure_planes(mask, z, end, settings_, progress, room.data());
+      file_->write(offset(z, 0), bytes_of(room.data(), (end - z) * plane));
+    }
+  }
+
+  void write_columns(std::vector<float>& room, Progress& progress) {
+    const std::int64_t row = size_.x * size_.z;
+    const std::int64_t rows = static_cast<std::int64_t>(room.size()) / row;
+    float largest = 0;
+    for (std::int64_t y = 0; y < size_.y; y += rows) {
+      if (progress.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
+      const Size3 block = {size_.x, std::min(rows, size_.y - y), size_.z};
+      const std::int64_t piece = block.x * block.y;
+      for (std::int64_t z = 0; z < size_.z; ++z) {
+        file_->read(offset(z, y), bytes_of(room.data() + z * piece, piece));
+      }
+      measure_columns(block, settings_, room.data());
+      largest = std::max(largest, largest_of(room.data(), block.voxel_count()));
+      for (std::int64_t z = 0; z < size_.z; ++z) {
+        file_->write(offset(z, y), bytes_of(room.data() + z * piece, piece));
+      }
+    }
+    largest_mm_ = length_mm(largest, settings_, limit_mm_);
+  }
+
+  Size3 size_;
+  DistanceSettings settings_;
+  double limit_mm_;
+  std::unique_ptr<StorageFile> file_;
+  double largest_mm_ = 0;
+};
+
+class FieldInWindow final : public DistanceField {
+ public:
+  FieldInWindow(const MaskTree& mask, const DistanceSettings& settings, double limit_mm,
+                std::int64_t halo, Progress& progress)
+      : mask_(mask), settings_(settings), limit_mm_(limit_mm), halo_(halo), progress_(progress) {}
+
+  void read(std::int64_t begin, std::int64_t end, float* mm) override {
+    const std::int64_t plane = mask_.size().x * mask_.size().y;
+    const std::int64_t lo = std::max<std::int64_t>(begin - halo_, 0);
+    const std::int64_t hi = std::min(end + halo_, mask_.size().z);
+    const auto planes_at = [&](std::int64_t z) { return (z - lo) * plane; };
+    std::vector<float> in_planes(static_cast<std::size_t>((hi - lo) * plane));
+
+    // Planes of the window before are kept where they are needed again.
+    const std::int64_t kept_lo = std::max(lo, lo_);
+    const std::int64_t kept_hi = std::max(kept_lo, std::min(hi, hi_));
+    if (kept_lo < kept_hi) {
+      std::memcpy(in_planes.data() + planes_at(kept_lo),
+                  in_planes_.data() + (kept_lo - lo_) * plane,
+                  static_cast<std::size_t>((kept_hi - kept_lo) * plane * kFloatBytes));
+      measure_planes(mask_, lo, kept_lo, settings_, progress_, in_planes.data());
+      measure_planes(mask_, kept_hi, hi, settings_, progress_,
+                     in_planes.data() + planes_at(kept_hi));
+    } else {
+      measure_planes(mask_, lo, hi, settings_, progress_, in_planes.data());
+    }
+    in_planes_ = std::move(in_planes);
+    lo_ = lo;
+    hi_ = hi;
+
+    std::vector<float> squared = in_planes_;
+    measure_columns({mask_.size().x, mask_.size().y, hi - lo}, settings_, squared.data());
+    to_distances((end - begin) * plane, settings_, limit_mm_, squared.data() + planes_at(begin),
+                 mm);
+  }
+  std::optional<double> largest_mm() const override { return std::nullopt; }
+
+ private:
+  const MaskTree& mask_;
+  DistanceSettings settings_;
+  double limit_mm_;
+  std::int64_t halo_;
+  Progress& progress_;
+  std::vector<float> in_planes_;  // squared distances within planes lo_ .. hi_
+  std::int64_t lo_ = 0;
+  std::int64_t hi_ = 0;
+};
+
+}  // namespace
+
+FieldPlan plan_distance_field(const Size3& size, const DistanceSettings& settings, double limit_mm,
+                              std::uint64_t max_bytes) {
+  const auto plane = static_cast<std::uint64_t>(size.x * size.y * kFloatBytes);
+  const std::uint64_t all = plane * static_cast<std::uint64_t>(size.z);
+  FieldPlan plan;
+  plan.slab = std::min<std::int64_t>(64, size.z);
+  plan.bytes = all;
+  if (all <= max_bytes) return plan;
+
+  // A window of two copies, where a limit makes it smaller than the rows of the pass along z.
+  const double halo = std::min(limit_mm / settings.spacing_mm[2], 1e9);
+  plan.halo = static_cast<std::int64_t>(std::ceil(halo)) + 1;
+  const std::uint64_t window = 2 * plane * static_cast<std::uint64_t>(plan.slab + 2 * plan.halo);
+  if (window <= std::max(max_bytes, all / 2)) {
+    plan.hold = DistanceHold::window;
+    plan.bytes = window;
+    return plan;
+  }
+  plan.hold = DistanceHold::disk;
+  plan.halo = 0;
+  const auto row = static_cast<std::uint64_t>(size.x * size.z * kFloatBytes);
+  plan.bytes = std::max({max_bytes, plane, row});
+  return plan;
+}
+
+std::unique_ptr<DistanceField> make_distance_field(const MaskTree& mask,
+                                                   const DistanceSettings& settings,
+                                                   double limit_mm, const FieldPlan& plan,
+                                                   Storage& storage, const std::string& folder,
+                                                   Progress& progress) {
+  switch (plan.hold) {
+    case DistanceHold::memory:
+      return std::make_unique<FieldInMemory>(mask, settings, limit_mm, progress);
+    case DistanceHold::disk:
+      return std::make_unique<FieldOnDisk>(mask, settings, limit_mm, plan.bytes, storage, folder,
+                                           progress);
+    case DistanceHold::window: break;
+  }
+  return std::make_unique<FieldInWindow>(mask, settings, limit_mm, plan.halo, progress);
+}
+
+}  // namespace octavo
