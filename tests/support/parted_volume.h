@@ -45,7 +45,7 @@ class PartedVolume {
   FileBytes part(const PartPlace& place, std::mt19937& random) {
     const Key key = {begin_of(place), place.end_group, place.end_brick};
     const auto known = parts_.find(key);
-    const bool is_made_again = random() % 16 == 0;
+    const bool is_made_again = random() % 48 == 0;
     if (known != parts_.end() && !is_made_again) return known->second;
     MemoryStorage storage;
     PartWork work;

@@ -25,19 +25,23 @@ constexpr const char* kCopiedEnding = "-copied-";
 constexpr const char* kSealedEnding = "-sealed-";
 constexpr const char* kDoneEnding = "-done-";
 
-/// What joins leave beside a name: ".NAME.join" and an ending, the longest that of a copied band.
+/// What joins leave beside a name: ".NAME.join" and an ending, the longest that of a copied band,
+/// which has five numbers.
 std::string join_prefix(const std::string& path) {
   constexpr std::size_t kMostDigits = 20;
   constexpr std::size_t kLongestEnding =
-      std::string_view(".join-copied-").size() + 4 * kMostDigits + 3;
+      std::string_view(".join-copied-").size() + 5 * kMostDigits + 4;
   return hidden_prefix(path, kLongestEnding) + ".join";
 }
 
 std::string layout_name(const std::string& path) { return join_prefix(path) + kLayoutEnding; }
 
-std::string copied_name(const std::string& path, const PartPlace& place) {
-  std::string name = join_prefix(path) + kCopiedEnding + std::to_string(place.first_group) + "-" +
-                     std::to_string(place.end_group);
+/// The mark of a part that was copied for this layout: those of an earlier one say nothing of this
+/// file.
+std::string copied_name(const JoinLayout& layout, const std::string& path,
+                        const PartPlace& place) {
+  std::string name = join_prefix(path) + kCopiedEnding + std::to_string(layout.id) + "-" +
+                     std::to_string(place.first_group) + "-" + std::to_string(place.end_group);
   if (place.is_band()) {
     name += "-" + std::to_string(place.first_brick) + "-" + std::to_string(place.end_brick);
   }
@@ -57,9 +61,6 @@ std::uint64_t new_layout_id() {
   std::random_device device;
   return std::uint64_t{device()} << 32 | device();
 }
-
-/// What a mark of a copy holds.
-std::string copied_text(const JoinLayout& layout) { return std::to_string(layout.id); }
 
 /// A file of these bytes under a name, whole or not at all.
 void put_file(Storage& storage, const std::string& name, std::string_view bytes) {
@@ -83,13 +84,6 @@ std::string file_text(Storage& storage, const std::string& name, std::uint64_t m
   std::string text(static_cast<std::size_t>(file->size()), '\0');
   file->read(0, {reinterpret_cast<std::uint8_t*>(text.data()), text.size()});
   return text;
-}
-
-/// Whether a part was copied for this layout: marks of an earlier one say nothing of this file.
-bool is_copied(const JoinLayout& layout, Storage& storage, const std::string& path,
-               const PartPlace& place) {
-  const std::string name = copied_name(path, place);
-  return storage.exists(name) && file_text(storage, name, kMostMarkBytes) == copied_text(layout);
 }
 
 void remove_all(Storage& storage, const std::vector<std::string>& names) {
@@ -218,6 +212,23 @@ void prove_all(const std::vector<std::shared_ptr<PartFile>>& parts, Progress& pr
   for (const auto& part : parts) part->prove();
 }
 
+/// The parts that were copied for a layout, looked up at once.
+class CopiedMarks {
+ public:
+  CopiedMarks(const JoinLayout& layout, Storage& storage, const std::string& path)
+      : layout_(layout), path_(path), names_(storage.list(join_prefix(path) + kCopiedEnding)) {
+    std::ranges::sort(names_);
+  }
+  bool hold(const PartPlace& place) const {
+    return std::ranges::binary_search(names_, copied_name(layout_, path_, place));
+  }
+
+ private:
+  const JoinLayout& layout_;
+  const std::string& path_;
+  std::vector<std::string> names_;
+};
+
 /// What a part that was cut off while it was copied takes already; nothing where that is not known.
 std::optional<std::uint64_t> begun_bytes(const JoinLayout& layout, Storage& storage,
                                          const std::string& path) {
@@ -225,8 +236,9 @@ std::optional<std::uint64_t> begun_bytes(const JoinLayout& layout, Storage& stor
   if (!stored) return std::nullopt;
   std::uint64_t whole = 0;
   for (const Section& own : own_bytes_of(layout)) whole += own.length;
+  const CopiedMarks marks(layout, storage, path);
   for (const CopiedRun& run : layout.runs) {
-    if (is_copied(layout, storage, path, run.part)) whole += run.length;
+    if (marks.hold(run.part)) whole += run.length;
   }
   return *stored - std::min(*stored, whole);
 }
@@ -373,28 +385,28 @@ void mark_copied(const BuildPlan& plan, const JoinLayout& layout, const PartFile
                 "was laid out anew while a part was copied, which is not in it: copy it again",
                 path);
   }
-  if (is_laid_out && !is_copied(layout, storage, path, part.place())) {
-    put_file(storage, copied_name(path, part.place()), copied_text(layout));
-  }
+  const std::string mark = copied_name(layout, path, part.place());
+  if (is_laid_out && !storage.exists(mark)) put_file(storage, mark, "");
   if (consumes) storage.remove(part.path());
 }
 
-/// The runs of each part, by its first brick.
-using RunsOfParts = std::map<BrickAt, std::vector<CopiedRun>>;
+}  // namespace
 
-RunsOfParts runs_by_part(const JoinLayout& layout) {
-  RunsOfParts runs;
-  for (const CopiedRun& run : layout.runs) runs[begin_of(run.part)].push_back(run);
-  return runs;
+PartCopier::PartCopier(const BuildPlan& plan, JoinLayout layout, Storage& storage,
+                       std::string path)
+    : plan_(plan), layout_(std::move(layout)), storage_(storage), path_(std::move(path)) {
+  for (const CopiedRun& run : layout_.runs) runs_[begin_of(run.part)].push_back(run);
 }
 
-/// As copy_part, of a part whose runs in the layout these are.
-void copy_runs(const BuildPlan& plan, const JoinLayout& layout, const std::vector<CopiedRun>& runs,
-               const std::shared_ptr<PartFile>& part, Storage& storage, const std::string& path,
-               bool consumes, Progress& progress) {
+bool PartCopier::is_copied(const PartPlace& place) const {
+  return storage_.exists(copied_name(layout_, path_, place));
+}
+
+void PartCopier::copy(const std::shared_ptr<PartFile>& part, bool consumes,
+                      Progress& progress) const {
   const PartPlace& place = part->place();
 
-  // Whether they are the runs of this part, as it has them
+  // Whether what is laid out is the runs of this part, as it has them
   std::vector<std::size_t> streams;
   for (std::size_t stream = 0; stream < part->stream_count(); ++stream) {
     if (part->is_joined(stream) && part->stream(stream).length > 0) streams.push_back(stream);
@@ -404,20 +416,23 @@ void copy_runs(const BuildPlan& plan, const JoinLayout& layout, const std::vecto
     return run.part == place && bytes.offset == run.part_offset && bytes.length == run.length &&
            bytes.crc == run.crc;
   };
-  if (place.plan != plan.id || !std::ranges::equal(streams, runs, is_laid_out)) {
+  const auto found = runs_.find(begin_of(place));
+  const std::vector<CopiedRun> none;
+  const std::vector<CopiedRun>& runs = found == runs_.end() ? none : found->second;
+  if (place.plan != plan_.id || !std::ranges::equal(streams, runs, is_laid_out)) {
     throw Error(ErrorKind::invalid_argument, "is not a part of the file that was laid out",
                 part->path());
   }
 
   // Their bytes, then the mark that says that they are there
-  if (is_copied(layout, storage, path, place)) {
-    return mark_copied(plan, layout, *part, storage, path, consumes);
+  if (is_copied(place)) {
+    return mark_copied(plan_, layout_, *part, storage_, path_, consumes);
   }
   const WatchedParts watched({part}, progress);
   const ProgressScope scope(progress, "copy", static_cast<std::int64_t>(part->joined_bytes()),
                             "bytes");
-  about(path, [&] {
-    const std::unique_ptr<StorageFile> file = storage.open_shared(joined_name(path));
+  about(path_, [&] {
+    const std::unique_ptr<StorageFile> file = storage_.open_shared(joined_name(path_));
     for (std::size_t i = 0; i < runs.size(); ++i) {
       std::uint64_t at = runs[i].file_offset;
       part->copy(streams[i], [&](ByteSpan bytes) {
@@ -428,20 +443,14 @@ void copy_runs(const BuildPlan& plan, const JoinLayout& layout, const std::vecto
     file->sync();
     file->close();
   });
-  mark_copied(plan, layout, *part, storage, path, consumes);
+  mark_copied(plan_, layout_, *part, storage_, path_, consumes);
 }
-
-}  // namespace
 
 void copy_part(const BuildPlan& plan, const std::shared_ptr<PartFile>& part, Storage& storage,
                const std::string& path, bool consumes, Progress& progress) {
   const std::optional<JoinLayout> layout = find_layout(plan, storage, path);
   if (!layout) throw Error(ErrorKind::io, "nothing is laid out for this plan", path);
-  std::vector<CopiedRun> runs;
-  std::ranges::copy_if(layout->runs, std::back_inserter(runs), [&](const CopiedRun& run) {
-    return run.part == part->place();
-  });
-  copy_runs(plan, *layout, runs, part, storage, path, consumes, progress);
+  PartCopier(plan, *layout, storage, path).copy(part, consumes, progress);
 }
 
 namespace {
@@ -465,9 +474,8 @@ std::unique_ptr<StorageFile> lock_of_consumer(const std::vector<std::shared_ptr<
 std::vector<PartPlace> uncopied_parts(const JoinLayout& layout, Storage& storage,
                                       const std::string& path) {
   std::vector<PartPlace> places = parts_of(layout);
-  std::erase_if(places, [&](const PartPlace& place) {
-    return is_copied(layout, storage, path, place);
-  });
+  const CopiedMarks marks(layout, storage, path);
+  std::erase_if(places, [&](const PartPlace& place) { return marks.hold(place); });
   return places;
 }
 
@@ -510,18 +518,13 @@ std::uint64_t consume_parts(const BuildPlan& plan, const std::vector<std::string
   const JoinLayout layout = lay_out_join(plan, parts, storage, path, overwrite, work, progress);
   if (clipped != nullptr) *clipped = layout.clipped;
   auto left = parts;
-  std::erase_if(left, [&](const auto& part) {
-    return is_copied(layout, storage, path, part->place());
-  });
+  const CopiedMarks marks(layout, storage, path);
+  std::erase_if(left, [&](const auto& part) { return marks.hold(part->place()); });
   // Without a word of the disk on what was begun the copies themselves tell.
   const auto begun = goes_on ? begun_bytes(layout, storage, path) : std::optional<std::uint64_t>(0);
   if (begun) require_room(storage, path, left, *begun);
-  const RunsOfParts runs = runs_by_part(layout);
-  for (const auto& part : parts) {
-    const auto own = runs.find(begin_of(part->place()));
-    copy_runs(plan, layout, own == runs.end() ? std::vector<CopiedRun>() : own->second, part,
-              storage, path, true, progress);
-  }
+  const PartCopier copier(plan, layout, storage, path);
+  for (const auto& part : parts) copier.copy(part, true, progress);
   const std::uint64_t bytes = name_joined(plan, storage, path, overwrite);
   discard_steps(plan, storage, path);
   return bytes;

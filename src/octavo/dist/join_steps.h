@@ -8,8 +8,8 @@
 //
 //   .NAME.join                 the file that grows
 //   .NAME.join-layout          the layout, once the file is laid out
-//   .NAME.join-copied-A-B      for each part, groups A .. B, whose bytes are on disk; of a band
-//                              A-B-C-D, bricks C .. D. It holds the id of the layout
+//   .NAME.join-copied-ID-A-B   for each part, groups A .. B, whose bytes are on disk; of a band
+//                              ID-A-B-C-D, bricks C .. D. ID is that of the layout
 //   .NAME.join-sealed-PLAN     once the file is whole, until nothing else of this is left: the
 //                              trailer of the file, which holds a checksum of all its bytes, and
 //                              how many floats only its level 0 holds
@@ -24,6 +24,8 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -62,10 +64,32 @@ JoinLayout lay_out_join(const BuildPlan& plan, const std::vector<std::shared_ptr
                         Storage& storage, const std::string& path, bool overwrite,
                         const PartWork& work, Progress& progress);
 
-/// Copies a part to its places, proves it on the way, and makes it durable there.
-/// consumes  whether the part is removed then
-/// Throws Error{invalid_argument} for a part that is not the one laid out; as PartFile::copy;
-///        Error{io}, also where nothing is laid out, and where that was done anew meanwhile
+/// Copies parts to their places in a file that is laid out. What one of them takes does not grow
+/// with the number of the others.
+class PartCopier {
+ public:
+  /// plan, storage  outlive it
+  PartCopier(const BuildPlan& plan, JoinLayout layout, Storage& storage, std::string path);
+
+  /// Whether a part was copied for this layout.
+  bool is_copied(const PartPlace& place) const;
+
+  /// Copies a part, proves it on the way, and makes it durable there.
+  /// consumes  whether the part is removed then
+  /// Throws Error{invalid_argument} for a part that is not the one laid out; as PartFile::copy;
+  ///        Error{io}, also where the file was laid out anew meanwhile
+  void copy(const std::shared_ptr<PartFile>& part, bool consumes, Progress& progress) const;
+
+ private:
+  const BuildPlan& plan_;
+  JoinLayout layout_;
+  Storage& storage_;
+  std::string path_;
+  std::map<BrickAt, std::vector<CopiedRun>> runs_;  ///< of each part, by its first brick
+};
+
+/// PartCopier::copy of one part, by the layout that stands there. Throws as that; Error{io} where
+/// nothing is laid out
 void copy_part(const BuildPlan& plan, const std::shared_ptr<PartFile>& part, Storage& storage,
                const std::string& path, bool consumes, Progress& progress);
 

@@ -159,6 +159,30 @@ TEST_F(JoinSteps, TheFileIsItsOwnBytesAndThoseOfItsRuns) {
   EXPECT_TRUE(made.file == whole_);
 }
 
+TEST_F(JoinSteps, ACopyLooksAtItsOwnPartAlone) {
+  std::vector<GroupRun> runs;
+  for (std::int64_t group = 0; group < plan_.group_count; ++group) {
+    runs.emplace_back(group, group + 1);
+    make_part(volume_, plan_, runs.back(), storage_);
+  }
+  const JoinLayout layout = lay_out(runs);
+  const PartCopier copier(plan_, layout, storage_, "a.8vo");
+  std::vector<std::string> first;
+  for (const GroupRun& run : runs) {
+    const std::shared_ptr<PartFile> part = PartFile::open(storage_, part_name(run));
+    EXPECT_FALSE(copier.is_copied(part->place()));
+    storage_.calls.clear();
+    copier.copy(part, false, progress_);
+    if (first.empty()) first = storage_.calls;
+    else EXPECT_EQ(storage_.calls, first) << run.first;
+  }
+  storage_.calls.clear();
+  EXPECT_TRUE(uncopied_parts(layout, storage_, "a.8vo").empty());
+  EXPECT_TRUE(storage_.calls.empty()) << "no mark is read";
+  seal_join(plan_, storage_, "a.8vo", false);
+  expect_done(runs.size() + runs_.size() - 1);
+}
+
 TEST_F(JoinSteps, ALayoutThatWasChangedIsNone) {
   const std::string text = layout_text(lay_out(runs_));
   EXPECT_EQ(layout_text(parse_layout(text)), text);

@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 #include "octavo/core/error.h"
@@ -52,11 +53,6 @@ JoinLayout laid_out(const BuildPlan& plan, const JoinOptions& options, const Tas
                       {context.threads, context.max_memory_bytes}, context.watcher());
 }
 
-JoinLayout required_layout(const BuildPlan& plan, const std::string& path) {
-  if (auto layout = find_layout(plan, local_storage(), path)) return *layout;
-  throw Error(ErrorKind::io, "nothing is laid out for this plan", path).with_field("join.layout");
-}
-
 std::vector<std::int64_t> numbers_to_copy(const JoinStepOptions& options, const BuildPlan& plan,
                                           const JoinLayout& layout, const TaskContext& context) {
   if (!options.numbers.empty()) return parse_part_list(options.numbers, plan.part_count);
@@ -75,23 +71,49 @@ std::vector<std::int64_t> numbers_to_copy(const JoinStepOptions& options, const 
   return all;
 }
 
+/// Where the part of a number is; empty where it is not there.
+class PartFinder {
+ public:
+  PartFinder(const BuildPlan& plan, const JoinOptions& options)
+      : plan_(plan), options_(options), places_(places_of(options)) {
+    if (places_.folder.empty()) given_ = found_parts(plan, places_, options.plan);
+  }
+
+  std::string find(std::int64_t number) const {
+    if (places_.folder.empty()) {
+      const auto file = given_.find(number);
+      const bool is_there = file != given_.end() && local_storage().exists(file->second);
+      return is_there ? file->second : std::string();
+    }
+    const std::string path =
+        path_of_part(places_.folder, options_.plan, number, plan_.part_count);
+    return local_storage().exists(path) ? path : std::string();
+  }
+
+ private:
+  const BuildPlan& plan_;
+  const JoinOptions& options_;
+  PartPlaces places_;
+  std::map<std::int64_t, std::string> given_;  ///< one by one
+};
+
 void copy_numbers(const JoinStepOptions& options, const BuildPlan& plan, const JoinLayout& layout,
                   JoinStepResult& result, const TaskContext& context) {
   const std::string& path = options.join.output.path;
-  const auto found = found_parts(plan, places_of(options.join), options.join.plan);
-  const std::vector<std::int64_t> left = uncopied_numbers(plan, layout, path);
+  const PartFinder finder(plan, options.join);
+  const PartCopier copier(plan, layout, local_storage(), path);
   for (const std::int64_t number : numbers_to_copy(options, plan, layout, context)) {
-    const bool is_copied = !std::ranges::binary_search(left, number);
-    const auto file = found.find(number);
-    const bool is_there = file != found.end() && local_storage().exists(file->second);
-    if (is_copied && !(options.join.consumes_parts && is_there)) continue;
-    if (file == found.end()) {
+    context.stop_if_cancelled();
+    const bool is_copied = copier.is_copied(place_of(plan, number));
+    if (is_copied && !options.join.consumes_parts) continue;
+    const std::string file = finder.find(number);
+    if (is_copied && file.empty()) continue;
+    if (file.empty()) {
       throw Error(ErrorKind::io, "part " + std::to_string(number) + " is not there", path)
           .with_field("parts.missing", std::to_string(number))
           .with_field("parts.plan_path", options.join.plan);
     }
-    copy_part(plan, open_part(plan, number, file->second), local_storage(), path,
-              options.join.consumes_parts, context.watcher());
+    copier.copy(open_part(plan, number, file), options.join.consumes_parts, context.watcher());
     if (!is_copied) result.copied.push_back(number);
   }
 }
@@ -122,18 +144,25 @@ JoinStepResult join_step(const JoinStepOptions& options, const TaskContext& cont
     return result;
   }
   const bool is_layout = options.step == JoinStep::layout;
-  if (!is_layout && !find_layout(plan, local_storage(), output.path) &&
-      is_joined(plan, local_storage(), output.path)) {
-    result.file_bytes = local_storage().open_read(output.path)->size();
-    result.is_done = true;
-    return result;
+  std::optional<JoinLayout> layout;
+  if (is_layout) {
+    require_joined_name(output);
+    layout = laid_out(plan, options.join, context);
+  } else {
+    layout = find_layout(plan, local_storage(), output.path);
+    if (!layout && is_joined(plan, local_storage(), output.path)) {
+      result.file_bytes = local_storage().open_read(output.path)->size();
+      result.is_done = true;
+      return result;
+    }
+    if (!layout) {
+      throw Error(ErrorKind::io, "nothing is laid out for this plan", output.path)
+          .with_field("join.layout");
+    }
+    copy_numbers(options, plan, *layout, result, context);
   }
-  if (is_layout) require_joined_name(output);
-  const JoinLayout layout = is_layout ? laid_out(plan, options.join, context)
-                                      : required_layout(plan, output.path);
-  if (!is_layout) copy_numbers(options, plan, layout, result, context);
-  result.file_bytes = layout.file_bytes;
-  result.uncopied = uncopied_numbers(plan, layout, output.path);
+  result.file_bytes = layout->file_bytes;
+  result.uncopied = uncopied_numbers(plan, *layout, output.path);
   return result;
 }
 
