@@ -18,13 +18,16 @@ double shortest_side(const Geometry& geometry) {
   return std::min({x, y, z});
 }
 
+bool can_be_proven(double max_deviation_mm, const Geometry& geometry) {
+  return max_deviation_mm > 2 * kRoundingMargin * shortest_side(geometry);
+}
+
 std::optional<Decimated> undecimated(const TriangleMesh& full, const DecimationOptions& options,
                                      const Progress& progress) {
   const std::vector<std::uint32_t> locked(options.locked.begin(), options.locked.end());
   if (full.triangles.empty()) return Decimated{full, 0, 0, locked};
   require_numbered(full.triangles.size());
-  const double margin = kRoundingMargin * shortest_side(options.geometry);
-  if (options.max_deviation_mm <= 2 * margin) {
+  if (!can_be_proven(options.max_deviation_mm, options.geometry)) {
     return Decimated{full, 0, crossing_triangles(TriangleTree(full), progress).size(), locked};
   }
   return std::nullopt;
@@ -36,25 +39,27 @@ DecimationFrame::DecimationFrame(const TriangleMesh& full, const DecimationOptio
       origin_(place_of_point(full.points.front())),
       deviation_(options.max_deviation_mm - kRoundingMargin * shortest_side(options.geometry)),
       pieces_(mesh_pieces(full)),
-      is_held_(pieces_.count),
+      is_held_(pieces_.count + 1),
       volumes_(piece_volumes(full)) {
-  for (const std::uint32_t point : locked_) {
-    if (pieces_.of_point[point] != MeshPieces::kNone) is_held_[pieces_.of_point[point]] = true;
-  }
+  is_held_.back() = true;
+  hold(locked_);
+}
+
+void DecimationFrame::hold(std::span<const std::uint32_t> points) {
+  for (const std::uint32_t point : points) is_held_[piece_of(point)] = true;
 }
 
 /// What each piece of the full surface encloses; negative around a hollow.
 std::vector<double> DecimationFrame::piece_volumes(const TriangleMesh& mesh) const {
-  return volumes_of_groups(mesh, pieces_.count, [&](std::size_t i) {
-    return pieces_.of_point[mesh.triangles[i][0]];
-  });
+  return volumes_of_groups(mesh, pieces_.count + 1,
+                           [&](std::size_t i) { return piece_of(mesh.triangles[i][0]); });
 }
 
 std::vector<std::uint32_t> DecimationFrame::turned_triangles(const TriangleMesh& mesh) const {
   const std::vector<double> volumes = piece_volumes(mesh);
   std::vector<std::uint32_t> turned;
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-    const std::uint32_t piece = pieces_.of_point[mesh.triangles[i][0]];
+    const std::size_t piece = piece_of(mesh.triangles[i][0]);
     if (!is_held_[piece] && (volumes[piece] > 0) != (volumes_[piece] > 0)) {
       turned.push_back(static_cast<std::uint32_t>(i));
     }

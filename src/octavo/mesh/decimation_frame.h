@@ -2,6 +2,7 @@
 // that is proven, pieces that stay as they are turned, and the mesh that is left.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -15,12 +16,16 @@
 
 namespace octavo {
 
+/// Whether a deviation is more than what rounding takes of it.
+bool can_be_proven(double max_deviation_mm, const Geometry& geometry);
+
 /// The full surface as it is, where nothing can be taken away: it has no triangles, or a deviation
 /// as small cannot be proven. Throws as require_numbered.
 std::optional<Decimated> undecimated(const TriangleMesh& full, const DecimationOptions& options,
                                      const Progress& progress);
 
-/// Looks at a full surface that outlives it. Points of other meshes have its numbers.
+/// Looks at a full surface that outlives it. Points of other meshes have its numbers; they may have
+/// triangles at points that no triangle of the full surface has.
 class DecimationFrame {
  public:
   /// Requires a surface with triangles.
@@ -41,6 +46,9 @@ class DecimationFrame {
 
   std::span<const std::uint32_t> locked() const { return locked_; }
 
+  /// Pieces with one of these points are not looked at by turned_triangles, either: they are open.
+  void hold(std::span<const std::uint32_t> points);
+
   /// The triangles of pieces that are turned inside out: a large deviation lets a piece pass
   /// through itself as a whole, without any triangle that crosses another. Pieces with locked
   /// points may be open and are not looked at.
@@ -54,6 +62,11 @@ class DecimationFrame {
   Decimated compacted(const TriangleMesh& mesh, int rounds, std::uint64_t crossing_count) const;
 
  private:
+  /// Of points that no triangle of the full surface has: the last.
+  std::size_t piece_of(std::uint32_t point) const {
+    const std::uint32_t piece = pieces_.of_point[point];
+    return piece == MeshPieces::kNone ? static_cast<std::size_t>(pieces_.count) : piece;
+  }
   std::vector<double> piece_volumes(const TriangleMesh& mesh) const;
 
   const TriangleMesh& full_;
@@ -62,7 +75,7 @@ class DecimationFrame {
   double deviation_;
   MeshPieces pieces_;
   std::vector<bool> is_held_;    // pieces with locked points
-  std::vector<double> volumes_;  // of pieces
+  std::vector<double> volumes_;  // of pieces, and of triangles of none
 };
 
 /// Of a voxel, mm.

@@ -23,15 +23,21 @@ Decimated decimate_further(const TriangleMesh& base, std::uint64_t full_count, d
 
 Decimated decimate_in_steps(const TriangleMesh& full, const DecimationOptions& options,
                             Progress& progress) {
+  const double first = std::min(options.max_deviation_mm, first_step_mm(options.geometry));
+  const std::uint64_t full_count = full.triangles.size();
+  Decimated reduced = decimate_further(full, full_count, first, options.geometry, progress);
+  return decimate_in_further_steps(std::move(reduced), first, full_count, options, progress);
+}
+
+Decimated decimate_in_further_steps(Decimated reduced, double proven_mm, std::uint64_t full_count,
+                                    const DecimationOptions& options, Progress& progress) {
   const double asked = options.max_deviation_mm;
-  double target = std::min(asked, first_step_mm(options.geometry));
-  Decimated reduced =
-      decimate_further(full, full.triangles.size(), target, options.geometry, progress);
-  double proven = target;
+  double target = proven_mm;
+  double proven = proven_mm;
   for (int stalls = 0; target < asked && stalls < kMostStalledSteps;) {
     target = std::min(kLoosening * target, asked);
-    Decimated further = decimate_further(reduced.mesh, full.triangles.size(), target - proven,
-                                         options.geometry, progress);
+    Decimated further =
+        decimate_further(reduced.mesh, full_count, target - proven, options.geometry, progress);
     const auto before = static_cast<double>(reduced.mesh.triangles.size());
     const auto after = static_cast<double>(further.mesh.triangles.size());
     stalls = after > kStalledShare * before ? stalls + 1 : 0;

@@ -23,4 +23,9 @@ Decimated decimate_further(const TriangleMesh& base, std::uint64_t full_count, d
 Decimated decimate_in_steps(const TriangleMesh& full, const DecimationOptions& options,
                             Progress& progress);
 
+/// The further steps of a surface of `full_count` triangles that is proven within a deviation
+/// already.
+Decimated decimate_in_further_steps(Decimated reduced, double proven_mm, std::uint64_t full_count,
+                                    const DecimationOptions& options, Progress& progress);
+
 }  // namespace octavo

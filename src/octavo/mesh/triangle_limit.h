@@ -27,6 +27,11 @@ struct LimitedSurface {
 LimitedSurface decimate_to(const TriangleMesh& full, std::uint64_t limit,
                            const Geometry& geometry, Progress& progress);
 
+/// The same of a surface of `full_count` triangles, of which `first` is what first_step_mm of
+/// deviation left. Its deviation is what the search proves.
+LimitedSurface decimate_to(const TriangleMesh& first, std::uint64_t full_count,
+                           std::uint64_t limit, const Geometry& geometry, Progress& progress);
+
 /// The search that decimate_to makes: from half a voxel on, as far as a surface reaches.
 DeviationSearch search_to(std::uint64_t limit, const TriangleMesh& full, const Geometry& geometry);
 

@@ -14,6 +14,7 @@
 #include "octavo/core/text.h"
 #include "octavo/mesh/extraction.h"
 #include "octavo/mesh/formats/mesh_bytes.h"
+#include "octavo/mesh/layered_decimation/layered_decimation.h"
 #include "octavo/mesh/mesh_normals.h"
 #include "octavo/mesh/surface_piece.h"
 #include "octavo/ops/label/missing_labels.h"
@@ -151,23 +152,33 @@ void check_labels(const FileReader& reader, const SurfaceOptions& options,
   require_no_missing(missing, options.level, names, options.input);
 }
 
-TriangleMesh extracted(const FileReader& reader, const SurfaceField& field,
-                       const SurfaceOptions& options, const TaskContext& context) {
-  MeshCollector collector(context.max_memory_bytes);
-  const ProgressScope scope(context.watcher(), "surface",
-                            reader.levels().size(options.level).z, "planes");
+/// The surface within a deviation where it is large, else all of it.
+LayeredSurface extracted(const FileReader& reader, const SurfaceField& field,
+                         const SurfaceOptions& options, double max_deviation_mm,
+                         const TaskContext& context) {
+  const Levels& levels = reader.levels();
+  const std::int64_t plane_count = levels.size(options.level).z;
+  LayeredSurface surface;
   context.on_threads([&] {
-    extract_surface(reader, options.level, field, collector, context.watcher());
+    LayeredDecimation decimation(
+        {.max_deviation_mm = max_deviation_mm,
+         .geometry = levels.geometry(reader.description().geometry, options.level),
+         .plane_count = plane_count,
+         .max_bytes = context.max_memory_bytes},
+        context.watcher());
+    const ProgressScope scope(context.watcher(), "surface", plane_count, "planes");
+    extract_surface(reader, options.level, field, decimation, context.watcher());
+    surface = decimation.take();
   });
-  TriangleMesh mesh = collector.take();
-  if (!mesh.triangles.empty()) return mesh;
+  if (surface.is_turned) return extracted(reader, field, options, 0, context);
+  if (surface.full_triangle_count > 0) return surface;
   reject_mesh(fmt::format("has no surface: no voxel of level {} has {}", options.level,
                           inside_words(options, reader.description())),
               options.input, "");
 }
 
 /// The piece that comes nearest to a seed, which lies within a voxel of it.
-TriangleMesh piece_at_seed(const FileReader& reader, const SurfaceField& field,
+LayeredSurface piece_at_seed(const FileReader& reader, const SurfaceField& field,
                            const SurfaceOptions& options, const TaskContext& context,
                            SurfaceResult& result) {
   const Point3& seed = *options.seed;
@@ -190,7 +201,8 @@ TriangleMesh piece_at_seed(const FileReader& reader, const SurfaceField& field,
                 options.input, "seed");
   }
   result.decoded_bricks = piece->decoded_bricks;
-  return std::move(piece->mesh);
+  const std::uint64_t count = piece->mesh.triangles.size();
+  return {.mesh = std::move(piece->mesh), .full_triangle_count = count};
 }
 
 /// The smallest and the largest of each coordinate.
@@ -274,21 +286,25 @@ SurfaceResult surface(const SurfaceOptions& options, const TaskContext& context)
   }
 
   SurfaceResult result;
-  TriangleMesh mesh = options.seed ? piece_at_seed(*reader, field, options, context, result)
-                                   : extracted(*reader, field, options, context);
   const Geometry geometry = reader->levels().geometry(volume.geometry, options.level);
+  result.max_deviation_mm = deviation_mm(options.max_deviation, geometry);
+  const bool wants_grid = format == MeshFormat::glb && !options.is_plain;
+  const ExtractedReduction early = reduction_while_extracted(
+      options, geometry, reader->levels().size(options.level), wants_grid, result);
+  LayeredSurface surface =
+      options.seed ? piece_at_seed(*reader, field, options, context, result)
+                   : extracted(*reader, field, options, early.max_deviation_mm, context);
   result.volume = volume;
   result.voxel_digest = reader->voxel_digest();
-  result.full_triangle_count = mesh.triangles.size();
-  result.max_deviation_mm = deviation_mm(options.max_deviation, geometry);
+  result.full_triangle_count = surface.full_triangle_count;
   std::optional<PointGrid> grid;
-  const bool wants_grid = format == MeshFormat::glb && !options.is_plain;
   if (options.triangles) {
-    grid = reduce_mesh_to(triangle_limit(*options.triangles, mesh.triangles.size()), mesh,
+    grid = reduce_mesh_to(triangle_limit(*options.triangles, result.full_triangle_count), surface,
                           geometry, wants_grid, context, result);
   } else if (result.max_deviation_mm > 0) {
-    grid = reduce_mesh(options.method, mesh, geometry, wants_grid, context, result);
+    grid = reduce_mesh(options.method, surface, early, geometry, wants_grid, context, result);
   }
+  const TriangleMesh& mesh = surface.mesh;
   result.point_count = mesh.points.size();
   result.triangle_count = mesh.triangles.size();
   context.on_threads([&] { result.check = check_mesh(mesh); });

@@ -85,7 +85,8 @@ struct SurfaceResult {
 ///         passes within a voxel, for triangles fewer than the surface can be made of, when
 ///         options do not go together or with the volume
 /// Memory  that of extract_surface or surface_piece, 36 bytes per triangle of the surface, and as
-///         much again while it is checked; with a deviation that of decimate
+///         much again while it is checked; with fewer triangles that of LayeredDecimation, but with
+///         a seed or merged cells that of decimate
 SurfaceResult surface(const SurfaceOptions& options, const TaskContext& context);
 
 }  // namespace octavo

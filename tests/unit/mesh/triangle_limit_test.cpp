@@ -9,6 +9,7 @@
 
 #include "octavo/core/error.h"
 #include "octavo/mesh/certificate.h"
+#include "octavo/mesh/decimation_steps.h"
 #include "octavo/mesh/measured_deviation.h"
 #include "octavo/mesh/memory_surface.h"
 #include "octavo/mesh/mesh_check.h"
@@ -79,6 +80,18 @@ TEST_F(Limited, KeepsHalfAVoxelWhereThatHasFewerTriangles) {
       decimate_to(full_, full_.triangles.size(), geometry_, progress_);
   EXPECT_LE(limited.max_deviation_mm, 0.25);
   EXPECT_LT(3 * limited.mesh.triangles.size(), full_.triangles.size());
+}
+
+TEST_F(Limited, IsFoundFromWhatHalfAVoxelLeft) {
+  const TriangleMesh first = decimate(full_, {first_step_mm(geometry_), geometry_}, progress_).mesh;
+  const std::uint64_t count = full_.triangles.size();
+  for (const std::size_t limit : {first.triangles.size(), first.triangles.size() / 3}) {
+    const LimitedSurface limited = decimate_to(first, count, limit, geometry_, progress_);
+    ASSERT_TRUE(limited.is_reached);
+    EXPECT_LE(limited.mesh.triangles.size(), limit);
+    EXPECT_TRUE(is_within(full_, limited.mesh, limited.max_deviation_mm));
+    EXPECT_TRUE(is_within(limited.mesh, full_, limited.max_deviation_mm));
+  }
 }
 
 TEST_F(Limited, SaysWhatPiecesNeed) {

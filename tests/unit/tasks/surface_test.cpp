@@ -219,6 +219,33 @@ TEST_F(Surface, AnExistingFileIsReplacedOnlyWhenAsked) {
   EXPECT_NO_THROW(surface(options_, context_));
 }
 
+// More triangles than are in memory at a time: they are fewer already when all are extracted.
+TEST_F(Surface, OfManyTrianglesIsReducedWhileItIsExtracted) {
+  testing::Volume volume;
+  const Size3 size = {66, 66, 80};
+  volume.description.kind = VolumeKind::labels;
+  volume.description.size = size;
+  volume.description.type = VoxelType::uint8;
+  volume.description.metadata = Metadata::read(R"({"spacing_known":true})");
+  for (std::int64_t z = 0; z < size.z; ++z) {
+    for (std::int64_t y = 0; y < size.y; ++y) {
+      for (std::int64_t x = 0; x < size.x; ++x) {
+        volume.voxels.push_back(std::byte{(x + z / 70) % 2 == 1 && y % 2 == 1});
+      }
+    }
+  }
+  testing::build_volume(volume, folder_.file("columns.8vo"), 1);
+  options_.input = folder_.file("columns.8vo");
+  options_.isovalue.reset();
+  options_.output.path = folder_.file("m.glb");
+  options_.max_deviation = {0.7, true};
+  const SurfaceResult near = surface(options_, context_);
+  EXPECT_TRUE(near.is_written);
+  EXPECT_GT(near.full_triangle_count, 600'000u);
+  EXPECT_LT(near.triangle_count, near.full_triangle_count / 5);
+  EXPECT_DOUBLE_EQ(near.max_deviation_mm, 0.7);
+}
+
 TEST_F(Surface, IsTheSameForAnyNumberOfThreads) {
   context_.threads = 1;
   surface(options_, context_);

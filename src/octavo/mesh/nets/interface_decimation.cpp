@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "octavo/mesh/decimation.h"
+#include "octavo/mesh/quiet_progress.h"
 #include "octavo/mesh/triangle_limit.h"
 #include "octavo/mesh/triangle_tree.h"
 
@@ -20,19 +21,6 @@ namespace {
 constexpr std::uint32_t kNoNumber = 0xffffffff;
 constexpr double kCloser = 0.4;  // of the deviation of surfaces that cross others
 constexpr int kCloserRounds = 3;  // after which they stay as they are
-
-/// Passes on whether to stop, and nothing else.
-class QuietProgress final : public Progress {
- public:
-  explicit QuietProgress(const Progress& watched) : watched_(watched) {}
-  void begin(std::string_view, std::int64_t, std::string_view) override {}
-  void advance(std::int64_t) override {}
-  void end() override {}
-  bool is_cancelled() const override { return watched_.is_cancelled(); }
-
- private:
-  const Progress& watched_;
-};
 
 /// The surface between two labels.
 struct Patch {
