@@ -9,6 +9,8 @@ add_library(octavo_flags INTERFACE)
 target_compile_options(octavo_flags INTERFACE
   -Wall -Wextra $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict> -Wshadow -Wconversion -Wsign-conversion
   # -Wrestrict: GCC 12 warns of overlaps inside its own std::string.
+  # Where sizes have 32 bits, files still have 64.
+  $<$<AND:$<CXX_COMPILER_ID:Clang>,$<EQUAL:${CMAKE_SIZEOF_VOID_P},4>>:-Wno-shorten-64-to-32>
   # The model's floating-point training must give the same bytes on every machine.
   -ffp-contract=off)
 
@@ -18,10 +20,15 @@ if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64)$" AND NOT EMSCRIPTEN)
   target_compile_options(octavo_flags INTERFACE -mpopcnt)
 endif()
 
-# Hardening of everything that is optimized and carries no sanitizer, which brings its own checks.
+# Hardening of everything that is optimized and carries no sanitizer, which brings its own checks;
+# WebAssembly is a sandbox of its own.
 include(CheckPIESupported)
 check_pie_supported()
-set(octavo_hardened $<AND:$<CONFIG:Release>,$<NOT:$<BOOL:${EMSCRIPTEN}>>>)
+if(EMSCRIPTEN OR OCTAVO_BUILD_WEB)
+  set(octavo_hardened 0)
+else()
+  set(octavo_hardened $<CONFIG:Release>)
+endif()
 set(octavo_checks
   -U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=2 -D_GLIBCXX_ASSERTIONS -fstack-protector-strong)
 target_compile_options(octavo_flags INTERFACE "$<${octavo_hardened}:${octavo_checks}>")

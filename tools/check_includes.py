@@ -46,7 +46,7 @@ WITHIN = {
         "grey": {
             "entropy",
             "brick_codec.h",
-            "stored_brick.h",
+            "encoders.h", "stored_brick.h",
             "simd_level.h",
             "simd_targets.h",
             "refine_model.h",
@@ -55,7 +55,7 @@ WITHIN = {
             "entropy",
             "brick_codec.h",
             "label_bricks.h",
-            "stored_brick.h",
+            "encoders.h", "stored_brick.h",
             "simd_level.h",
             "simd_targets.h",
         },

@@ -85,7 +85,7 @@ export interface OpenOptions {
 export interface PoolOptions {
   /** Decoders at work at a time, each a worker; cores less one, at most 8, where absent. */
   readonly workers?: number;
-  /** Decoded bricks that each worker keeps at most, 48 MiB where absent. */
+  /** Decoded bricks that each worker keeps at most, 32 MiB of each volume where absent. */
   readonly cacheBytes?: number;
   /** Where octavo.wasm is, or the compiled module; beside this script where absent. */
   readonly wasm?: string | URL | WebAssembly.Module;
@@ -134,6 +134,8 @@ export interface LabelInfo {
 /** Fidelity in numbers: what a box at a level needs, and what of it is here. */
 export interface Plan {
   readonly level: number;
+  /** False while parts of bricks are not known yet: the box needs more than what follows. */
+  readonly isComplete: boolean;
   /** Coded bytes that the box needs. */
   readonly neededBytes: number;
   /** Those of them that need not be fetched any more. */

@@ -7,6 +7,7 @@
 #include <bit>
 #include <cstring>
 
+#include "octavo/codec/encoders.h"
 #include "octavo/codec/grey/grey_portable.h"
 
 namespace octavo::grey {
@@ -144,6 +145,7 @@ class EdgePasses {
  public:
   /// mark_edges
   static void mark(const Stage& stage, Workspace<Sample>& work) {
+    require_encoders();
     const auto lowest = static_cast<Int>(stage.min);
     work.edge_symbols.clear();
     EdgePasses(stage, work).for_each_row([&](CandidateRow& row, std::int64_t y, std::int64_t z) {

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <type_traits>
 
+#include "octavo/codec/encoders.h"
 #include "octavo/codec/grey/grey_stage.h"
 #include "octavo/codec/grey/octant_transform.h"
 #include "octavo/codec/grey/residual_fold.h"
@@ -330,6 +331,7 @@ struct Passes {
   }
 
   static void measure(const Parameters& p, const Stage& stage, Workspace<Sample>& work) {
+    require_encoders();
     set_sizes(stage, true, work);
     for (std::int64_t z = 0; z < stage.pairs.z; ++z) {
       for (std::int64_t y = 0; y < stage.pairs.y; ++y) features(p, stage, work, y, z);
@@ -337,6 +339,7 @@ struct Passes {
   }
 
   static void predict(const Parameters& p, const Stage& stage, Workspace<Sample>& work) {
+    require_encoders();
     set_sizes(stage, true, work);
     if (stage.pairs.voxel_count() == 0) return;
     const bool predicts_rows = Kernel::predicts_rows(p, stage);
@@ -421,16 +424,19 @@ struct Passes {
 
   static void list_symbols(const Parameters& p, const Stage& stage, Workspace<Sample>& work,
                            std::vector<Symbol>& symbols) {
+    require_encoders();
     append(stage, work, symbols, [&](auto&& take) { list_known(p, stage, work, take); });
   }
 
   static void encode(const Parameters& p, const Stage& stage, Workspace<Sample>& work,
                      std::vector<Symbol>& symbols) {
+    require_encoders();
     append(stage, work, symbols, [&](auto&& take) { encode_rows(p, stage, work, take); });
   }
 
   static void write(const Parameters& p, const Stage& stage, Workspace<Sample>& work,
                     SymbolWriter& writer) {
+    require_encoders();
     encode_rows(p, stage, work, [&](int coded, std::int64_t y, std::int64_t z) {
       write_row(stage, work, coded, y, z, writer);
     });

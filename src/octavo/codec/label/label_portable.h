@@ -5,6 +5,7 @@
 #include <bit>
 #include <string>
 
+#include "octavo/codec/encoders.h"
 #include "octavo/codec/label/label_contexts.h"
 #include "octavo/codec/label/label_octant.h"
 #include "octavo/codec/label/label_octant_votes.h"

@@ -391,6 +391,7 @@ void decode_labels(const LabelModel& model, const BrickShape& shape, const Value
 
 void encode_labels(const LabelModel& model, const BrickShape& shape, const LabelPyramid& pyramid,
                    std::vector<Bytes>& segments, LabelWork& work) {
+  require_encoders();
   Bytes bytes;
   EncodingIo io(pyramid, bytes);
   LabelWalk<EncodingIo> walk(model, {pyramid.labels.front(), pyramid.labels.back()}, io, work);
@@ -407,6 +408,7 @@ void encode_labels(const LabelModel& model, const BrickShape& shape, const Label
 
 void observe_labels(const LabelModel& model, const BrickShape& shape, const LabelPyramid& pyramid,
                     LabelObserver& observer, LabelWork& work) {
+  require_encoders();
   ObservingIo io(pyramid, observer);
   LabelWalk<ObservingIo> walk(model, {pyramid.labels.front(), pyramid.labels.back()}, io, work);
   walk.root(pyramid.labels.size() == 2);

@@ -1,0 +1,88 @@
+// The golden files, and what the library makes of every level of them.
+import { execFileSync } from "node:child_process";
+import { createHash } from "node:crypto";
+import { mkdtempSync, readdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { fileURLToPath } from "node:url";
+
+export const root = fileURLToPath(new URL("../../../", import.meta.url));
+export const goldenFolder = join(root, "tests/golden/v1");
+export const dist = join(root, "web/reader/dist");
+export const program = process.env.OCTAVO ?? join(root, "build/octavo");
+
+export const sha1 = (bytes) => createHash("sha1").update(bytes).digest("hex");
+export const goldenNames = () =>
+  readdirSync(goldenFolder).filter((name) => name.endsWith(".8vo")).sort();
+export const golden = (name) => new Uint8Array(readFileSync(join(goldenFolder, name)));
+
+export const run = (...words) =>
+  execFileSync(program, words, { encoding: "utf8", stdio: ["ignore", "pipe", "pipe"] });
+
+/** Calls `use` with a folder that is gone afterwards. */
+export async function inFolder(use) {
+  const folder = mkdtempSync(join(tmpdir(), "octavo-web-"));
+  try {
+    return await use(folder);
+  } finally {
+    rmSync(folder, { recursive: true, force: true });
+  }
+}
+
+/** A scan of noise over a ramp, larger than what a reader asks for at first: the bytes of its file. */
+export function builtScan(seed) {
+  return inFolder((folder) => {
+    const [width, height, depth] = [128, 96, 80];
+    let state = seed;
+    const voxels = Int16Array.from({ length: width * height * depth }, (_, i) => {
+      state = (state * 48271) % 2147483647;
+      return (i % width) * 4 + (state % 200) - 300;
+    });
+    writeFileSync(join(folder, "scan.raw"), voxels);
+    writeFileSync(join(folder, "scan.mhd"), [
+      "ObjectType = Image", "NDims = 3", `DimSize = ${width} ${height} ${depth}`,
+      "ElementType = MET_SHORT", "ElementSpacing = 0.5 0.5 0.5", "ElementByteOrderMSB = False",
+      "ElementDataFile = scan.raw", ""].join("\n"));
+    run("build", join(folder, "scan.mhd"), "-o", join(folder, "scan.8vo"));
+    return { bytes: new Uint8Array(readFileSync(join(folder, "scan.8vo"))), voxels };
+  });
+}
+
+const table = Uint32Array.from({ length: 256 }, (_, byte) => {
+  let value = byte;
+  for (let bit = 0; bit < 8; ++bit) value = value & 1 ? 0x82f63b78 ^ (value >>> 1) : value >>> 1;
+  return value;
+});
+
+export function crc32c(bytes) {
+  let value = ~0;
+  for (const byte of bytes) value = table[(value ^ byte) & 255] ^ (value >>> 8);
+  return ~value >>> 0;
+}
+
+/** Those of levels.txt, which tests of the library hold true: {name: [of level 0, ...]} */
+export function listedChecksums() {
+  const checksums = {};
+  for (const line of readFileSync(join(goldenFolder, "levels.txt"), "utf8").trim().split("\n")) {
+    const [name, level, value] = line.split(/\s+/);
+    (checksums[name] ??= [])[Number(level)] = Number.parseInt(value, 16);
+  }
+  return checksums;
+}
+
+/** SHA-1 as the program extracts them: {name: [of level 0, of level 1, ...]} */
+export function programDigests() {
+  return inFolder((folder) => {
+    const digests = {};
+    for (const name of goldenNames()) {
+      const path = join(goldenFolder, name);
+      const count = JSON.parse(run("info", path, "--json")).levels.length;
+      digests[name] = Array.from({ length: count }, (_, level) => {
+        const raw = join(folder, "level.raw");
+        run("extract", path, "--level", String(level), "--stored", "--force", "-o", raw);
+        return sha1(readFileSync(raw));
+      });
+    }
+    return digests;
+  });
+}

@@ -1,0 +1,4 @@
+declare module "*.8vo" {
+  const bytes: Uint8Array;
+  export default bytes;
+}

@@ -1,0 +1,9 @@
+// @octavo/reader: .8vo files in browsers and Node.js.
+import type { CreatePool } from "./api.js";
+import { WorkerPool } from "./decode/pool.js";
+
+export type * from "./api.js";
+export { OctavoError } from "./errors.js";
+export { open } from "./volume/opening.js";
+
+export const createPool: CreatePool = (options) => WorkerPool.create(options);

@@ -1,0 +1,241 @@
+// Where the bytes of a source come from: a URL, a File, memory.
+//
+// Of a URL only plain ranges are asked for, `bytes=a-b`: anything else makes a browser ask another
+// origin for leave first, which most static hosts do not answer.
+import type { Source } from "../api.js";
+import { OctavoError } from "../errors.js";
+
+/** How a fetcher answers: more than was asked for where a host ignores ranges. */
+export interface FetchedBytes {
+  readonly bytes: Uint8Array;
+  /** Length of the whole file, where the host tells. */
+  readonly total?: number;
+  /** `bytes` is the whole file. */
+  readonly isWhole?: boolean;
+}
+
+export interface Fetcher {
+  readonly name: string;
+  /** Of bytes at hand. */
+  readonly size?: number;
+  /** fresh  past all caches on the way */
+  fetchBytes(offset: number, length: number, signal: AbortSignal, fresh: boolean):
+    Promise<FetchedBytes>;
+}
+
+/** A failure that may be over in a moment. */
+export class Unsettled extends Error {
+  constructor(message: string, readonly waitMs: number = 0) {
+    super(message);
+  }
+}
+
+export interface FetchSettings {
+  readonly name?: string;
+  readonly wholeFileBytes: number;
+  readonly credentials: RequestCredentials;
+}
+
+/** Without a byte for so long a request is given up. */
+const stallMs = 30_000;
+
+const megabytes = (bytes: number): string => `${(bytes / 1e6).toFixed(bytes < 1e7 ? 1 : 0)} MB`;
+
+/** The last part of a URL, for messages. */
+function nameOfUrl(url: string): string {
+  const path = url.replace(/[?#].*$/s, "");
+  const last = path.slice(path.lastIndexOf("/") + 1) || url;
+  try {
+    return decodeURIComponent(last);
+  } catch {
+    return last;
+  }
+}
+
+class UrlFetcher implements Fetcher {
+  readonly name: string;
+
+  constructor(readonly url: string, readonly settings: FetchSettings) {
+    this.name = settings.name ?? nameOfUrl(url);
+  }
+
+  async fetchBytes(
+    offset: number, length: number, signal: AbortSignal, fresh: boolean): Promise<FetchedBytes> {
+    const stalled = new AbortController();
+    const watch = new Watch(stalled);
+    try {
+      const response = await this.ask(offset, length, AbortSignal.any
+        ? AbortSignal.any([signal, stalled.signal]) : chained(signal, stalled), fresh);
+      if (response.status === 200) return await this.readWhole(response, watch);
+      const range = /^bytes (\d+)-\d+\/(\d+)$/.exec(response.headers.get("Content-Range") ?? "");
+      if (range && Number(range[1]) !== offset) {
+        throw new OctavoError("io", `${this.name}: the server sent other bytes than asked for`);
+      }
+      const bytes = await readBody(response, length, watch);
+      if (bytes.length > length) {
+        throw new OctavoError("io", `${this.name}: the server sent more bytes than asked for`);
+      }
+      const total = range ? Number(range[2]) : undefined;
+      if (total !== undefined && bytes.length < Math.min(length, total - offset)) {
+        throw new Unsettled("the connection ended early");
+      }
+      return { bytes, ...(total === undefined ? {} : { total }) };
+    } catch (cause) {
+      if (signal.aborted || cause instanceof OctavoError || cause instanceof Unsettled) throw cause;
+      if (stalled.signal.aborted) throw new Unsettled("the server stopped answering");
+      throw new Unsettled(
+        "the server cannot be reached, or does not let pages of other sites read it (CORS)");
+    } finally {
+      watch.end();
+    }
+  }
+
+  private async ask(
+    offset: number, length: number, signal: AbortSignal, fresh: boolean): Promise<Response> {
+    const response = await fetch(this.url, {
+      headers: { Range: `bytes=${offset}-${offset + length - 1}` },
+      signal,
+      credentials: this.settings.credentials,
+      ...(fresh ? { cache: "reload" as const } : {}),
+    });
+    const { status } = response;
+    if (status === 206 || status === 200) return response;
+    void response.body?.cancel();
+    if (status === 416) {
+      throw new OctavoError("truncated", `${this.name}: ends before byte ${offset}`);
+    }
+    const text = `the server answered ${status} ${response.statusText}`.trim();
+    if (status >= 500 || status === 429 || status === 408) {
+      const wait = Number(response.headers.get("Retry-After"));
+      throw new Unsettled(text, Number.isFinite(wait) ? Math.min(wait, 30) * 1000 : 0);
+    }
+    throw new OctavoError("io", `${this.name}: ${text}`);
+  }
+
+  /** The host sends all of the file whatever is asked for. */
+  private async readWhole(response: Response, watch: Watch): Promise<FetchedBytes> {
+    const most = this.settings.wholeFileBytes;
+    // Of a compressed answer the length is another one.
+    const length = response.headers.has("Content-Encoding")
+      ? NaN : Number(response.headers.get("Content-Length") ?? NaN);
+    const tooLarge = () => new OctavoError("no_ranges",
+      `${this.name}: this server ignores ranges and sends the whole file each time; ` +
+      `files above ${megabytes(most)} need a server that answers them, such as nginx or caddy`);
+    if (length > most) {
+      void response.body?.cancel();
+      throw tooLarge();
+    }
+    const bytes = await readBody(response, most, watch);
+    if (bytes.length > most) throw tooLarge();
+    if (bytes.length < length) throw new Unsettled("the connection ended early");
+    return { bytes, total: bytes.length, isWhole: true };
+  }
+}
+
+/** AbortSignal.any for browsers that lack it. */
+function chained(signal: AbortSignal, controller: AbortController): AbortSignal {
+  if (signal.aborted) controller.abort(signal.reason);
+  signal.addEventListener("abort", () => controller.abort(signal.reason), { once: true });
+  return controller.signal;
+}
+
+/** Aborts what brings no byte for too long. */
+class Watch {
+  private timer: ReturnType<typeof setTimeout>;
+
+  constructor(private readonly controller: AbortController) {
+    this.timer = this.start();
+  }
+
+  restart(): void {
+    clearTimeout(this.timer);
+    this.timer = this.start();
+  }
+
+  end(): void {
+    clearTimeout(this.timer);
+  }
+
+  private start(): ReturnType<typeof setTimeout> {
+    return setTimeout(() => this.controller.abort(), stallMs);
+  }
+}
+
+/** The bytes of an answer; a few more than `most` where there are more. */
+async function readBody(
+  response: Response, most: number, watch: Watch): Promise<Uint8Array<ArrayBuffer>> {
+  const reader = response.body?.getReader();
+  if (!reader) return new Uint8Array(await response.arrayBuffer());
+  const parts: Uint8Array[] = [];
+  let count = 0;
+  for (;;) {
+    const { done, value } = await reader.read();
+    if (done) break;
+    watch.restart();
+    parts.push(value);
+    count += value.length;
+    if (count > most) {
+      void reader.cancel();
+      break;
+    }
+  }
+  const bytes = new Uint8Array(count);
+  let at = 0;
+  for (const part of parts) {
+    bytes.set(part, at);
+    at += part.length;
+  }
+  return bytes;
+}
+
+class BlobFetcher implements Fetcher {
+  readonly name: string;
+  readonly size: number;
+
+  constructor(private readonly blob: Blob, name?: string) {
+    this.name = name ?? ("name" in blob ? String(blob.name) : "file");
+    this.size = blob.size;
+  }
+
+  async fetchBytes(offset: number, length: number): Promise<FetchedBytes> {
+    try {
+      const part = this.blob.slice(offset, offset + length);
+      return { bytes: new Uint8Array(await part.arrayBuffer()), total: this.size };
+    } catch (cause) {
+      throw new OctavoError("io",
+        `${this.name}: cannot be read any more; was it changed or moved?`, { cause });
+    }
+  }
+}
+
+class MemoryFetcher implements Fetcher {
+  readonly size: number;
+
+  constructor(private readonly bytes: Uint8Array, readonly name: string) {
+    this.size = bytes.length;
+  }
+
+  fetchBytes(offset: number, length: number): Promise<FetchedBytes> {
+    return Promise.resolve({
+      bytes: this.bytes.slice(offset, offset + length), total: this.size });
+  }
+}
+
+export function fetcherOf(source: Source, settings: FetchSettings): Fetcher {
+  if (typeof source === "string") {
+    const base = (globalThis as { document?: { baseURI: string } }).document?.baseURI
+      ?? (globalThis as { location?: { href: string } }).location?.href;
+    return new UrlFetcher(new URL(source, base).href, settings);
+  }
+  if (source instanceof URL) return new UrlFetcher(source.href, settings);
+  if (source instanceof Blob) return new BlobFetcher(source, settings.name);
+  if (source instanceof ArrayBuffer) {
+    return new MemoryFetcher(new Uint8Array(source), settings.name ?? "bytes");
+  }
+  if (source instanceof Uint8Array) return new MemoryFetcher(source, settings.name ?? "bytes");
+  return {
+    name: settings.name ?? source.name,
+    fetchBytes: async (offset, length, signal) =>
+      ({ bytes: await source.fetchBytes(offset, length, signal) }),
+  };
+}
