@@ -27,7 +27,9 @@ constexpr VerbText kPlanText = {
     "are then made by octavo part, in any order, on any number of machines, and octavo join makes\n"
     "the file of them: byte for byte the one of octavo build with the same options.\n\n"
     "The plan keeps the length and the time of every file of the source. A part is rejected where\n"
-    "one of its files was changed since.\n\n"
+    "one of its files was changed since. Copies that did not keep their times are taken with\n"
+    "--check content: the plan reads all files once, a part its own ones once more, and their\n"
+    "bytes tell. That is for slices in files of their own.\n\n"
     "Where --max-memory holds no group, parts are made in bands of bricks, as by octavo build:\n"
     "give octavo part the same limit. The bytes are those without it.\n\n"
     "A part has whole groups of slices. --parts says how many parts there are, at most as many as\n"
@@ -62,6 +64,7 @@ struct PlanArguments {
   std::string part_size;
   std::optional<std::int64_t> bands;
   std::string source_root;
+  std::string check = "times";
 };
 
 /// A source, or a verb behind two dashes.
@@ -88,6 +91,7 @@ PlanScanOptions options_of(const PlanArguments& arguments, const Context& contex
   if (!arguments.part_size.empty()) options.part_bytes = parse_bytes(arguments.part_size);
   options.bands = arguments.bands;
   options.source_root = arguments.source_root;
+  options.check = arguments.check == "content" ? FileCheck::content : FileCheck::times;
   return options;
 }
 
@@ -174,6 +178,11 @@ void add_plan(CLI::App& app, Context& context) {
   verb.add_option("--source-root", arguments->source_root,
                   "Where relative paths of the plan begin; default: at its folder")
       ->type_name("FOLDER");
+  verb.add_option("--check", arguments->check,
+                  "What tells that a file was changed: its length and time, or all its bytes")
+      ->type_name("HOW")
+      ->check(one_of({"times", "content"}))
+      ->capture_default_str();
 }
 
 }  // namespace octavo::cli

@@ -92,6 +92,9 @@ constexpr Advice kAdvice[] = {
     {kAny, "parts.anew", "", "octavo part --force does"},
     {kUsage, "parts.plan", "", "--force replaces it, another folder (-o) keeps both"},
     {kUsage, "parts.which", "", "give --part I"},
+    {kUsage, "check", "", "leave out --check"},
+    {kSource, "source.times", "", "of copies that lost their times octavo plan --check content "
+                                  "compares the bytes"},
 
     // --- Masks, labels and grids
     {kAny, "between", "", "leave the method, or give --grey if these are measured values"},

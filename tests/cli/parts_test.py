@@ -441,6 +441,30 @@ class Rejected(InParts):
         self.assertIn("scan.raw: was changed after the build was planned", said.stderr)
         self.assertNotIn("scan.part-0001-of-0003", self.files())
 
+    def test_copies_that_lost_their_times_are_taken_by_their_bytes(self):
+        slices = self.folder / "slices"
+        slices.mkdir()
+        for z in range(4):
+            (slices / f"s{z}.raw").write_bytes(bytes(range(z, z + 64)))
+        stack = ("slices", "--raw", "8,8,4,uint8", "--spacing", "1", "-q")
+        self.expect(0, "build", *stack, "-o", "b.8vo")
+        for check in ("times", "content"):
+            self.expect(0, "plan", *stack, "--check", check, "-o", f"{check}.plan")
+        for path in slices.iterdir():
+            os.utime(path, (5, 5))
+        said = self.expect(7, "part", "times.plan", "-o", "stack", "--part", "0")
+        self.assertIn("octavo plan --check content", said.stderr)
+        self.expect(0, "part", "content.plan", "-o", "stack", "--part", "0")
+        self.expect(0, "join", "content.plan", "stack", "-o", "c.8vo")
+        self.assertEqual(self.bytes_of("c.8vo"), self.bytes_of("b.8vo"))
+        (slices / "s2.raw").write_bytes(bytes(64))
+        said = self.expect(7, "part", "content.plan", "-o", "stack", "--part", "0", "-f")
+        self.assertIn("s2.raw: was changed after the build was planned (64 bytes", said.stderr)
+        for source in (self.raw, ("--", "threshold", "b.8vo", "--range", "3:")):
+            said = self.expect(2, "plan", "--check", "content", "-o", "other.plan", *source)
+            self.assertIn("every part would read all; leave out --check", said.stderr)
+        self.assertNotIn("other.plan", self.files())
+
     def test_a_source_that_is_gone_is_not_the_planned_one(self):
         (self.folder / "scan.raw").unlink()
         said = self.part(7, "--part", "1")

@@ -105,8 +105,7 @@ void build_band(const BuildPlan& plan, PlaneSource& source, const PartPlace& pla
   const std::int64_t group = place.first_group;
   const std::int64_t first_plane = first_plane_of(plan, group);
   const std::int64_t end_plane = first_plane_of(plan, group + 1);
-  const std::vector<SourceStamp> files = files_of(plan, source, first_plane, end_plane);
-  require_unchanged(files);
+  const UnchangedFiles files(files_of(plan, source, first_plane, end_plane), progress);
   require_planned(plan, source.description());
   require_bands(plan, source);
 
@@ -150,7 +149,7 @@ void build_band(const BuildPlan& plan, PlaneSource& source, const PartPlace& pla
   writer.end_band(block.crc, bands->share_digests());
   writer.set_clipped(clipped_of(outline, work.on_clipped));
   // What was changed while it was read is in no part.
-  require_unchanged(files);
+  files.require_still();
   writer.finish();
 }
 

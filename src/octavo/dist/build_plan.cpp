@@ -91,6 +91,7 @@ std::uint64_t id_of(const BuildPlan& plan) {
     ByteWriter stamp(bytes);
     stamp.put_signed(file.bytes);
     stamp.put_signed(file.written_ns);
+    if (file.crc) stamp.put_u32(*file.crc);
   }
   return load_little_endian<std::uint64_t>(sha256(bytes).data());
 }
@@ -116,11 +117,19 @@ void require_codec(const BuildPlan& plan) {
 
 BuildPlan plan_build(PlaneSource& source, const BuildOptions& options, Progress& progress,
                      const std::vector<std::string>& files,
-                     const std::optional<SliceStack>& stack) {
+                     const std::optional<SliceStack>& stack, FileCheck check) {
   const int threads = build_threads(options.threads);
   const std::uint64_t band_bytes = band_bytes_of(source, options, threads);
   BuildPlan plan;
-  plan.files = stamps_of(files);  // before any plane is read
+  if (check == FileCheck::content && source.files().of_plane.empty()) {
+    throw Error(ErrorKind::invalid_argument,
+                "the content of slices in files of their own is compared; of this source every "
+                "part would read all")
+        .with_field("check");
+  }
+  // Before any plane is read
+  const UnchangedFiles unchanged(files);
+  plan.files = stamps_of(files, check, progress);
   BuildOutline outline = outline_build(source.description(), options);
   const std::int64_t first_planes = group_planes(outline.levels, source.description().type);
   const ProgressScope scope(progress, "plan", first_planes, "planes");
@@ -153,7 +162,7 @@ BuildPlan plan_build(PlaneSource& source, const BuildOptions& options, Progress&
     plan.content_hash = content_hash_of(group);
     plan.first_model = trainer.train(group).serialized;
   }
-  require_unchanged(plan.files);
+  unchanged.require_still();
   plan.id = id_of(plan);
   return plan;
 }

@@ -58,12 +58,16 @@ struct BuildPlan {
 /// files   that the source reads (PlaneSource::files): who works by the plan proves that none was
 ///         changed since. None for voxels that stand in no file
 /// stack   slice_stack_of what `source` was made of, where its paths are those of `files`
-/// Throws  as build_file and stamps_of; Error{source_rejected} for a file that changes meanwhile
+/// check   what tells of a change; their content only where each plane tells its files: who works
+///         by the plan reads those of its planes, and no others
+/// Throws  as build_file and stamps_of; Error{source_rejected} for a file that changes meanwhile;
+///         Error{invalid_argument} where no plane tells its files
 /// Memory  the bricks that are trained on, where integers stay as they are and the source seeks;
 ///         else as build_file
 BuildPlan plan_build(PlaneSource& source, const BuildOptions& options, Progress& progress,
                      const std::vector<std::string>& files = {},
-                     const std::optional<SliceStack>& stack = std::nullopt);
+                     const std::optional<SliceStack>& stack = std::nullopt,
+                     FileCheck check = FileCheck::times);
 
 /// Proves that a plan has the groups that this program would make.
 /// Throws Error{invalid_argument}, Error{limit_exceeded}

@@ -198,9 +198,8 @@ void build_part(const BuildPlan& plan, PlaneSource& source, std::int64_t first_g
   if (source.description().size != plan.source.size) require_planned(plan, source.description());
   const std::int64_t first_plane = first_plane_of(plan, first_group);
   const std::int64_t end_plane = first_plane_of(plan, end_group);
-  const std::vector<SourceStamp> files = files_of(plan, source, first_plane, end_plane);
   // Which file was changed says more than what is other than planned
-  require_unchanged(files);
+  const UnchangedFiles files(files_of(plan, source, first_plane, end_plane), progress);
   require_planned(plan, source.description());
   const int threads = build_threads(work.threads);
   BuildOptions limited = plan.options;
@@ -224,7 +223,7 @@ void build_part(const BuildPlan& plan, PlaneSource& source, std::int64_t first_g
   else encode_groups(groups, first_group, end_group);
   writer.set_clipped(clipped_of(outline, work.on_clipped));
   // What was changed while it was read is in no part.
-  require_unchanged(files);
+  files.require_still();
   writer.finish();
 }
 

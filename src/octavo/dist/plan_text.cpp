@@ -320,6 +320,9 @@ void take_name(std::string_view line, BuildPlan& plan) {
     *number = *in.integer();
     in.next();
   }
+  if (in.token() == JsonToken::integer && in.integer()) {
+    stamp.crc = static_cast<std::uint32_t>(within(*in.integer(), 0, 0xffffffff));
+  }
   plan.files.push_back(std::move(stamp));
 }
 
@@ -330,7 +333,9 @@ std::string plan_text(const BuildPlan& plan) {
   for (const std::string& input : plan.inputs) text += "[" + json_text(input) + "]\n";
   for (const SourceStamp& file : plan.files) {
     text += "[" + json_text(file.path) + "," + json_text(file.bytes) + "," +
-            json_text(file.written_ns) + "]\n";
+            json_text(file.written_ns);
+    if (file.crc) text += "," + json_text(static_cast<std::int64_t>(*file.crc));
+    text += "]\n";
   }
   return text;
 }

@@ -165,8 +165,7 @@ BuildResult build(const BuildPlan& plan, PlaneSource& source, Communicator& rank
                                     options.discards_interrupted);
   result.resumed_planes = first_plane_of(plan, files.first_group);
 
-  const std::vector<SourceStamp> files_read = own_files(plan, source, ranks, files.first_group);
-  require_unchanged(files_read);
+  const UnchangedFiles files_read(own_files(plan, source, ranks, files.first_group), progress);
 
   // Round by round, then what stands above all groups
   const std::int64_t own_groups =
@@ -184,7 +183,7 @@ BuildResult build(const BuildPlan& plan, PlaneSource& source, Communicator& rank
   }
   const ClippedVoxels clipped = clipped_of(outline, options.work.on_clipped);
   // What was changed while it was read is in no file.
-  require_unchanged(files_read);
+  files_read.require_still();
   groups.merge(files.groups);
   for (const auto& [number, placed] : groups) share.top_codes += placed.group.parents.size();
   share.units = groups.size();

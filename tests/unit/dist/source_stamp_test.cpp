@@ -19,7 +19,8 @@ void write(const std::string& path, const std::string& bytes) {
 
 std::string failure_of(const std::vector<SourceStamp>& stamps, ErrorKind kind) {
   try {
-    require_unchanged(stamps);
+    NoProgress progress;
+    UnchangedFiles(stamps, progress).require_still();
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), kind) << error.what();
     return error.what();
@@ -54,6 +55,36 @@ TEST(SourceStamp, AChangeIsSeenByItsLengthAndByItsTime) {
   std::filesystem::remove(a);
   EXPECT_NE(failure_of(stamps, ErrorKind::io).find(a), std::string::npos);
   EXPECT_THROW(stamps_of({a}), Error);
+}
+
+TEST(SourceStamp, AChangeOfContentIsSeenWhateverTheTimesAre) {
+  const ScratchFolder folder;
+  const std::string a = folder.file("a");
+  const std::string bytes((std::size_t{1} << 20) + 7, 'a');  // more than is read at once
+  write(a, bytes);
+  NoProgress progress;
+  const auto stamps = stamps_of({a}, FileCheck::content, progress);
+  EXPECT_EQ(stamps[0].written_ns, 0);
+  const auto time = std::filesystem::last_write_time(a);
+  std::filesystem::last_write_time(a, time - std::chrono::hours(5));
+  EXPECT_EQ(failure_of(stamps, ErrorKind::internal), "") << "a copy that lost its time";
+  for (const std::size_t changed : {std::size_t{0}, bytes.size() - 1}) {
+    std::string other = bytes;
+    other[changed] = 'b';
+    write(a, other);
+    std::filesystem::last_write_time(a, time);
+    const std::string failure = failure_of(stamps, ErrorKind::source_rejected);
+    EXPECT_NE(failure.find("of another checksum"), std::string::npos) << failure;
+  }
+  write(a, bytes + "b");
+  const std::string longer = failure_of(stamps, ErrorKind::source_rejected);
+  EXPECT_NE(longer.find("1048584 now"), std::string::npos) << longer;
+  // Whoever reads on looks at the times alone.
+  write(a, bytes);
+  const UnchangedFiles files(stamps, progress);
+  files.require_still();
+  std::filesystem::last_write_time(a, time + std::chrono::hours(1));
+  EXPECT_THROW(files.require_still(), Error);
 }
 
 }  // namespace

@@ -140,7 +140,7 @@ BuildPlan plan_in_memory(const PlanScanOptions& options, const TaskContext& cont
                           {opened.build.threads, opened.build.max_memory_bytes});
     }
     BuildPlan plan = plan_build(*opened.planes, opened.build, context.watcher(),
-                                opened.files, opened.stack);
+                                opened.files, opened.stack, options.check);
     if (has_bands) {
       plan.bands = std::min(*options.bands, layer_bricks_of(plan));
       require_bands(plan, *opened.planes);

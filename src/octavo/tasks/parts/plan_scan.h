@@ -21,6 +21,7 @@ struct PlanScanOptions {
   std::optional<std::int64_t> parts = {};        ///< so many at most; no more than there are groups
   std::optional<std::uint64_t> part_bytes = {};  ///< in place of that: voxels of a part, at most
   std::optional<std::int64_t> bands = {};  ///< in place of both: so many parts share each group
+  FileCheck check = FileCheck::times;  ///< what tells that a file of the source was changed
   bool is_for_ranks = false;  ///< ranks work by the plan, which need room for whole groups
   std::string source_root = {};                  ///< as write_plan
 };
