@@ -143,20 +143,31 @@ class SharedGroups(parts_test.InParts):
         self.assertEqual(self.bytes_of("killed/scan.part-0002-of-0006"),
                          self.bytes_of(self.name(2)))
 
-    def test_floats_that_only_level_0_holds_are_told_once_a_group(self):
+    def test_floats_that_only_level_0_holds_are_told_once_of_each_file(self):
         numbers = random.Random(1)
         row = array.array("f", (numbers.gauss(0, 1) for _ in range(512))).tobytes()
         far = array.array("f", [1e30] * 3).tobytes() + row[12:]
         plane = row * 256
-        (self.folder / "far.raw").write_bytes(plane * 40 + far + row * 255 + plane * 23)
-        words = ("far.raw", "--raw", "512,256,64,float32", "--spacing", "1", "--preset", "fast")
+        (self.folder / "far.raw").write_bytes(
+            (plane * 40 + far + row * 255 + plane * 23) * 2)  # in both groups
+        words = ("far.raw", "--raw", "512,256,128,float32", "--spacing", "1", "--preset", "fast")
         whole = self.expect(0, "build", *words, "-o", "far.8vo", "--progress", "none").stderr
         parted = self.expect(0, "build", *words, "--bands", "4", "-o", "parted.8vo", "--progress",
                              "none").stderr
         told = re.compile(r"(\d+) voxels lie beyond what coarse levels hold")
         self.assertEqual(len(told.findall(whole)), 1, whole)
         self.assertEqual(told.findall(parted), told.findall(whole), parted)
+        self.assertIn(": warning: parted.8vo: 6 voxels lie", parted)
         self.assertEqual(self.bytes_of("parted.8vo"), self.bytes_of("far.8vo"))
+        # Each part says what it holds, each join what the file holds.
+        self.expect(0, "plan", *words, "--parts", "2", "-o", "far.plan", "-q")
+        said = self.expect(0, "part", "far.plan", "--parts", "0-1", "-o", "far", "-q").stderr
+        self.assertEqual(told.findall(said), ["3", "3"], said)
+        self.expect(7, "join", "far.plan", "far", "-o", "strict.8vo", "--strict", "-q")
+        self.assertNotIn("strict.8vo", self.files())
+        for how in ((), ("--consume",)):
+            said = self.expect(0, "join", "far.plan", "far", "-o", "joined.8vo", "-fq", *how).stderr
+            self.assertIn("joined.8vo: 6 voxels lie", said)
 
     def test_parts_in_two_folders_are_not_called_missing(self):
         (self.folder / "more").mkdir()

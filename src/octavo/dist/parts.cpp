@@ -287,6 +287,7 @@ BuildResult lay_out_parts(const BuildPlan& plan, std::vector<std::shared_ptr<Par
     // Each band of a group counts those of the whole group.
     if (part->place().first_brick == 0) add_clipped(part->clipped(), result.clipped);
   }
+  if (result.clipped.count > 0 && work.on_clipped) work.on_clipped(result.clipped);
   const FileHeader header = header_of(plan, outline);
   writing.runs = runs_of(parts, header, levels);
 

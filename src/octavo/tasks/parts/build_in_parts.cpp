@@ -126,7 +126,8 @@ std::map<std::int64_t, std::string> make_all_parts(const BuildPlan& plan, const 
   const auto work = [&] {
     for (std::int64_t part = next++; part < plan.part_count && !has_failed; part = next++) {
       try {
-        make_part(plan, part, paths.at(part), context.thread_count(), {}, own);
+        // Clipped floats are those of the file: the join counts them.
+        make_part(plan, part, paths.at(part), context.thread_count(), {}, {}, own);
       } catch (...) {
         const std::lock_guard lock(mutex);
         if (!has_failed.exchange(true)) failure = std::current_exception();

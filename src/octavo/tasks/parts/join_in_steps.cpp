@@ -50,7 +50,7 @@ JoinLayout laid_out(const BuildPlan& plan, const JoinOptions& options, const Tas
     parts.push_back(open_part(plan, part, file));
   }
   return lay_out_join(plan, parts, local_storage(), path, options.output.overwrite,
-                      {context.threads, context.max_memory_bytes}, context.watcher());
+                      join_work(options.output, context), context.watcher());
 }
 
 std::vector<std::int64_t> numbers_to_copy(const JoinStepOptions& options, const BuildPlan& plan,

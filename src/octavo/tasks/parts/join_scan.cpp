@@ -11,9 +11,9 @@
 #include "octavo/core/text.h"
 #include "octavo/dist/banded_group.h"
 #include "octavo/dist/join_steps.h"
-#include "octavo/dist/parts.h"
 #include "octavo/file/storage/storage.h"
 #include "octavo/tasks/inputs.h"
+#include "octavo/tasks/outputs.h"
 #include "octavo/tasks/parts/part_numbers.h"
 #include "octavo/tasks/parts/part_places.h"
 #include "octavo/tasks/parts/plan_file.h"
@@ -81,8 +81,7 @@ BuiltVolume consume_planned(const BuildPlan& plan,
   }
   build.file_bytes =
       consume_parts(plan, paths, local_storage(), output.path, output.overwrite,
-                    {context.threads, context.max_memory_bytes}, context.watcher(),
-                    &build.clipped);
+                    join_work(output, context), context.watcher(), &build.clipped);
   const auto file = open_volume(output.path, context);
   const std::optional<CodingNote>& coding = file->description().metadata.facts().coding;
   build.raw_bytes = plane_bytes(plan.source) * static_cast<std::uint64_t>(plan.source.size.z);
@@ -134,6 +133,10 @@ void require_joined_name(const Output& output) {
   require_free(output);
 }
 
+PartWork join_work(const Output& output, const TaskContext& context) {
+  return {context.threads, context.max_memory_bytes, clipped_listener(output.path, context)};
+}
+
 std::string MissingParts::list() const {
   std::vector<std::int64_t> numbers;
   for (const MissingPart& part : missing) numbers.push_back(part.number);
@@ -149,7 +152,7 @@ BuiltVolume join_planned(const BuildPlan& plan, const std::map<std::int64_t, std
   }
   BuiltVolume joined{plan.source, plan.options.kind, {}};
   joined.build = join_parts(plan, std::move(parts), local_storage(), output.path, output.overwrite,
-                            {context.threads, context.max_memory_bytes}, context.watcher());
+                            join_work(output, context), context.watcher());
   discard_steps(plan, local_storage(), output.path);
   return joined;
 }

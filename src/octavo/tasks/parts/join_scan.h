@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "octavo/dist/build_plan.h"
+#include "octavo/dist/parts.h"
 #include "octavo/tasks/build_planes.h"
 
 namespace octavo {
@@ -33,6 +34,10 @@ BuiltVolume join_planned(const BuildPlan& plan, const std::map<std::int64_t, std
 
 /// Throws Error{invalid_argument} for a name that does not end in .8vo; as require_free
 void require_joined_name(const Output& output);
+
+/// How the parts of `output` are joined: clipped floats of all of them are a warning before the
+/// file stands.
+PartWork join_work(const Output& output, const TaskContext& context);
 
 /// A part that is not there, or that no join takes.
 struct MissingPart {

@@ -75,7 +75,8 @@ Error about_planned(const Error& error, const BuildPlan& plan) {
 }  // namespace
 
 MadePart make_part(const BuildPlan& plan, std::int64_t part, const std::string& path,
-                   int threads_of_all, const WorkParser& parser, const TaskContext& context) {
+                   int threads_of_all, const ClippedListener& on_clipped,
+                   const WorkParser& parser, const TaskContext& context) {
   const PartPlace place = place_of(plan, part);
   try {
     const auto source = open_planned(plan, first_plane_of(plan, place.first_group),
@@ -83,7 +84,7 @@ MadePart make_part(const BuildPlan& plan, std::int64_t part, const std::string& 
     // Each band of a group counts the floats of all of it; one of them is enough to say so.
     const bool is_first = place.first_brick == 0;
     const PartWork work = {context.threads, context.max_memory_bytes,
-                           is_first ? clipped_listener(path, context) : ClippedListener{},
+                           is_first ? on_clipped : ClippedListener{},
                            threads_of_all};
     if (place.is_band()) {
       build_band(plan, *source, place, local_storage(), path, work, context.watcher());
@@ -112,7 +113,8 @@ MakePartsResult make_parts(const MakePartsOptions& options, const TaskContext& c
     if (!options.overwrite && is_kept(plan, part, path, context)) {
       result.parts.push_back({part, path, local_storage().open_read(path)->size(), true});
     } else {
-      result.parts.push_back(make_part(plan, part, path, 0, options.parser, context));
+      result.parts.push_back(make_part(plan, part, path, 0, clipped_listener(path, context),
+                                       options.parser, context));
     }
   }
   return result;

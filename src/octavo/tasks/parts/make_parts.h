@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "octavo/builder/exact_coding.h"
 #include "octavo/dist/build_plan.h"
 #include "octavo/tasks/parts/computed_planes.h"
 #include "octavo/tasks/parts/part_numbers.h"
@@ -44,8 +45,9 @@ struct MakePartsResult {
 /// Memory  as build_part
 MakePartsResult make_parts(const MakePartsOptions& options, const TaskContext& context);
 
-/// One of them, for a plan that was read. threads_of_all: as PartWork
+/// One of them, for a plan that was read. threads_of_all, on_clipped: as PartWork
 MadePart make_part(const BuildPlan& plan, std::int64_t part, const std::string& path,
-                   int threads_of_all, const WorkParser& parser, const TaskContext& context);
+                   int threads_of_all, const ClippedListener& on_clipped,
+                   const WorkParser& parser, const TaskContext& context);
 
 }  // namespace octavo
