@@ -1,0 +1,65 @@
+// Builds the page: node build.mjs [--out FOLDER] [--tests]
+//
+//   dist/        index.html, style.css, viewer.js, and what the reader brings: worker and wasm
+//   build/test/  with --tests: the tests as scripts that node runs
+import { build } from "esbuild";
+import { cp, mkdir, readdir, rm } from "node:fs/promises";
+import { dirname, join, resolve } from "node:path";
+import { fileURLToPath } from "node:url";
+
+const here = dirname(fileURLToPath(import.meta.url));
+const argument = (name) => {
+  const at = process.argv.indexOf(name);
+  return at < 0 ? undefined : process.argv[at + 1];
+};
+const out = resolve(here, argument("--out") ?? "dist");
+
+const common = {
+  bundle: true,
+  format: "esm",
+  target: "es2022",
+  logLevel: "warning",
+  // What the reader asks of Node.js, and the tiny volume that it warms its workers with.
+  external: ["node:*"],
+  loader: { ".8vo": "binary" },
+  absWorkingDir: here,
+};
+
+async function page(entry, to) {
+  await mkdir(to, { recursive: true });
+  await build({
+    ...common,
+    entryPoints: { viewer: entry },
+    outdir: to,
+    minify: true,
+    legalComments: "none",
+    alias: { "@octavo/reader": resolve(here, "../reader/src/index.ts") },
+  });
+  for (const name of ["index.html", "style.css", "HOSTING.md"])
+    await cp(join(here, name), join(to, name));
+}
+
+async function tests() {
+  const to = join(here, "build/test");
+  await rm(to, { recursive: true, force: true });
+  const names = (await readdir(join(here, "test"), { recursive: true })).filter((name) =>
+    name.endsWith(".test.ts"),
+  );
+  await build({
+    ...common,
+    platform: "node",
+    entryPoints: names.map((name) => join(here, "test", name)),
+    outdir: to,
+    outExtension: { ".js": ".mjs" },
+  });
+  await page(join(here, "test/made_up_page.ts"), join(here, "build/made_up"));
+}
+
+if (process.argv.includes("--tests")) {
+  await tests();
+} else {
+  await page(join(here, "src/main.ts"), out);
+  for (const name of ["worker.js", "octavo.wasm"]) {
+    await cp(join(here, "../reader/dist", name), join(out, name));
+  }
+}

@@ -1,0 +1,17 @@
+// The page: a viewer over `@octavo/reader`.
+import { open } from "@octavo/reader";
+import { OctavoVolume, asFailure } from "./reader/octavo_volume.js";
+import { App } from "./ui/app.js";
+import { startTheme } from "./ui/theme.js";
+
+startTheme();
+const app = new App(async (source) => {
+  try {
+    return new OctavoVolume(await open(source));
+  } catch (error) {
+    throw asFailure(error);
+  }
+});
+// For scripts that drive the page, and for tests.
+(globalThis as { octavo?: App }).octavo = app;
+void app.start(location.search);

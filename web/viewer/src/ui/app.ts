@@ -1,0 +1,361 @@
+// The viewer: opens volumes, joins panels and settings to the state, and says how true the picture
+// is.
+import { AXES, type Traffic, type Volume } from "../reader/volume.js";
+import { type Permalink, parsePermalink, permalinkText } from "../store/permalink.js";
+import { type StateKey, Store, emptyState } from "../store/state.js";
+import { usualTransfer, TRANSFER_PRESETS } from "../view/transfer.js";
+import { clampVoxel, orientationOf } from "../view/geometry.js";
+import { parallelAxes } from "../view/slice_look.js";
+import { byId, shownText } from "./dom.js";
+import { FailureDesk } from "./failure_desk.js";
+import { Fidelity } from "./fidelity.js";
+import { RayGestures, SliceGestures } from "./gestures.js";
+import { listenToKeys } from "./keyboard.js";
+import { LabelList, MeasureList, showFacts } from "./lists.js";
+import { Messages } from "./messages.js";
+import { listedFiles, listenToDoors, showList } from "./doors.js";
+import { RayPanel } from "./ray_panel.js";
+import { Readout } from "./readout.js";
+import { Session } from "./session.js";
+import { Sidebar } from "./sidebar.js";
+import { SlicePanel } from "./slice_panel.js";
+import { Stage } from "./stage.js";
+import { switchTheme } from "./theme.js";
+import { makeToolbar } from "./toolbar.js";
+import { TransferEditor } from "./transfer_editor.js";
+
+/** Opens a URL or a file; rejects with a ReadFailure. */
+export type Opener = (source: string | File) => Promise<Volume>;
+
+/** Decoded voxels that are kept: a quarter of what the browser says the machine has, at most. */
+function cellBudget(): number {
+  const gigabytes = (navigator as { deviceMemory?: number }).deviceMemory ?? 4;
+  return Math.min(512, Math.max(96, gigabytes * 64)) * 2 ** 20;
+}
+
+export class App {
+  readonly store = new Store();
+  readonly stage: Stage;
+  readonly slices: readonly SlicePanel[];
+  readonly rays: RayPanel;
+  session: Session | undefined;
+  overlay: Session | undefined;
+  private readonly messages = new Messages();
+  private readonly desk = new FailureDesk(this.messages);
+  private readonly fidelity = new Fidelity(
+    () => this.session,
+    () => this.overlay,
+  );
+  private readonly readout: Readout;
+  private readonly labels: LabelList;
+  private readonly measures: MeasureList;
+  private readonly transfer: TransferEditor;
+  private readonly sidebar: Sidebar;
+  private link: Permalink = {};
+  private urls: { scan?: string; labels?: string } = {};
+  private isFirstPicture = false;
+  /** What the first picture took. */
+  firstTraffic: Traffic | undefined;
+  private wantTimer: ReturnType<typeof setTimeout> | undefined;
+
+  constructor(private readonly opener: Opener) {
+    const store = this.store;
+    const ask = (): void => this.stage?.ask();
+    this.slices = AXES.map((axis) => new SlicePanel(axis, store, ask));
+    this.rays = new RayPanel(store, ask);
+    this.stage = new Stage(
+      this.slices,
+      this.rays,
+      (text) => this.messages.show(text, "error"),
+      () => this.drawn(),
+    );
+    this.readout = new Readout(
+      store,
+      () => this.session,
+      () => this.overlay,
+    );
+    this.labels = new LabelList(store);
+    this.measures = new MeasureList(store, () => this.session);
+    this.transfer = new TransferEditor(
+      store,
+      (span, bins) => this.session?.histogram(span, bins) ?? new Float64Array(bins),
+    );
+    this.sidebar = new Sidebar(store, {
+      autoWindow: () => this.autoWindow(),
+      facts: () => this.session?.facts,
+    });
+    this.join();
+  }
+
+  private join(): void {
+    const facts = (): Session["facts"] | undefined => this.session?.facts;
+    for (const panel of this.slices) {
+      new SliceGestures(panel, this.store, facts, (voxel) => this.readout.hover(voxel));
+    }
+    new RayGestures(this.rays, this.store);
+    const doors = listenToDoors((source) => void this.open(source));
+    const save = (): void => void this.save();
+    makeToolbar(this.store, {
+      choose: doors.choose,
+      save,
+      copyLink: () => void this.copyLink(),
+      theme: () => this.theme(),
+      side: () => {
+        document.body.classList.toggle("no-side");
+        this.wantSoon();
+      },
+      help: () => byId<HTMLDialogElement>("help").showModal(),
+    });
+    listenToKeys(this.store, {
+      help: () => byId<HTMLDialogElement>("help").showModal(),
+      theme: () => this.theme(),
+      save,
+      autoWindow: () => this.autoWindow(),
+      facts,
+    });
+    new ResizeObserver(() => this.wantSoon()).observe(byId("panels"));
+    byId("section-3d").addEventListener("toggle", () => this.transfer.draw());
+    this.store.listen((changed) => this.follow(changed));
+    this.store.reset(emptyState());
+  }
+
+  /** Opens what the address of the page names, if it names anything. */
+  async start(search: string): Promise<void> {
+    this.link = parsePermalink(search, document.baseURI);
+    const listed = this.link.url ? [] : await listedFiles();
+    if (listed.length === 1) this.link.url = listed[0]!.url;
+    else showList(listed, (url) => void this.open(url));
+    if (this.link.url) await this.open(this.link.url);
+    if (this.link.labels && this.session) await this.open(this.link.labels);
+  }
+
+  /** Opens a scan; or labels over the one that is there. */
+  async open(source: string | File): Promise<void> {
+    this.messages.clear();
+    this.fidelity.say(
+      `opening ${shownText(typeof source === "string" ? source : source.name, 80)} …`,
+    );
+    try {
+      const volume = await this.opener(source);
+      const isOverlay = this.session?.facts.kind === "grey" && volume.facts.kind === "labels";
+      const url = typeof source === "string" ? source : undefined;
+      if (isOverlay) this.openOverlay(volume, url);
+      else this.openScan(volume, url);
+    } catch (error) {
+      this.desk.couldNotOpen(error, () => void this.open(source));
+    }
+    this.fidelity.update(this.slices, this.rays);
+  }
+
+  private newSession(volume: Volume, reopened: (volume: Volume) => void): Session {
+    const session: Session = new Session(
+      volume,
+      cellBudget(),
+      () => this.arrived(session),
+      (error) => this.desk.couldNotRead(error, session, reopened),
+    );
+    return session;
+  }
+
+  private openScan(volume: Volume, url: string | undefined): void {
+    this.session?.close();
+    this.overlay?.close();
+    this.overlay = undefined;
+    const link = this.link.url === url ? this.link : {};
+    this.urls = url === undefined ? {} : { scan: url };
+    this.session = this.newSession(volume, (again) => this.openScan(again, url));
+    this.isFirstPicture = true;
+    this.firstTraffic = undefined;
+    const { facts } = this.session;
+    byId("welcome").hidden = true;
+    byId("title").textContent = shownText(facts.name, 80);
+    document.title = `${shownText(facts.name, 80)} · Octavo`;
+    this.sidebar.open(facts);
+    const { size } = facts.levels[0]!;
+    const window = link.window ?? this.session.autoWindow();
+    this.store.reset({
+      ...emptyState(),
+      at: clampVoxel(size, link.at ?? (size.map((n) => Math.floor(n / 2)) as never)),
+      window,
+      layout: link.layout ?? this.store.now.layout,
+      mode: link.mode ?? "volume",
+      iso: link.iso ?? (facts.unit === "HU" ? 226 : window.center),
+      transfer: usualTransfer(window),
+      camera: link.camera ?? this.store.now.camera,
+      clip: { lo: [0, 0, 0], hi: size },
+      isNeurological: link.isNeurological ?? false,
+      overlayOpacity: link.opacity ?? 0.5,
+    });
+    for (const panel of this.slices) panel.open(this.session, undefined);
+    this.rays.open(this.session);
+    this.labels.open(facts.kind === "labels" ? this.session : undefined, false);
+    showFacts(this.session);
+    if (this.session.volume.hostNote !== "") {
+      this.messages.show(this.session.volume.hostNote, "note");
+    }
+    void this.show(this.session);
+    this.stage.ask();
+  }
+
+  /** One coarse slice, then all of the volume as coarse, then what the panels show. */
+  private async show(session: Session): Promise<void> {
+    const { layout, at } = this.store.now;
+    const axis = layout === "x" ? 0 : layout === "y" ? 1 : 2;
+    await session.readFirst(orientationOf(session.facts.geometry, axis), at[axis]);
+    if (session !== this.session) return;
+    if (session.first) {
+      this.firstTraffic = session.volume.traffic();
+      if (!this.link.window || this.link.url !== this.urls.scan) this.autoWindow();
+      this.stage.draw();
+    }
+    session.wantPreview();
+  }
+
+  private openOverlay(volume: Volume, url: string | undefined): void {
+    const scan = this.session!;
+    if (!parallelAxes(scan.facts.geometry, volume.facts.geometry)) {
+      this.messages.show(
+        `${volume.facts.name}: its grid lies oblique to that of the scan`,
+        "error",
+      );
+      volume.close();
+      return;
+    }
+    this.overlay?.close();
+    this.overlay = this.newSession(volume, (again) => this.openOverlay(again, url));
+    if (url !== undefined) this.urls.labels = url;
+    this.store.set({ hiddenLabels: new Set() });
+    for (const panel of this.slices) panel.open(scan, this.overlay);
+    this.labels.open(this.overlay, true);
+    this.overlay.wantPreview();
+    this.wantSoon();
+  }
+
+  /** Cells of a session are here. */
+  private arrived(session: Session): void {
+    if (session !== this.session && session !== this.overlay) return;
+    if (session === this.session && this.isFirstPicture && session.hasPreview)
+      this.firstPicture();
+    if (session === this.overlay && session.hasPreview) this.labels.open(session, true);
+    for (const panel of this.slices) panel.repaint();
+    this.rays.arrived();
+    this.measures.draw();
+    this.readout.draw();
+    this.stage.ask();
+  }
+
+  /** The first picture is here: window and colors follow what it shows. */
+  private firstPicture(): void {
+    this.isFirstPicture = false;
+    const session = this.session!;
+    this.firstTraffic ??= session.volume.traffic();
+    if (!this.link.window || this.link.url !== this.urls.scan) this.autoWindow();
+    const isHu = session.facts.unit === "HU";
+    this.store.set(
+      isHu
+        ? { transfer: TRANSFER_PRESETS.get("bone")!, transferName: "bone" }
+        : { transfer: usualTransfer(this.store.now.window), transferName: "auto" },
+    );
+    if (session.facts.kind === "labels") this.labels.open(session, false);
+    // Finer levels are asked for once the first picture is on the screen.
+    requestAnimationFrame(() => this.want());
+  }
+
+  private autoWindow(): void {
+    const session = this.session;
+    if (session?.facts.kind === "grey") this.store.set({ window: session.autoWindow() });
+  }
+
+  /** Asks for what the panels show, once things have come to rest for a moment. */
+  private wantSoon(): void {
+    clearTimeout(this.wantTimer);
+    this.wantTimer = setTimeout(() => this.want(), 60);
+    this.stage.ask();
+  }
+
+  private want(): void {
+    for (const panel of this.slices) panel.want();
+    this.rays.want();
+    this.measures.want();
+    this.readout.want();
+    this.fidelity.update(this.slices, this.rays);
+    this.stage.ask();
+  }
+
+  private follow(changed: ReadonlySet<StateKey>): void {
+    const any = (...keys: StateKey[]): boolean => keys.some((key) => changed.has(key));
+    if (any("at", "layout", "slices", "isNeurological")) this.wantSoon();
+    if (any("mode", "iso", "transfer", "clip", "camera", "hiddenLabels")) {
+      this.rays.moved();
+      this.wantSoon();
+    } else if (any("window") && this.store.now.mode === "mip") this.rays.moved();
+    if (any("hiddenLabels")) for (const panel of this.slices) panel.repaint();
+    if (any("transfer", "mode", "layout")) this.transfer.draw();
+    if (any("measurements")) {
+      this.measures.draw();
+      this.wantSoon();
+    }
+    if (any("at")) this.readout.draw();
+    this.stage.ask();
+  }
+
+  private drawn(): void {
+    this.fidelity.update(this.slices, this.rays);
+  }
+
+  private theme(): void {
+    switchTheme();
+    this.transfer.draw();
+    this.stage.ask();
+  }
+
+  /** The address of what is seen. Files of this machine have none. */
+  permalink(): string {
+    const s = this.store.now;
+    const link: Permalink = {
+      at: s.at,
+      window: s.window,
+      layout: s.layout,
+      mode: s.mode,
+      camera: s.camera,
+      isNeurological: s.isNeurological,
+    };
+    if (s.mode === "iso") link.iso = s.iso;
+    if (this.urls.scan) link.url = this.urls.scan;
+    if (this.urls.labels) {
+      link.labels = this.urls.labels;
+      link.opacity = s.overlayOpacity;
+    }
+    const page = new URL(document.baseURI);
+    return `${page.origin}${page.pathname}${permalinkText(link, document.baseURI)}`;
+  }
+
+  private async copyLink(): Promise<void> {
+    const link = this.permalink();
+    history.replaceState(null, "", link);
+    if (!this.urls.scan) {
+      this.messages.show("A file of this machine has no address that others could open.", "note");
+      return;
+    }
+    try {
+      await navigator.clipboard.writeText(link);
+      this.messages.show("The link is copied; it stands in the address bar, too.", "note");
+    } catch {
+      this.messages.show("The link stands in the address bar.", "note");
+    }
+  }
+
+  private async save(): Promise<void> {
+    if (!this.session) return;
+    const url = URL.createObjectURL(await this.stage.picture());
+    const name = this.session.facts.name
+      .split(/[/\\]/)
+      .at(-1)!
+      .replace(/[^\w.-]+/g, "_");
+    const anchor = document.createElement("a");
+    anchor.href = url;
+    anchor.download = `${name || "octavo"}.png`;
+    anchor.click();
+    setTimeout(() => URL.revokeObjectURL(url), 10_000);
+  }
+}

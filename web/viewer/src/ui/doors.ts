@@ -1,0 +1,69 @@
+// How volumes come in: dropped, chosen, or named by an address.
+import { safeUrl } from "../store/permalink.js";
+import { byId, button, element, shownText } from "./dom.js";
+
+export function listenToDoors(open: (source: string | File) => void): { choose: () => void } {
+  const input = byId<HTMLInputElement>("file");
+  const choose = (): void => {
+    input.value = "";
+    input.click();
+  };
+  input.addEventListener("change", () => {
+    const file = input.files?.[0];
+    if (file) open(file);
+  });
+  byId("choose").addEventListener("click", choose);
+  byId("url-form").addEventListener("submit", (event) => {
+    event.preventDefault();
+    const text = byId<HTMLInputElement>("url").value;
+    open(new URL(text, document.baseURI).href);
+  });
+  const over = (event: DragEvent): void => {
+    event.preventDefault();
+    document.body.classList.add("dropping");
+  };
+  document.addEventListener("dragenter", over);
+  document.addEventListener("dragover", over);
+  document.addEventListener("dragleave", (event) => {
+    if (!event.relatedTarget) document.body.classList.remove("dropping");
+  });
+  document.addEventListener("drop", (event) => {
+    event.preventDefault();
+    document.body.classList.remove("dropping");
+    const file = event.dataTransfer?.files[0];
+    if (file) open(file);
+  });
+  return { choose };
+}
+
+export interface Listed {
+  readonly name: string;
+  readonly url: string;
+}
+
+/** The volumes that lie beside the page, as `octavo publish` and `octavo serve` list them. */
+export async function listedFiles(): Promise<Listed[]> {
+  try {
+    const answer = await fetch("files.json", { cache: "no-cache" });
+    const list: unknown = answer.ok ? await answer.json() : [];
+    if (!Array.isArray(list)) return [];
+    return list.flatMap((row: { name?: unknown; url?: unknown }) => {
+      const url = typeof row?.url === "string" ? safeUrl(row.url, document.baseURI) : undefined;
+      return url && typeof row.name === "string" ? [{ name: row.name, url }] : [];
+    });
+  } catch {
+    return []; // A page without a list is one for files of this machine and addresses.
+  }
+}
+
+export function showList(listed: readonly Listed[], open: (url: string) => void): void {
+  byId("listed").replaceChildren(
+    ...listed.map(({ name, url }) =>
+      element(
+        "li",
+        {},
+        button(shownText(name, 80), url, () => open(url)),
+      ),
+    ),
+  );
+}

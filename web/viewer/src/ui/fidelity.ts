@@ -1,0 +1,80 @@
+// How true the picture is, in words and numbers: "1/4 shown; 3.1 of 12 MB".
+import { levelText } from "../view/geometry.js";
+import { byId, byteText } from "./dom.js";
+import { type RayPanel } from "./ray_panel.js";
+import { type Session } from "./session.js";
+import { type SlicePanel } from "./slice_panel.js";
+
+const EVERY_MS = 250;
+
+export class Fidelity {
+  private readonly line = byId("fidelity");
+  private readonly traffic = byId("traffic");
+  private missingBytes = 0;
+  private isCounting = false;
+  private countedAt = 0;
+
+  constructor(
+    private readonly session: () => Session | undefined,
+    private readonly overlay: () => Session | undefined,
+  ) {}
+
+  say(text: string): void {
+    this.line.className = "";
+    this.line.textContent = text;
+  }
+
+  /** The coarsest of what the panels show. */
+  update(slices: readonly SlicePanel[], rays: RayPanel): void {
+    const session = this.session();
+    if (!session) {
+      this.say("");
+      return;
+    }
+    const { bytes, requests } = session.volume.traffic();
+    this.traffic.textContent = `${requests} requests, ${byteText(bytes)}`;
+    if (!session.hasPreview) {
+      const level = session.facts.levels[session.preview]!;
+      const text = session.first ? `${levelText(level)} shown` : "opening …";
+      this.say(`${text}; ${byteText(bytes)}`);
+      this.line.className = session.first ? "coarse" : "";
+      return;
+    }
+    this.count(session);
+    const shown = slices.filter((panel) => panel.isShown).map((panel) => panel.shownLevel());
+    const seen = rays.fidelity();
+    if (shown.length === 0 && seen) shown.push(seen.level);
+    const level = Math.max(0, ...shown);
+    const isWhole = level === 0 && this.missingBytes === 0;
+    const text =
+      level === 0 ? "full resolution" : `${levelText(session.facts.levels[level]!)} shown`;
+    const error = session.facts.maxError > 0 ? ", lossy file" : "";
+    this.line.className = level === 0 ? "full" : "coarse";
+    const line = isWhole
+      ? `${text}${error}`
+      : `${text}${error}; ${byteText(bytes)} of ${byteText(bytes + this.missingBytes)}`;
+    if (this.line.textContent !== line) this.line.textContent = line;
+  }
+
+  /** Bytes that are still to come, asked of the index now and then. */
+  private count(session: Session): void {
+    if (this.isCounting || performance.now() - this.countedAt < EVERY_MS) return;
+    const sessions = [session, this.overlay()].filter((s) => s !== undefined);
+    const boxes = sessions.flatMap((s) => s.cells.missing().map((box) => ({ s, ...box })));
+    if (boxes.length === 0) {
+      this.missingBytes = 0;
+      return;
+    }
+    this.isCounting = true;
+    void Promise.all(boxes.map(({ s, level, box }) => s.volume.need(level, box)))
+      .then((needs) => {
+        if (this.session() !== session) return;
+        this.missingBytes = needs.reduce((sum, n) => sum + n.neededBytes - n.presentBytes, 0);
+      })
+      .catch(() => undefined) // Reading says what is wrong.
+      .finally(() => {
+        this.isCounting = false;
+        this.countedAt = performance.now();
+      });
+  }
+}

@@ -1,0 +1,212 @@
+// Lists of the side: labels, measurements, facts of the file.
+import { type VolumeFacts, type Vec3 } from "../reader/volume.js";
+import { boxVoxels, cellBox, cellsOf } from "../decode/cells.js";
+import { type Store } from "../store/state.js";
+import { levelText, orientationOf } from "../view/geometry.js";
+import { colorOf, nameOf } from "../view/label_color.js";
+import {
+  type Measurement,
+  POINTS_NEEDED,
+  roiBox,
+  samplesOf,
+  statistics,
+} from "../view/measure.js";
+import { shortNumber } from "../view/window.js";
+import { button, byId, byteText, element, shownText } from "./dom.js";
+import { measurementText, statisticsText } from "./measure_text.js";
+import { type Session } from "./session.js";
+
+const MOST_LABELS = 2000;
+
+export class LabelList {
+  private readonly list = byId("labels");
+  private shown: readonly number[] = [];
+
+  constructor(private readonly store: Store) {
+    byId("labels-all").addEventListener("click", () => store.set({ hiddenLabels: new Set() }));
+    byId("labels-none").addEventListener("click", () =>
+      store.set({ hiddenLabels: new Set(this.shown) }),
+    );
+    const opacity = byId<HTMLInputElement>("opacity");
+    opacity.addEventListener("input", () => store.set({ overlayOpacity: Number(opacity.value) }));
+    store.listen((changed) => {
+      if (changed.has("overlayOpacity")) opacity.value = String(store.now.overlayOpacity);
+      if (changed.has("hiddenLabels")) this.check();
+    });
+  }
+
+  /** The labels of a session; none hides the list. */
+  open(session: Session | undefined, isOverlay: boolean): void {
+    byId("section-labels").hidden = !session;
+    byId("opacity-row").hidden = !isOverlay;
+    if (!session) return;
+    const { labels } = session.facts;
+    const seen = session.labelsSeen();
+    const numbers = [...new Set([...labels.keys(), ...seen.keys()])].filter((n) => n !== 0);
+    numbers.sort((a, b) => a - b);
+    this.shown = numbers;
+    const rows: HTMLElement[] = numbers
+      .slice(0, MOST_LABELS)
+      .map((n) => this.row(session.facts, n));
+    if (numbers.length > MOST_LABELS) {
+      rows.push(element("li", { class: "faint" }, `and ${numbers.length - MOST_LABELS} more`));
+    }
+    this.list.replaceChildren(...rows);
+    this.check();
+  }
+
+  private row(facts: VolumeFacts, label: number): HTMLElement {
+    const box = element("input", { type: "checkbox", "data-label": String(label) });
+    box.addEventListener("change", () => {
+      const hidden = new Set(this.store.now.hiddenLabels);
+      if (box.checked) hidden.delete(label);
+      else hidden.add(label);
+      this.store.set({ hiddenLabels: hidden });
+    });
+    const swatch = element("span", { class: "swatch" });
+    // Through the style object, which a policy without inline styles allows.
+    swatch.style.backgroundColor = `rgb(${colorOf(facts.labels, label).join(",")})`;
+    const name = shownText(nameOf(facts.labels, label), 80);
+    box.setAttribute("aria-label", `Show ${name}`);
+    return element(
+      "li",
+      {},
+      box,
+      swatch,
+      element("span", {}, name),
+      element("span", { class: "faint" }, String(label)),
+    );
+  }
+
+  private check(): void {
+    const hidden = this.store.now.hiddenLabels;
+    for (const box of this.list.querySelectorAll("input")) {
+      box.checked = !hidden.has(Number(box.dataset["label"]));
+    }
+  }
+}
+
+/** A region larger than that is measured at a coarser level. */
+const MOST_ROI_SAMPLES = 1 << 24;
+
+export class MeasureList {
+  private readonly list = byId("measurements");
+
+  constructor(
+    private readonly store: Store,
+    private readonly session: () => Session | undefined,
+  ) {}
+
+  /** Reads what regions need, coarse levels for want of room. */
+  want(): void {
+    const session = this.session();
+    if (!session) return;
+    const steps = this.regions().map((m) => {
+      const level = this.roiLevel(session, m);
+      return { level, cells: cellsOf(level, this.boxOf(session, m, level)) };
+    });
+    session.cells.want("roi", steps);
+  }
+
+  private regions(): Measurement[] {
+    return this.store.now.measurements.filter((m) => m.kind === "roi" && m.points.length === 2);
+  }
+
+  private boxOf(session: Session, m: Measurement, level: number): ReturnType<typeof roiBox> {
+    const o = orientationOf(session.facts.geometry, m.axis);
+    return roiBox(session.facts.levels[level]!, o, m.slice, m.points);
+  }
+
+  private roiLevel(session: Session, m: Measurement): number {
+    let level = 0;
+    while (
+      level < session.preview &&
+      boxVoxels(this.boxOf(session, m, level)) > MOST_ROI_SAMPLES
+    ) {
+      level += 1;
+    }
+    return level;
+  }
+
+  /** The statistics of a region at the finest level that is here, and that level. */
+  private roiText(session: Session, m: Measurement): string {
+    const { facts, cells } = session;
+    for (let level = this.roiLevel(session, m); level <= session.preview; ++level) {
+      const box = this.boxOf(session, m, level);
+      const inside = cellsOf(level, box);
+      if (!cells.hasAll({ level, cells: inside })) continue;
+      const all: number[] = [];
+      for (const cell of inside) {
+        const from = cellBox(facts.levels[level]!, cell.at);
+        const part = {
+          lo: from.lo.map((v, a) => Math.max(v, box.lo[a as 0])) as unknown as Vec3,
+          hi: from.hi.map((v, a) => Math.min(v, box.hi[a as 0])) as unknown as Vec3,
+        };
+        for (const v of samplesOf(cells.peek(cell)!, from, part)) all.push(v);
+      }
+      const text = statisticsText(statistics(all, facts.slope, facts.intercept), facts.unit);
+      return level === 0
+        ? text
+        : `${text} (of ${levelText(facts.levels[level]!)}, not yet the scan)`;
+    }
+    return "reading …";
+  }
+
+  draw(): void {
+    const session = this.session();
+    const all = this.store.now.measurements;
+    byId("measure-hint").hidden = all.length > 0;
+    if (!session) return;
+    this.list.replaceChildren(
+      ...all.map((m, i) => {
+        const isWhole = m.points.length >= POINTS_NEEDED[m.kind];
+        const text =
+          m.kind !== "roi"
+            ? measurementText(session.facts, m)
+            : isWhole && session.facts.kind === "grey"
+              ? this.roiText(session, m)
+              : "";
+        return element(
+          "li",
+          {},
+          element(
+            "span",
+            {},
+            `${m.kind === "roi" ? "region" : m.kind} ${"xyz"[m.axis]} ${m.slice}: ${text || "…"}`,
+          ),
+          button("✕", "Remove this measurement", () =>
+            this.store.set({
+              measurements: this.store.now.measurements.filter((_, j) => j !== i),
+            }),
+          ),
+        );
+      }),
+    );
+  }
+}
+
+/** What is known of the file, as text. */
+export function showFacts(session: Session): void {
+  const f = session.facts;
+  const n = shortNumber;
+  const rows: [string, string][] = [
+    ["name", shownText(f.name)],
+    [
+      "holds",
+      f.kind === "labels"
+        ? "labels"
+        : `grey values${f.unit === "" ? "" : `, ${shownText(f.unit, 30)}`}`,
+    ],
+    ["voxels", `${f.levels[0]!.size.join(" × ")}, ${f.type}`],
+    ["spacing", f.isSpacingKnown ? `${f.geometry.spacing.map(n).join(" × ")} mm` : "not known"],
+    ["levels", String(f.levels.length)],
+    ["file", byteText(f.fileBytes)],
+    ["values", f.range.map((v) => n(v * f.slope + f.intercept)).join(" to ")],
+    ["max. error", f.maxError === 0 ? "none, lossless" : n(f.maxError * Math.abs(f.slope))],
+  ];
+  if (session.volume.hostNote !== "")
+    rows.push(["host", shownText(session.volume.hostNote, 300)]);
+  byId("facts").replaceChildren(
+    ...rows.flatMap(([name, value]) => [element("dt", {}, name), element("dd", {}, value)]),
+  );
+}

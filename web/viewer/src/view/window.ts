@@ -1,0 +1,68 @@
+// Which real values are black, and which white.
+
+export interface Window {
+  readonly center: number;
+  readonly width: number;
+}
+
+/** The usual windows of CT, in HU; `octavo slice --window` has the same. */
+export const WINDOW_PRESETS: ReadonlyMap<string, Window> = new Map([
+  ["brain", { center: 40, width: 80 }],
+  ["stroke", { center: 40, width: 40 }],
+  ["bone", { center: 400, width: 1800 }],
+  ["lung", { center: -600, width: 1500 }],
+  ["mediastinum", { center: 50, width: 350 }],
+  ["abdomen", { center: 50, width: 400 }],
+  ["liver", { center: 30, width: 150 }],
+]);
+
+const IGNORED_SHARE = 0.005;
+
+/** 0 .. 255; what is not a number is black. */
+export function grey(window: Window, value: number): number {
+  const share = (value - (window.center - window.width / 2)) / window.width;
+  if (!(share > 0)) return 0;
+  return Math.floor(255 * Math.min(share, 1) + 0.5);
+}
+
+export function windowBetween(low: number, high: number): Window {
+  const width = high > low ? high - low : 1;
+  return { center: low + width / 2, width };
+}
+
+/** From the 0.5th to the 99.5th percentile; the whole range where these are equal. */
+export function robustWindow(values: Iterable<number>): Window {
+  const finite = Float64Array.from(values).filter(Number.isFinite).sort();
+  if (finite.length === 0) return { center: 0, width: 1 };
+  const at = (share: number): number => finite[Math.round(share * (finite.length - 1))]!;
+  const low = at(IGNORED_SHARE);
+  const high = at(1 - IGNORED_SHARE);
+  return high > low ? windowBetween(low, high) : windowBetween(finite[0]!, finite.at(-1)!);
+}
+
+/** A drag of so many pixels: to the right widens, upwards makes brighter. */
+export function draggedWindow(from: Window, right: number, up: number): Window {
+  return {
+    center: from.center - (up * from.width) / 300,
+    width: Math.max(from.width * Math.exp(right / 200), 1e-6),
+  };
+}
+
+/** "40,80", or the name of a preset; undefined for anything else. */
+export function parseWindow(text: string): Window | undefined {
+  const preset = WINDOW_PRESETS.get(text);
+  if (preset) return preset;
+  const parts = text.split(",").map((part) => (part.trim() === "" ? NaN : Number(part)));
+  const [center, width] = parts;
+  const isRight = parts.length === 2 && parts.every(Number.isFinite) && width! > 0;
+  return isRight ? { center: center!, width: width! } : undefined;
+}
+
+/** As few digits as tell the number, at most six. */
+export function shortNumber(value: number): string {
+  return Number.isFinite(value) ? String(Number(value.toPrecision(6))) : String(value);
+}
+
+export function windowText(window: Window): string {
+  return `${shortNumber(window.center)},${shortNumber(window.width)}`;
+}
