@@ -48,6 +48,9 @@ void add_verbs(CLI::App& app, Context& context) {
   add_slice(app, context);
   add_render(app, context);
   add_probe(app, context);
+  add_serve(app, context);
+  add_view(app, context);
+  add_publish(app, context);
   add_compare(app, context);
   add_codes(app, context);
   add_condense(app, context);

@@ -74,6 +74,7 @@ WITHIN = {
         "volumes": {"source", "source_options.h"},
         "export": {"source"},
         "http": {"source"},
+        "serve": set(),
         ".": {"source", "dicom", "images", "volumes"},
         "isolation": {"source", "."},
     },

@@ -186,6 +186,14 @@ constexpr Advice kAdvice[] = {
     {kAny, "repair.salvage", "", "export --salvage writes what is whole"},
     {kAny, "salvage", "", "--salvage fills what is damaged"},
     {kAny, "timeout_s", "", "--timeout SECONDS changes that"},
+
+    // --- Browsers
+    {kAny, "page_folder", "", "tools/build_web builds it; $OCTAVO_WEB names its folder"},
+    {kUsage, "serve.address", "", "--bind takes numbers: 0.0.0.0 is all of this machine's"},
+    {kUsage, "serve.allowed_origins", "", "change --allow-origin"},
+    {kUsage, "serve.inputs", "", "'octavo view' shows a URL"},
+    {ErrorKind::io, "serve.port", "", "give another --port, or none"},
+    {kUsage, "serve.token", "", "--token auto makes one"},
 };
 
 constexpr std::string_view kPlace = "{}";

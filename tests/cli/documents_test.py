@@ -9,10 +9,12 @@ usage: documents_test.py OCTAVO [unittest arguments]
 """
 
 import csv
+import os
 import pathlib
 import re
 import shlex
 import shutil
+import signal
 import subprocess
 import sys
 import unittest
@@ -27,6 +29,7 @@ DRAWN = re.compile(r"`tools/\w+\.py \S+ (\S+\.png)`")
 DAMAGE = re.compile(r"^    (python3 -c .*)$", re.MULTILINE)
 WRITTEN = re.compile(r' -o (?:"\$out/)?([\w.-]+)')
 SIZE_ROW = re.compile(r"^\| ([\w -]+)(?:, \d+ bit)? \|.*\| \*\*([\d.]+)\*\* \|$", re.MULTILINE)
+SERVERS = ("serve", "view")
 DIFFERS = ("compare",)  # exit code 1 is what they are for
 SCANS = {"CT head": "cranium", "micro-CT of bone": "uct_bone",
          "micro-CT of a mouse head": "uct_mouse", "light-sheet brain": "lightsheet",
@@ -43,12 +46,34 @@ class Documents(cli_test.InFolder):
     def setUp(self):
         super().setUp()
         self.expect(0, "phantom", "--size", "192,192,108", "--noise", "5", "-o", "cranium.mhd")
+        # A page of the viewer that is none, and a browser that shows nothing.
+        page = self.folder / "page"
+        page.mkdir()
+        for name in ("index.html", "style.css", "viewer.js", "worker.js", "octavo.wasm"):
+            (page / name).touch()
+        before = {name: os.environ.get(name) for name in ("OCTAVO_WEB", "BROWSER")}
+        os.environ.update(OCTAVO_WEB=str(page), BROWSER="true")
+        self.addCleanup(lambda: [os.environ.pop(name, None) if value is None
+                                 else os.environ.update({name: value})
+                                 for name, value in before.items()])
 
     def run_line(self, line):
         verb, *rest = shlex.split(line)
+        if verb in SERVERS:
+            self.run_server(line)
+            return
         result = self.octavo(verb, *rest, "--progress", "none")
         self.assertEqual(result.returncode, 1 if verb in DIFFERS else 0,
                          f"octavo {line}\n{result.stderr}")
+
+    def run_server(self, line):
+        """Starts what serves until it is stopped, and stops it once it says where."""
+        with subprocess.Popen([cli_test.OCTAVO, *shlex.split(line)], cwd=self.folder, text=True,
+                              stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+            self.assertTrue(process.stdout.readline().startswith("http://127.0.0.1:"), line)
+            process.send_signal(signal.SIGINT)
+            process.communicate()
+            self.assertEqual(process.returncode, 130, line)
 
     def test_the_table_of_verbs_has_all_and_its_examples_run(self):
         self.expect(0, "build", "cranium.mhd", "-o", "cranium.8vo")

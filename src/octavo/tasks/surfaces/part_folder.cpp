@@ -1,5 +1,7 @@
 #include "octavo/tasks/surfaces/part_folder.h"
 
+#include <algorithm>
+#include <array>
 #include <filesystem>
 #include <string_view>
 #include <system_error>
@@ -24,12 +26,18 @@ std::string replaced_name(const std::string& name) {
   return name.substr(1, name.size() - 1 - kEarlierEnding.size());
 }
 
+/// Besides meshes: volumes, and the page that shows them.
+constexpr std::array<std::string_view, 7> kSiteEndings = {".8vo",  ".html", ".js",  ".css",
+                                                          ".wasm", ".json", ".md"};
+
 /// A file that a part folder can hold while it is hidden.
 bool is_part_file(const fs::directory_entry& entry) {
   std::error_code none;
   const std::string name = entry.path().filename().string();
   return entry.symlink_status(none).type() == fs::file_type::regular &&
-         (name.starts_with('.') || mesh_format_of(name));
+         (name.starts_with('.') || mesh_format_of(name) ||
+          std::any_of(kSiteEndings.begin(), kSiteEndings.end(),
+                      [&](std::string_view ending) { return name.ends_with(ending); }));
 }
 
 }  // namespace

@@ -1,0 +1,123 @@
+// octavo serve and octavo view: files in a browser.
+#include <fmt/format.h>
+
+#include <cstdint>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "common/failure.h"
+#include "common/options.h"
+#include "common/task_run.h"
+#include "common/web_browser.h"
+#include "octavo/core/url_text.h"
+#include "octavo/tasks/files/serve.h"
+#include "verbs.h"
+
+namespace octavo::cli {
+
+namespace {
+
+constexpr VerbText kServeText = {
+    "serve", "Give out .8vo files over HTTP, with a page that shows them.",
+    "The address of the page is printed; it works until the program is stopped. Browsers fetch of\n"
+    "a file only what they show. Only the files that are named can be asked for. One that is\n"
+    "replaced meanwhile is served as it is then; pages that show the earlier one say so.\n\n"
+    "Others than this machine cannot connect. --bind ADDRESS lets them, and needs --token, which\n"
+    "becomes part of every address: who does not know it gets nothing. What is sent is not\n"
+    "encrypted.\n"
+    "Pages of other sites may read the files with --allow-origin alone.\n\n"
+    "Examples:\n"
+    "  octavo serve head.8vo\n"
+    "  octavo serve head.8vo organs.8vo --port 8080\n"
+    "  octavo serve head.8vo --bind 0.0.0.0 --token auto\n"
+    "  octavo serve head.8vo --allow-origin https://viewer.example.org"};
+
+constexpr VerbText kViewText = {
+    "view", "Show an .8vo file in the browser.",
+    "Starts 'octavo serve' on a free port and opens the page; it works until the program is\n"
+    "stopped. $BROWSER names another browser than that of the desktop. FILE may be a URL: then the\n"
+    "browser fetches it itself, which its server must allow for other sites.\n\n"
+    "Examples:\n"
+    "  octavo view head.8vo\n"
+    "  octavo view https://example.org/head.8vo"};
+
+struct ServeArguments {
+  std::vector<std::string> inputs;
+  std::string input;
+  std::string address = ServeOptions{}.address;
+  int port = 0;
+  std::string token;
+  std::vector<std::string> origins;
+};
+
+nlohmann::ordered_json site_json(const ServedSite& site) {
+  return {{"url", site.url}, {"port", site.port}, {"files", site.urls}, {"page", site.has_page}};
+}
+
+void say_where(const ServedSite& site, Context& context) {
+  if (context.json) {
+    print_json(site_json(site));
+    return;
+  }
+  if (site.has_page) print(site.url + "\n");
+  else for (const std::string& url : site.urls) print(url + "\n");
+  context.note("serving; Ctrl-C ends it");
+}
+
+int run_serve(const ServeArguments& arguments, Context& context) {
+  ServeOptions options;
+  options.inputs = arguments.inputs;
+  options.page_folder = web_page_folder();
+  options.address = arguments.address;
+  options.port = arguments.port;
+  options.token = arguments.token;
+  options.allowed_origins = arguments.origins;
+  options.on_ready = [&](const ServedSite& site) { say_where(site, context); };
+  run_task(serve, options, context);
+  return kExitDone;
+}
+
+int run_view(const ServeArguments& arguments, Context& context) {
+  ServeOptions options;
+  if (is_url(arguments.input)) options.shown_url = arguments.input;
+  else options.inputs = {arguments.input};
+  options.page_folder = web_page_folder();
+  options.needs_page = true;
+  options.on_ready = [&](const ServedSite& site) {
+    say_where(site, context);
+    if (!open_in_browser(site.url)) context.note("no browser could be started; open the address");
+  };
+  run_task(serve, options, context);
+  return kExitDone;
+}
+
+}  // namespace
+
+void add_serve(CLI::App& app, Context& context) {
+  const auto arguments = std::make_shared<ServeArguments>();
+  Verb verb = add_verb(app, context, kServeText,
+                       [arguments, &context] { return run_serve(*arguments, context); });
+  verb.add_option("files", arguments->inputs, "The .8vo files")->type_name("FILE")->required();
+  verb.add_option("--port", arguments->port, "The port (default: a free one)")
+      ->type_name("N")
+      ->check(whole_within(1, 65535));
+  verb.add_option("--bind", arguments->address, "The address to listen at")
+      ->type_name("ADDRESS")
+      ->capture_default_str();
+  verb.add_option("--token", arguments->token,
+                  "The first part of every address: auto, or 22 letters, digits, - and _ or more")
+      ->type_name("TOKEN");
+  verb.add_option("--allow-origin", arguments->origins,
+                  "A site of which pages may read the files, or * for all; can be repeated")
+      ->type_name("ORIGIN")
+      ->allow_extra_args(false);
+}
+
+void add_view(CLI::App& app, Context& context) {
+  const auto arguments = std::make_shared<ServeArguments>();
+  Verb verb = add_verb(app, context, kViewText,
+                       [arguments, &context] { return run_view(*arguments, context); });
+  verb.add_input(arguments->input);
+}
+
+}  // namespace octavo::cli

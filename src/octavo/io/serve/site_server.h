@@ -1,0 +1,45 @@
+// A small HTTP server for one machine: GET and HEAD of what stands in a table.
+//
+// One thread waits for all connections at once; none of them can make another wait, neither by
+// being idle nor by reading slowly. Memory is a few KiB a connection and one part of an answer.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "octavo/io/serve/site_answer.h"
+
+namespace octavo {
+
+struct SiteServerOptions {
+  std::string address = "127.0.0.1";  ///< an IPv4 or IPv6 address of this machine
+  int port = 0;                       ///< 0: a free one
+  double idle_s = 30;                 ///< a connection may rest so long
+  double head_s = 10;                 ///< a head must be whole so long after its first byte
+  double stall_s = 30;                ///< a client may take nothing of an answer so long
+  std::size_t most_connections = 512;
+};
+
+class SiteServer {
+ public:
+  /// Begins to listen.
+  /// Throws Error{invalid_argument} for what is no address, Error{io} where it cannot be listened on
+  explicit SiteServer(const SiteServerOptions& options);
+  ~SiteServer();
+  SiteServer(const SiteServer&) = delete;
+  SiteServer& operator=(const SiteServer&) = delete;
+
+  int port() const;
+
+  /// Answers until `is_cancelled`, which is asked a few times a second.
+  /// Throws Error{io} when waiting itself fails
+  void run(const SiteRules& rules, SiteTable& table, const std::function<bool()>& is_cancelled);
+
+ private:
+  class Loop;
+  std::unique_ptr<Loop> loop_;
+};
+
+}  // namespace octavo

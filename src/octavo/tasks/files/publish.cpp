@@ -1,0 +1,75 @@
+#include "octavo/tasks/files/publish.h"
+
+#include <algorithm>
+#include <span>
+#include <string_view>
+
+#include "octavo/core/error.h"
+#include "octavo/file/storage/storage.h"
+#include "octavo/tasks/files/web_page.h"
+#include "octavo/tasks/inputs.h"
+#include "octavo/tasks/surfaces/part_folder.h"
+
+namespace octavo {
+
+namespace {
+
+constexpr std::size_t kCopiedBytes = std::size_t{1} << 20;
+
+/// Copies a file into a folder as `name`.
+PublishedFile copy_into(PartFolder& folder, const ByteSource& source, const std::string& name,
+                        Progress& progress) {
+  const std::uint64_t bytes = folder.add(name, [&](PendingFile& file) {
+    std::vector<std::uint8_t> part(kCopiedBytes);
+    for (std::uint64_t at = 0; at < source.size();) {
+      if (progress.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
+      const auto length =
+          static_cast<std::size_t>(std::min<std::uint64_t>(kCopiedBytes, source.size() - at));
+      const std::span<std::uint8_t> bytes_of_part(part.data(), length);
+      source.read(at, bytes_of_part);
+      file.append(bytes_of_part);
+      at += length;
+      progress.advance(static_cast<std::int64_t>(length));
+    }
+  });
+  return {name, bytes};
+}
+
+}  // namespace
+
+PublishResult publish(const PublishOptions& options, const TaskContext& context) {
+  // Prove everything first.
+  const std::vector<std::string> page = web_page_files(options.page_folder);
+  const std::vector<std::string> names = web_names(options.inputs, page);
+  std::vector<std::shared_ptr<const ByteSource>> volumes;
+  std::int64_t total = 0;
+  for (const std::string& path : options.inputs) {
+    open_volume(path, context);
+    volumes.push_back(open_input(path, context));
+    total += static_cast<std::int64_t>(volumes.back()->size());
+  }
+  Storage& storage = local_storage();
+  PartFolder folder(storage, options.output.path, options.output.overwrite);
+  for (const std::string& name : page) folder.require_free(name);
+  for (const std::string& name : names) folder.require_free(name);
+  folder.require_free(kWebListName);
+
+  // Volumes, page, list.
+  PublishResult result;
+  ProgressScope progress(context.watcher(), "publish", total, "bytes");
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    result.volumes.push_back(copy_into(folder, *volumes[i], names[i], context.watcher()));
+  }
+  NoProgress uncounted;
+  for (const std::string& name : page) {
+    const auto source = open_byte_source(storage, options.page_folder + "/" + name);
+    result.page.push_back(copy_into(folder, *source, name, uncounted));
+  }
+  const std::string list = web_list(names);
+  const auto list_source = byte_source_of({list.begin(), list.end()}, kWebListName);
+  result.page.push_back(copy_into(folder, *list_source, kWebListName, uncounted));
+  folder.publish();
+  return result;
+}
+
+}  // namespace octavo

@@ -1,0 +1,35 @@
+// A folder for any web server: the page of the viewer, and the volumes that it shows.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "octavo/tasks/outputs.h"
+#include "octavo/tasks/task_context.h"
+
+namespace octavo {
+
+struct PublishOptions {
+  std::vector<std::string> inputs;  ///< .8vo files
+  std::string page_folder;          ///< the built page
+  Output output;                    ///< a folder, new or there already; its files of other names stay
+};
+
+struct PublishedFile {
+  std::string name;
+  std::uint64_t bytes = 0;
+};
+
+struct PublishResult {
+  std::vector<PublishedFile> volumes;
+  std::vector<PublishedFile> page;  ///< and the list of volumes
+};
+
+/// Writes all files, or none. Every volume is opened before; its bytes are copied as they are.
+/// Throws  as open_volume; Error{io} where the page is not there, a name is taken and not to be
+///         overwritten, and what writing throws; Error{cancelled}
+/// Memory  one part of a file
+PublishResult publish(const PublishOptions& options, const TaskContext& context);
+
+}  // namespace octavo

@@ -1,0 +1,223 @@
+#!/usr/bin/env python3
+"""Files given out over HTTP, and folders for web servers, from outside.
+
+usage: serve_test.py OCTAVO [unittest arguments]
+
+The page of the viewer is a made-up one here: OCTAVO_WEB names its folder.
+"""
+
+import http.client
+import json
+import os
+import pathlib
+import random
+import re
+import signal
+import socket
+import stat
+import subprocess
+import sys
+import unittest
+import urllib.parse
+
+import cli_test
+
+PAGE = {"index.html": "<p>page", "style.css": "p {}", "viewer.js": "1", "worker.js": "2",
+        "octavo.wasm": "3", "HOSTING.md": "4"}
+ORIGIN = "https://viewer.example"
+
+
+class Serving(cli_test.InFolder):
+    """A folder with a volume, a page, and a server that ends with the test."""
+
+    def setUp(self):
+        super().setUp()
+        self.expect(0, "phantom", "--size", "40", "-o", "a b.8vo")
+        self.page = self.folder / "page"
+        self.page.mkdir()
+        for name, text in PAGE.items():
+            (self.page / name).write_text(text)
+        self.environment = {**os.environ, "OCTAVO_WEB": str(self.page)}
+        self.bytes = (self.folder / "a b.8vo").read_bytes()
+
+    def serve(self, *arguments, before=(), page=True):
+        environment = self.environment if page else {**self.environment,
+                                                     "OCTAVO_WEB": str(self.folder / "none")}
+        # pylint: disable=consider-using-with
+        process = subprocess.Popen(
+            [*before, cli_test.OCTAVO, *arguments, "--json"], cwd=self.folder, env=environment,
+            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True)
+        self.addCleanup(self.end, process)
+        line = process.stdout.readline()
+        self.assertTrue(line, process.stderr.read() if not line else "")
+        text = line
+        while not text.rstrip().endswith("}") or text.count("{") != text.count("}"):
+            text += process.stdout.readline()
+        return process, json.loads(text)
+
+    def end(self, process):
+        if process.poll() is None:
+            os.killpg(process.pid, signal.SIGTERM)
+        process.communicate()
+
+    def ask(self, site, path, method="GET", **fields):
+        connection = http.client.HTTPConnection("127.0.0.1", site["port"], timeout=30)
+        headers = {name.replace("_", "-"): value for name, value in fields.items()}
+        connection.request(method, path, headers=headers)
+        answer = connection.getresponse()
+        body = answer.read()
+        connection.close()
+        return answer, body
+
+
+class Server(Serving):
+    def test_a_file_its_page_and_the_list_are_there_and_nothing_else(self):
+        _, site = self.serve("serve", "a b.8vo")
+        self.assertEqual(site["url"], f"http://127.0.0.1:{site['port']}/?url=a%20b.8vo")
+        answer, body = self.ask(site, "/a%20b.8vo")
+        self.assertEqual((answer.status, body), (200, self.bytes))
+        self.assertEqual(answer.headers["Content-Type"], "application/vnd.octavo")
+        answer, body = self.ask(site, "/a%20b.8vo", Range="bytes=100-199")
+        self.assertEqual((answer.status, body), (206, self.bytes[100:200]))
+        self.assertEqual(self.ask(site, "/")[1], b"<p>page")
+        listed = json.loads(self.ask(site, "/files.json")[1])
+        self.assertEqual(listed, [{"name": "a b.8vo", "url": "a%20b.8vo"}])
+        for path in ("/page", "/none", "/../a%20b.8vo", "/%2e%2e/x", "/etc/passwd", "//a%20b.8vo"):
+            self.assertEqual(self.ask(site, path)[0].status, 404, path)
+
+    def test_no_address_opens_another_file(self):
+        log = self.folder / "opened"
+        _, site = self.serve("serve", "a b.8vo",
+                             before=("strace", "-f", "-qq", "-e", "trace=openat", "-o", log))
+        self.ask(site, "/")
+        before = log.read_text().count("openat")
+        source = random.Random(3)
+        pieces = ["..", "%2e%2e", "/", "\\", "%5c", "%00", "a b.8vo", "etc", "passwd", "//", "%2f",
+                  "%c0%ae", "?", "#", ";", "~", "proc/self/environ", "%252e", "."]
+        for _ in range(300):
+            path = "/" + "".join(source.choice(pieces) for _ in range(source.randint(1, 6)))
+            with socket.create_connection(("127.0.0.1", site["port"]), timeout=30) as client:
+                client.sendall(f"GET {path.replace(' ', '%20')} HTTP/1.0\r\n"
+                               f"Host: localhost:{site['port']}\r\n\r\n".encode())
+                status = int(client.makefile("rb").readline().split()[1])
+            expected = (200,) if path.split("?")[0] in ("/", "/a b.8vo") else (400, 404)
+            self.assertIn(status, expected, path)
+        self.assertEqual(log.read_text().count("openat"), before)
+
+    def test_only_this_machine_is_listened_to_and_other_names_are_rejected(self):
+        _, site = self.serve("serve", "a b.8vo")
+        own = f"localhost:{site['port']}"
+        self.assertEqual(self.ask(site, "/", Host=own)[0].status, 200)
+        for host in ("evil.example", f"evil.example:{site['port']}", "localhost", "127.0.0.1"):
+            self.assertEqual(self.ask(site, "/", Host=host)[0].status, 403, host)
+        self.assertEqual(self.ask(site, "/", Origin=ORIGIN)[0].status, 403)
+        listening = pathlib.Path("/proc/net/tcp").read_text()
+        self.assertRegex(listening, rf"0100007F:{site['port']:04X} 00000000:0000 0A")
+        self.assertNotRegex(listening, rf"00000000:{site['port']:04X} 00000000:0000 0A")
+
+    def test_pages_of_other_sites_may_read_where_that_is_asked_for(self):
+        _, site = self.serve("serve", "a b.8vo", "--allow-origin", ORIGIN)
+        answer, _ = self.ask(site, "/a%20b.8vo", Origin=ORIGIN, Range="bytes=0-9")
+        self.assertEqual((answer.status, answer.headers["Access-Control-Allow-Origin"]),
+                         (206, ORIGIN))
+        self.assertEqual(self.ask(site, "/", Origin="https://x.example")[0].status, 403)
+
+    def test_others_need_a_token(self):
+        error = self.expect(2, "serve", "a b.8vo", "--bind", "0.0.0.0", env=self.environment)
+        self.assertIn("--token auto", error.stderr)
+        self.expect(2, "serve", "a b.8vo", "--token", "short", env=self.environment)
+        _, site = self.serve("serve", "a b.8vo", "--bind", "0.0.0.0", "--token", "auto")
+        token = re.fullmatch(r"http://0\.0\.0\.0:\d+/([\w-]{22})/\?url=a%20b\.8vo",
+                             site["url"]).group(1)
+        self.assertEqual(self.ask(site, f"/{token}/a%20b.8vo", Host="my.host")[1], self.bytes)
+        self.assertEqual(self.ask(site, f"/{token}/")[1], b"<p>page")
+        for path in ("/", "/a%20b.8vo", f"/{token[:-1]}/", f"/{token}x/"):
+            self.assertEqual(self.ask(site, path)[0].status, 404, path)
+
+    def test_a_file_that_is_replaced_is_served_as_it_is_now(self):
+        _, site = self.serve("serve", "a b.8vo")
+        first, _ = self.ask(site, "/a%20b.8vo")
+        self.expect(0, "phantom", "--size", "44", "-o", "a b.8vo", "--force")
+        second, body = self.ask(site, "/a%20b.8vo")
+        self.assertEqual(body, (self.folder / "a b.8vo").read_bytes())
+        self.assertNotEqual(first.headers["ETag"], second.headers["ETag"])
+        stale, _ = self.ask(site, "/a%20b.8vo", If_Match=first.headers["ETag"])
+        self.assertEqual(stale.status, 412)
+
+    def test_without_a_page_files_alone_are_served_and_view_says_what_is_missing(self):
+        _, site = self.serve("serve", "a b.8vo", page=False)
+        self.assertFalse(site["page"])
+        self.assertEqual(self.ask(site, "/")[0].status, 404)
+        self.assertEqual(self.ask(site, "/a%20b.8vo")[1], self.bytes)
+        error = self.expect(5, "view", "a b.8vo",
+                            env={**self.environment, "OCTAVO_WEB": str(self.folder / "none")})
+        self.assertIn("tools/build_web", error.stderr)
+
+    def test_what_is_no_volume_is_not_served(self):
+        (self.folder / "x.8vo").write_bytes(b"nothing")
+        self.expect(3, "serve", "x.8vo", env=self.environment)
+        self.expect(5, "serve", "none.8vo", env=self.environment)
+        self.expect(2, "serve", "https://example.org/a.8vo", env=self.environment)
+
+    def test_a_taken_port_is_an_error_and_a_signal_ends_the_server(self):
+        process, site = self.serve("serve", "a b.8vo")
+        error = self.expect(5, "serve", "a b.8vo", "--port", str(site["port"]),
+                            env=self.environment)
+        self.assertIn("--port", error.stderr)
+        os.kill(process.pid, signal.SIGINT)
+        self.assertEqual(process.wait(timeout=30), 130)
+
+    def test_view_opens_the_browser_that_is_named(self):
+        browser = self.folder / "browser"
+        browser.write_text('#!/bin/sh\necho "$1" > opened\n')
+        browser.chmod(browser.stat().st_mode | stat.S_IXUSR)
+        self.environment["BROWSER"] = str(browser)
+        _, site = self.serve("view", "a b.8vo")
+        opened = self.folder / "opened"
+        while not opened.exists() or not opened.read_text().endswith("\n"):
+            pass
+        self.assertEqual(opened.read_text().strip(), site["url"])
+        _, site = self.serve("view", "https://example.org/c d.8vo")
+        query = urllib.parse.urlparse(site["url"]).query
+        self.assertEqual(urllib.parse.parse_qs(query), {"url": ["https://example.org/c d.8vo"]})
+
+
+class Publishing(Serving):
+    def publish(self, code, *arguments):
+        return self.expect(code, "publish", *arguments, env=self.environment)
+
+    def test_a_folder_has_the_page_the_volumes_and_a_list_of_them(self):
+        (self.folder / "sub").mkdir()
+        (self.folder / "sub" / "a b.8vo").write_bytes(self.bytes)
+        self.publish(0, "a b.8vo", "sub/a b.8vo", "-o", "site")
+        site = self.folder / "site"
+        self.assertEqual(sorted(path.name for path in site.iterdir()),
+                         sorted([*PAGE, "a b.8vo", "a b-2.8vo", "files.json"]))
+        self.assertEqual((site / "a b-2.8vo").read_bytes(), self.bytes)
+        listed = json.loads((site / "files.json").read_text())
+        self.assertEqual([row["url"] for row in listed], ["a%20b.8vo", "a%20b-2.8vo"])
+
+    def test_nothing_is_replaced_unless_that_is_asked_for(self):
+        self.publish(0, "a b.8vo", "-o", "site")
+        (self.folder / "site" / "own.txt").write_text("mine")
+        before = {p.name: p.read_bytes() for p in (self.folder / "site").iterdir()}
+        (self.page / "viewer.js").write_text("new")
+        self.publish(5, "a b.8vo", "-o", "site")
+        self.assertEqual(before,
+                         {p.name: p.read_bytes() for p in (self.folder / "site").iterdir()})
+        self.publish(0, "a b.8vo", "-o", "site", "--force")
+        self.assertEqual((self.folder / "site" / "viewer.js").read_text(), "new")
+        self.assertEqual((self.folder / "site" / "own.txt").read_text(), "mine")
+
+    def test_a_failure_leaves_nothing(self):
+        (self.folder / "x.8vo").write_bytes(self.bytes[:-1])
+        self.publish(4, "a b.8vo", "x.8vo", "-o", "site")
+        (self.page / "worker.js").unlink()
+        error = self.publish(5, "a b.8vo", "-o", "site")
+        self.assertIn("worker.js", error.stderr)
+        self.assertFalse((self.folder / "site").exists())
+
+
+if __name__ == "__main__":
+    cli_test.OCTAVO = os.path.abspath(sys.argv.pop(1))
+    unittest.main()

@@ -1,0 +1,177 @@
+#include "octavo/io/serve/site_server.h"
+
+#include <arpa/inet.h>
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "octavo/core/error.h"
+
+namespace octavo {
+namespace {
+
+/// A server of one large and one small content, on a thread of its own.
+class SiteServerTest : public testing::Test {
+ protected:
+  static constexpr std::size_t kLarge = 3 << 20;
+
+  void start(SiteServerOptions options = {}) {
+    large_.resize(kLarge);
+    for (std::size_t i = 0; i < kLarge; ++i) large_[i] = static_cast<std::uint8_t>(i * i >> 7);
+    table_["/large"] = memory_content(large_, "a/b");
+    table_["/small"] = memory_content({'h', 'i'}, "a/b");
+    server_ = std::make_unique<SiteServer>(options);
+    thread_ = std::thread([this] { server_->run({}, table_, [this] { return ends_.load(); }); });
+  }
+  void TearDown() override {
+    ends_ = true;
+    if (thread_.joinable()) thread_.join();
+  }
+
+  int connected() const {
+    const int descriptor = ::socket(AF_INET, SOCK_STREAM, 0);
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(static_cast<std::uint16_t>(server_->port()));
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    EXPECT_EQ(::connect(descriptor, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
+    return descriptor;
+  }
+
+  static void send_text(int descriptor, const std::string& text) {
+    EXPECT_EQ(::send(descriptor, text.data(), text.size(), MSG_NOSIGNAL),
+              static_cast<ssize_t>(text.size()));
+  }
+
+  /// All that comes until the server closes.
+  static std::string rest_of(int descriptor) {
+    std::string text;
+    char buffer[65536];
+    for (;;) {
+      const ssize_t count = ::recv(descriptor, buffer, sizeof buffer, 0);
+      if (count <= 0) break;
+      text.append(buffer, static_cast<std::size_t>(count));
+    }
+    ::close(descriptor);
+    return text;
+  }
+
+  std::string asked(const std::string& text) const {
+    const int descriptor = connected();
+    send_text(descriptor, text);
+    return rest_of(descriptor);
+  }
+
+  std::string body_of(const std::string& path, const std::string& fields = "") const {
+    const std::string text =
+        asked("GET " + path + " HTTP/1.1\r\nConnection: close\r\n" + fields + "\r\n");
+    const std::size_t at = text.find("\r\n\r\n");
+    return at == std::string::npos ? "no head" : text.substr(at + 4);
+  }
+
+  SiteTable table_;
+  std::vector<std::uint8_t> large_;
+  std::unique_ptr<SiteServer> server_;
+  std::thread thread_;
+  std::atomic<bool> ends_{false};
+};
+
+TEST_F(SiteServerTest, GivesEveryByte) {
+  start();
+  EXPECT_EQ(body_of("/small"), "hi");
+  const std::string whole = body_of("/large");
+  EXPECT_EQ(whole, std::string(large_.begin(), large_.end()));
+  EXPECT_EQ(body_of("/large", "Range: bytes=1000000-1999999\r\n"), whole.substr(1000000, 1000000));
+}
+
+TEST_F(SiteServerTest, AnswersRequestsThatComeTogetherOneAfterTheOther) {
+  start();
+  const std::string one = "GET /small HTTP/1.1\r\n\r\n";
+  const std::string last = "GET /small HTTP/1.1\r\nConnection: close\r\n\r\n";
+  std::string all;
+  for (int i = 0; i < 40; ++i) all += one;
+  const std::string text = asked(all + last);
+  std::size_t count = 0;
+  for (std::size_t at = 0; (at = text.find("\r\n\r\nhi", at)) != std::string::npos; ++at) ++count;
+  EXPECT_EQ(count, 41u);
+}
+
+TEST_F(SiteServerTest, AnswersAClientThatHasSaidAllAndOneThatSaysItByteByByte) {
+  start();
+  const int half = connected();
+  send_text(half, "GET /small HTTP/1.1\r\n\r\n");
+  ::shutdown(half, SHUT_WR);
+  EXPECT_TRUE(rest_of(half).ends_with("hi"));
+  const int slow = connected();
+  for (const char c : std::string("GET /small HTTP/1.0\r\n\r\n")) send_text(slow, {c});
+  EXPECT_TRUE(rest_of(slow).ends_with("hi"));
+}
+
+TEST_F(SiteServerTest, EndsConnectionsThatMakeNoSense) {
+  start();
+  EXPECT_TRUE(asked("nonsense\r\n\r\n").starts_with("HTTP/1.1 400 "));
+  const std::string long_head =
+      "GET / HTTP/1.1\r\nA: " + std::string(kMaxRequestHead + 10, 'x') + "\r\n\r\n";
+  EXPECT_TRUE(asked(long_head).starts_with("HTTP/1.1 431 "));
+  // Gone in the middle of an answer.
+  const int gone = connected();
+  send_text(gone, "GET /large HTTP/1.1\r\n\r\n");
+  ::close(gone);
+  EXPECT_EQ(body_of("/small"), "hi");
+}
+
+TEST_F(SiteServerTest, IsNotHeldUpByConnectionsThatRestOrReadNothing) {
+  start();
+  std::vector<int> open;
+  for (int i = 0; i < 200; ++i) open.push_back(connected());
+  for (int i = 0; i < 50; ++i) send_text(open[static_cast<std::size_t>(i)], "GET /sma");
+  for (int i = 0; i < 64; ++i) {
+    open.push_back(connected());
+    send_text(open.back(), "GET /large HTTP/1.1\r\n\r\n");
+  }
+  EXPECT_EQ(body_of("/small"), "hi");
+  for (const int descriptor : open) ::close(descriptor);
+}
+
+TEST_F(SiteServerTest, TakesNewConnectionsWhereTooManyRest) {
+  SiteServerOptions options;
+  options.most_connections = 4;
+  start(options);
+  std::vector<int> open;
+  for (int i = 0; i < 12; ++i) open.push_back(connected());
+  EXPECT_EQ(body_of("/small"), "hi");
+  for (const int descriptor : open) ::close(descriptor);
+}
+
+TEST_F(SiteServerTest, EndsConnectionsThatTakeTooLong) {
+  SiteServerOptions options;
+  options.idle_s = options.head_s = 0.05;
+  start(options);
+  EXPECT_EQ(rest_of(connected()), "");
+  EXPECT_EQ(asked("GET /small HT"), "");
+}
+
+TEST(SiteServer, SaysWhereItCannotListen) {
+  SiteServerOptions options;
+  options.address = "localhost";
+  EXPECT_THROW(SiteServer{options}, Error);
+  options.address = "127.0.0.1";
+  const SiteServer first(options);
+  options.port = first.port();
+  try {
+    SiteServer second(options);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::io);
+    EXPECT_EQ(error.field(), "serve.port");
+  }
+}
+
+}  // namespace
+}  // namespace octavo
