@@ -18,8 +18,8 @@ namespace {
 
 constexpr VerbText kPublishText = {
     "publish", "Write a folder for any web server: a page that shows .8vo files, and these.",
-    "The page needs no program on the server, only files. HOSTING.md in the folder says what nginx,\n"
-    "caddy, Apache and S3 need to be told, which is little. In a folder that is there, other files\n"
+    "The page needs no program on the server, only files. HOSTING.md in the folder says what to\n"
+    "set for nginx, caddy, Apache and S3, which is little. In a folder that is there, other files\n"
     "stay; --force replaces those of the same names.\n\n"
     "Examples:\n"
     "  octavo publish head.8vo -o site\n"

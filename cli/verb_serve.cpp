@@ -35,8 +35,8 @@ constexpr VerbText kServeText = {
 constexpr VerbText kViewText = {
     "view", "Show an .8vo file in the browser.",
     "Starts 'octavo serve' on a free port and opens the page; it works until the program is\n"
-    "stopped. $BROWSER names another browser than that of the desktop. FILE may be a URL: then the\n"
-    "browser fetches it itself, which its server must allow for other sites.\n\n"
+    "stopped. $BROWSER names another browser than that of the desktop. FILE may be a URL: then\n"
+    "the browser fetches it itself, which its server must allow for other sites.\n\n"
     "Examples:\n"
     "  octavo view head.8vo\n"
     "  octavo view https://example.org/head.8vo"};

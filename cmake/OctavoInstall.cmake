@@ -33,6 +33,8 @@ if(TARGET octavo)
   install(TARGETS octavo RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
   if(NOT CMAKE_CROSSCOMPILING)
     set(pages ${CMAKE_BINARY_DIR}/share)
+    # The page of the viewer, which tools/build_web puts there.
+    install(DIRECTORY ${pages}/octavo/web DESTINATION ${CMAKE_INSTALL_DATADIR}/octavo OPTIONAL)
     install(DIRECTORY ${pages}/man/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
     set(completed octavo)
     if(TARGET octavo-mpi)

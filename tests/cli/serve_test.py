@@ -81,7 +81,7 @@ class Server(Serving):
         self.assertEqual((answer.status, body), (206, self.bytes[100:200]))
         self.assertEqual(self.ask(site, "/")[1], b"<p>page")
         listed = json.loads(self.ask(site, "/files.json")[1])
-        self.assertEqual(listed, [{"name": "a b.8vo", "url": "a%20b.8vo"}])
+        self.assertEqual(listed, [{"title": "a b.8vo", "url": "a%20b.8vo"}])
         for path in ("/page", "/none", "/../a%20b.8vo", "/%2e%2e/x", "/etc/passwd", "//a%20b.8vo"):
             self.assertEqual(self.ask(site, path)[0].status, 404, path)
 

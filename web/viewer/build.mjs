@@ -1,7 +1,9 @@
 // Builds the page: node build.mjs [--out FOLDER] [--tests]
 //
 //   dist/        index.html, style.css, viewer.js, and what the reader brings: worker and wasm
-//   build/test/  with --tests: the tests as scripts that node runs
+//   dist/tests/, dist/made_up/
+//                with --tests: the tests as scripts that node runs; the page over a volume that is
+//                made up
 import { build } from "esbuild";
 import { cp, mkdir, readdir, rm } from "node:fs/promises";
 import { dirname, join, resolve } from "node:path";
@@ -40,7 +42,7 @@ async function page(entry, to) {
 }
 
 async function tests() {
-  const to = join(here, "build/test");
+  const to = join(here, "dist/tests");
   await rm(to, { recursive: true, force: true });
   const names = (await readdir(join(here, "test"), { recursive: true })).filter((name) =>
     name.endsWith(".test.ts"),
@@ -52,7 +54,7 @@ async function tests() {
     outdir: to,
     outExtension: { ".js": ".mjs" },
   });
-  await page(join(here, "test/made_up_page.ts"), join(here, "build/made_up"));
+  await page(join(here, "test/made_up_page.ts"), join(here, "dist/made_up"));
 }
 
 if (process.argv.includes("--tests")) {

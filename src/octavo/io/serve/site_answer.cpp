@@ -154,7 +154,7 @@ class Answering {
     fields_ += "ETag: " + tag + "\r\nAccept-Ranges: bytes\r\nCache-Control: no-cache\r\n";
     if (head_.if_match && !is_tag_in(*head_.if_match, tag, false)) return plain(412);
     if (head_.if_none_match && is_tag_in(*head_.if_none_match, tag, true)) return finished(304, 0);
-    AskedRange range{0, size};
+    ServedRange range{0, size};
     RangeState state = RangeState::none;
     const bool is_of_now = !head_.if_range || *head_.if_range == tag;
     if (head_.range && is_of_now) state = parse_asked_range(*head_.range, size, range);
@@ -188,7 +188,7 @@ class Answering {
 
 }  // namespace
 
-RangeState parse_asked_range(std::string_view field, std::uint64_t size, AskedRange& range) {
+RangeState parse_asked_range(std::string_view field, std::uint64_t size, ServedRange& range) {
   constexpr std::string_view kUnit = "bytes=";
   if (!field.starts_with(kUnit)) {
     return field.starts_with("bytes") ? RangeState::wrong : RangeState::none;

@@ -47,17 +47,17 @@ struct SiteAnswer {
 };
 
 /// Bytes [first, first + length) of `size`.
-struct AskedRange {
+struct ServedRange {
   std::uint64_t first = 0;
   std::uint64_t length = 0;
-  bool operator==(const AskedRange&) const = default;
+  bool operator==(const ServedRange&) const = default;
 };
 
 enum class RangeState { none, some, wrong };
 
 /// What a Range field asks for. Units other than bytes count as none; several ranges, and one that
 /// has no byte of the file, as wrong.
-RangeState parse_asked_range(std::string_view field, std::uint64_t size, AskedRange& range);
+RangeState parse_asked_range(std::string_view field, std::uint64_t size, ServedRange& range);
 
 /// The answer to a request. Never throws for anything that a request can hold.
 SiteAnswer site_answer(const RequestHead& head, const SiteRules& rules, SiteTable& table);

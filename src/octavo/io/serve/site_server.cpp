@@ -29,7 +29,7 @@ constexpr std::size_t kPartBytes = std::size_t{256} << 10;
 constexpr int kWaitMs = 200;
 constexpr int kWaiting = 64;  // connections that the system holds before they are taken
 
-[[noreturn]] void fail(const std::string& what, int reason) {
+[[noreturn]] void fail_to_serve(const std::string& what, int reason) {
   throw Error(ErrorKind::io, what + ": " + std::generic_category().message(reason));
 }
 
@@ -89,7 +89,7 @@ class SiteServer::Loop {
   explicit Loop(const SiteServerOptions& options) : options_(options), part_(kPartBytes) {
     const SocketAddress address = socket_address(options.address, options.port);
     listener_ = ::socket(address.storage.ss_family, SOCK_STREAM, 0);
-    if (listener_ < 0) fail("a server cannot be started", errno);
+    if (listener_ < 0) fail_to_serve("a server cannot be started", errno);
     set_flags(listener_);
     const int yes = 1;
     ::setsockopt(listener_, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
@@ -141,7 +141,7 @@ class SiteServer::Loop {
     }
     if (::poll(polled_.data(), static_cast<nfds_t>(polled_.size()), kWaitMs) < 0 &&
         errno != EINTR) {
-      fail("waiting for connections failed", errno);
+      fail_to_serve("waiting for connections failed", errno);
     }
     auto state = polled_.begin() + 1;
     for (ServedClient& client : clients_) client.is_ready = (state++)->revents != 0;
@@ -164,7 +164,7 @@ class SiteServer::Loop {
   /// Of those that have nothing to get, the one that waits longest; else of all.
   void drop_longest_idle() {
     const auto dropped =
-        std::min_element(clients_.begin(), clients_.end(), [](const ServedClient& a, const ServedClient& b) {
+        std::min_element(clients_.begin(), clients_.end(), [](const auto& a, const auto& b) {
           return std::pair(a.is_answering, a.since) < std::pair(b.is_answering, b.since);
         });
     ::close(dropped->descriptor);
@@ -216,7 +216,8 @@ class SiteServer::Loop {
     if (!end || *end > kMaxRequestHead) {
       answer = error_answer(431);
     } else {
-      const ParsedHead parsed = parse_request_head(std::string_view(client.received).substr(0, *end));
+      const std::string_view bytes = std::string_view(client.received).substr(0, *end);
+      const ParsedHead parsed = parse_request_head(bytes);
       answer = parsed.status == 0 ? site_answer(parsed.head, rules, table)
                                   : error_answer(parsed.status);
       client.received.erase(0, *end);

@@ -25,7 +25,7 @@ struct SiteServerOptions {
 class SiteServer {
  public:
   /// Begins to listen.
-  /// Throws Error{invalid_argument} for what is no address, Error{io} where it cannot be listened on
+  /// Throws Error{invalid_argument} for what is no address, Error{io} where nobody can listen there
   explicit SiteServer(const SiteServerOptions& options);
   ~SiteServer();
   SiteServer(const SiteServer&) = delete;

@@ -13,7 +13,7 @@ namespace octavo {
 struct PublishOptions {
   std::vector<std::string> inputs;  ///< .8vo files
   std::string page_folder;          ///< the built page
-  Output output;                    ///< a folder, new or there already; its files of other names stay
+  Output output;                    ///< a folder, new or there; its files of other names stay
 };
 
 struct PublishedFile {

@@ -26,7 +26,9 @@ bool is_loopback(const std::string& address) {
 std::string new_token() {
   std::random_device device;
   std::string token;
-  while (token.size() < kMinTokenLength) token.push_back(kTokenSigns[device() % kTokenSigns.size()]);
+  while (token.size() < kMinTokenLength) {
+    token.push_back(kTokenSigns[device() % kTokenSigns.size()]);
+  }
   return token;
 }
 

@@ -68,8 +68,8 @@ std::string web_list(const std::vector<std::string>& names) {
   std::string list;
   for (const std::string& name : names) {
     list += list.empty() ? "[\n " : ",\n ";
-    list += "{\"name\": " + json_string(name) + ", \"url\": " + json_string(percent_encoded(name)) +
-            "}";
+    list += "{\"title\": " + json_string(name) +
+            ", \"url\": " + json_string(percent_encoded(name)) + "}";
   }
   return list.empty() ? "[]\n" : list + "\n]\n";
 }

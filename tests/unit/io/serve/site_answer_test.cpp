@@ -43,11 +43,11 @@ SiteAnswer answer_to(const RequestHead& head, const SiteRules& rules = local_rul
   return site_answer(head, rules, table);
 }
 
-TEST(AskedRange, IsOneRunOfBytesThatAreThere) {
+TEST(ServedRange, IsOneRunOfBytesThatAreThere) {
   const struct {
     const char* field;
     RangeState state;
-    AskedRange range;
+    ServedRange range;
   } rows[] = {
       {"bytes=0-0", RangeState::some, {0, 1}},
       {"bytes=10-19", RangeState::some, {10, 10}},
@@ -70,11 +70,11 @@ TEST(AskedRange, IsOneRunOfBytesThatAreThere) {
       {"lines=1-2", RangeState::none, {}},
   };
   for (const auto& row : rows) {
-    AskedRange range;
+    ServedRange range;
     EXPECT_EQ(parse_asked_range(row.field, kSize, range), row.state) << row.field;
     EXPECT_EQ(range, row.range) << row.field;
   }
-  AskedRange range;
+  ServedRange range;
   EXPECT_EQ(parse_asked_range("bytes=0-", 0, range), RangeState::wrong);
 }
 

@@ -37,7 +37,7 @@ export function listenToDoors(open: (source: string | File) => void): { choose: 
 }
 
 export interface Listed {
-  readonly name: string;
+  readonly title: string;
   readonly url: string;
 }
 
@@ -47,9 +47,9 @@ export async function listedFiles(): Promise<Listed[]> {
     const answer = await fetch("files.json", { cache: "no-cache" });
     const list: unknown = answer.ok ? await answer.json() : [];
     if (!Array.isArray(list)) return [];
-    return list.flatMap((row: { name?: unknown; url?: unknown }) => {
+    return list.flatMap((row: { title?: unknown; url?: unknown }) => {
       const url = typeof row?.url === "string" ? safeUrl(row.url, document.baseURI) : undefined;
-      return url && typeof row.name === "string" ? [{ name: row.name, url }] : [];
+      return url && typeof row.title === "string" ? [{ title: row.title, url }] : [];
     });
   } catch {
     return []; // A page without a list is one for files of this machine and addresses.
@@ -58,11 +58,11 @@ export async function listedFiles(): Promise<Listed[]> {
 
 export function showList(listed: readonly Listed[], open: (url: string) => void): void {
   byId("listed").replaceChildren(
-    ...listed.map(({ name, url }) =>
+    ...listed.map(({ title, url }) =>
       element(
         "li",
         {},
-        button(shownText(name, 80), url, () => open(url)),
+        button(shownText(title, 80), url, () => open(url)),
       ),
     ),
   );

@@ -47,8 +47,8 @@ export class Session {
   }
 
   /**
-   * One coarse slice, before all else: of the layers of a file that are read one by one it needs the
-   * fewest. What goes wrong is met again when the rest is read.
+   * One coarse slice, before all else: of the layers of a file, which are read one by one, it needs
+   * the fewest. What goes wrong is met again when the rest is read.
    */
   async readFirst(o: Orientation, voxel: number): Promise<void> {
     const { levels } = this.facts;

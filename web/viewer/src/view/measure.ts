@@ -43,7 +43,7 @@ export function angleDegrees(g: Geometry, points: readonly Vec3[]): number {
   return (Math.acos(Math.max(-1, Math.min(1, dot(u, v) / lengths))) * 180) / Math.PI;
 }
 
-/** The samples of a level whose centers lie between two corners on a slice; at least one. */
+/** The samples of a level whose centers lie between two corners on a slice; one or more. */
 export function roiBox(
   level: Level,
   o: Orientation,

@@ -36,9 +36,9 @@ vec3 valueAt(sampler2D plane, vec4 rect, vec2 at) {
   vec2 share = at - vec2(low);
   float a = texel(plane, rect, low), b = texel(plane, rect, low + ivec2(1, 0));
   float c = texel(plane, rect, low + ivec2(0, 1)), d = texel(plane, rect, low + ivec2(1, 1));
-  float most = max(max(a, b), max(c, d)), least = min(min(a, b), min(c, d));
+  float most = max(max(a, b), max(c, d)), smallest = min(min(a, b), min(c, d));
   float known = most > MISSING ? 0.0 : 1.0;
-  float number = least < NOT_A_NUMBER ? 0.0 : 1.0;
+  float number = smallest < NOT_A_NUMBER ? 0.0 : 1.0;
   return vec3(mix(mix(a, b, share.x), mix(c, d, share.x), share.y), known, number);
 }
 

@@ -152,7 +152,7 @@ export function withNewPoint(transfer: Transfer, value: number, opacity: number)
   return [...transfer, added].sort((a, b) => a.value - b.value);
 }
 
-/** Without a point; at least two are kept. */
+/** Without a point; two are always kept. */
 export function withoutPoint(transfer: Transfer, number: number): Transfer {
   return transfer.length > 2 ? transfer.filter((_, i) => i !== number) : transfer;
 }
