@@ -1,6 +1,8 @@
 // The volumes that are built in parts: every kind, preset, error, shape and way between slices.
 #pragma once
 
+#include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <string>
@@ -45,6 +47,17 @@ inline std::vector<SmallVolume> part_volumes() {
                      }));
   all.push_back(small_volume("labels", VoxelType::uint16, size, VolumeKind::labels));
   all.push_back(small_volume("float32, exact", VoxelType::float32, size));
+  // Between which coarse levels have steps, and of which they hold not all
+  all.push_back(with(small_volume("float32, few values, one far", VoxelType::float32,
+                                  {33, 20, 280}),
+                     [](auto& v) {
+                       auto* const values = reinterpret_cast<float*>(v.voxels.data());
+                       const std::size_t count = v.voxels.size() / sizeof(float);
+                       for (std::size_t i = 0; i < count; ++i) {
+                         values[i] = 0.37F * std::floor(values[i] / 4);
+                         if (i % 30011 == 7) values[i] = 1e30F;
+                       }
+                     }));
   all.push_back(with(small_volume("float32, max error", VoxelType::float32, size),
                      [](auto& v) { v.options.max_error = 0.2; }));
   all.push_back(small_volume("uniform groups", VoxelType::int16, size, VolumeKind::grey, 3, true));
