@@ -119,21 +119,6 @@ constexpr std::int64_t kMostPlannedBricks = 1 << 14;
 /// Of plans for one box: pages, models and pieces, parts, and once more where others read as well.
 constexpr int kMostPlans = 4;
 
-/// Fetches what a box needs. False, with nothing or a part of it fetched, where that is more than
-/// the source keeps.
-bool fetch_box(const OpenFile& file, const Box& box, int level, const IsDecoded& is_decoded) {
-  const ByteSource& source = file.source();
-  std::uint64_t fetched = 0;
-  for (int i = 0; i < kMostPlans; ++i) {
-    const ReadPlan plan = plan_of_box(file, box, level, {}, is_decoded);
-    fetched += total_bytes(plan.ranges);
-    if (fetched > source.fetched_bytes_kept()) return false;
-    if (!plan.ranges.empty()) source.fetch(plan.ranges);
-    if (plan.is_complete) break;
-  }
-  return true;
-}
-
 /// The halves of a box along the axis with the most bricks, cut between bricks.
 std::pair<Box, Box> halves_of(const Box& box, const Size3& side, const Size3& met) {
   int axis = 2;
@@ -149,28 +134,46 @@ std::pair<Box, Box> halves_of(const Box& box, const Size3& side, const Size3& me
 
 }  // namespace
 
+bool fetch_boxes(const OpenFile& file, std::span<const Box> boxes, int level,
+                 const IsDecoded& is_decoded) {
+  const ByteSource& source = file.source();
+  if (source.fetched_bytes_kept() == 0) return true;
+  const Size3 side = brick_side_at(file.levels(), level);
+  std::int64_t brick_count = 0;
+  for (const Box& box : boxes) brick_count += cells_met(box, side).voxel_count();
+  if (brick_count > kMostPlannedBricks) return false;
+  std::uint64_t fetched = 0;
+  for (int i = 0; i < kMostPlans; ++i) {
+    const ReadPlan plan = plan_of_boxes(file, boxes, level, {}, is_decoded);
+    fetched += total_bytes(plan.ranges);
+    if (fetched > source.fetched_bytes_kept()) return false;
+    if (!plan.ranges.empty()) source.fetch(plan.ranges);
+    if (plan.is_complete) break;
+  }
+  return true;
+}
+
 void for_fetched(const OpenFile& file, const Box& box, int level, const IsDecoded& is_decoded,
                  const std::function<void(const Box& part)>& read) {
   if (file.source().fetched_bytes_kept() == 0) return read(box);
   const Size3 side = brick_side_at(file.levels(), level);
   const Size3 met = cells_met(box, side);
-  const bool is_small = met.voxel_count() <= kMostPlannedBricks;
-  if (is_small && (fetch_box(file, box, level, is_decoded) || met.voxel_count() == 1)) {
-    return read(box);
-  }
+  if (fetch_boxes(file, {&box, 1}, level, is_decoded) || met.voxel_count() == 1) return read(box);
   const auto [first, second] = halves_of(box, side, met);
   for_fetched(file, first, level, is_decoded, read);
   for_fetched(file, second, level, is_decoded, read);
 }
 
-ReadPlan plan_of_box(const OpenFile& file, const Box& box, int level, const JoinLimits& limits,
-                     const IsDecoded& is_decoded) {
+ReadPlan plan_of_boxes(const OpenFile& file, std::span<const Box> boxes, int level,
+                       const JoinLimits& limits, const IsDecoded& is_decoded) {
   BoxPlanner planner(file, level);
-  visit_cells(box, brick_side_at(file.levels(), level), [&](const Index3& position) {
-    const Box whole = brick_box_at(file.levels(), level, position);
-    planner.add_brick(position, intersection(box, whole), is_decoded);
-    return true;
-  });
+  for (const Box& box : boxes) {
+    visit_cells(box, brick_side_at(file.levels(), level), [&](const Index3& position) {
+      const Box whole = brick_box_at(file.levels(), level, position);
+      planner.add_brick(position, intersection(box, whole), is_decoded);
+      return true;
+    });
+  }
   return std::move(planner).plan(limits);
 }
 

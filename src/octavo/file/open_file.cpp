@@ -42,6 +42,15 @@ ByteRange tail_of(const FileHeader& header, const ReaderOptions& options) {
   return {start, header.file_bytes - start};
 }
 
+/// What is missing of the tail, and of what stands before it.
+std::vector<ByteRange> tail_to_fetch(const ByteSource& source, ByteRange tail,
+                                     const ReaderOptions& options) {
+  if (source.missing({&tail, 1}).empty()) return {};
+  const std::uint64_t lead = std::min(options.lead_bytes, tail.offset);
+  tail = {tail.offset - lead, tail.length + lead};
+  return joined(source.missing({&tail, 1}), {});
+}
+
 std::string text_of(ByteSpan bytes) {
   std::string text(bytes.begin(), bytes.end());
   text.erase(text.find_last_not_of(' ') + 1);
@@ -87,6 +96,7 @@ void OpenFile::read_tail(const ReaderOptions& options) {
   const ByteRange range = tail_of(header_, options);
   const std::uint64_t start = range.offset;
   const bool has_pages = start == header_.pages.offset;
+  if (source_->fetched_bytes_kept() > 0) source_->fetch(tail_to_fetch(*source_, range, options));
   const Bytes tail = read_bytes(start, range.length);
   const auto part = [&](const Section& section) {
     return ByteSpan(tail).subspan(section.offset - start, section.length);
@@ -355,7 +365,7 @@ ReadPlan plan_of_opening(const ByteSource& source, const ReaderOptions& options)
   if (plan.is_complete) {
     const ByteRange tail = tail_of(
         parse_header(read_arriving(source, head.offset, head.length), source_bytes), options);
-    plan.ranges = joined(source.missing({&tail, 1}), {});
+    plan.ranges = tail_to_fetch(source, tail, options);
   }
   plan.needed_bytes = total_bytes(plan.ranges);
   return plan;

@@ -25,7 +25,7 @@ struct ReadPlan {
   bool is_complete = true;
 };
 
-/// What is missing to open a file.
+/// What is missing to open a file, with those bytes that come along.
 /// Throws what FileReader::open throws for the bytes that are there
 ReadPlan plan_of_opening(const ByteSource& source, const ReaderOptions& options);
 

@@ -192,16 +192,18 @@ class FileReaderImpl final : public FileReader {
 
   ReadPlan ranges_of(const Box& box, int level, const JoinLimits& limits) const override {
     check_box(box, level);
-    return plan_of_box(file_, box, level, limits, nullptr);
+    return plan_of_boxes(file_, {&box, 1}, level, limits, nullptr);
+  }
+
+  bool fetch(std::span<const Box> boxes, int level) const override {
+    for (const Box& box : boxes) check_box(box, level);
+    return fetch_boxes(file_, boxes, level, decoded_at(level));
   }
 
   void for_fetched(const Box& box, int level,
                    const std::function<void(const Box& part)>& read) const override {
     check_box(box, level);
-    const auto is_decoded = [&](const BrickEntry& entry, const Box& part) {
-      return has_decoded(entry, level, part);
-    };
-    octavo::for_fetched(file_, box, level, is_decoded, read);
+    octavo::for_fetched(file_, box, level, decoded_at(level), read);
   }
 
  private:
@@ -209,6 +211,12 @@ class FileReaderImpl final : public FileReader {
     if (watcher_ != nullptr && watcher_->is_cancelled()) {
       throw Error(ErrorKind::cancelled, "stopped");
     }
+  }
+
+  IsDecoded decoded_at(int level) const {
+    return [this, level](const BrickEntry& entry, const Box& part) {
+      return has_decoded(entry, level, part);
+    };
   }
 
   /// Whether those voxels of a brick are kept decoded.
@@ -529,6 +537,8 @@ ReadPlan FileReader::ranges_of(const Box& /*box*/, int /*level*/,
                                const JoinLimits& /*limits*/) const {
   return {};
 }
+
+bool FileReader::fetch(std::span<const Box> /*boxes*/, int /*level*/) const { return true; }
 
 void FileReader::for_fetched(const Box& box, int /*level*/,
                              const std::function<void(const Box& part)>& read) const {

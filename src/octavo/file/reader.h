@@ -33,6 +33,9 @@ struct ReaderOptions {
   /// The pages of the index are read when the file is opened where that takes no more than this;
   /// else one by one when they are needed.
   std::uint64_t max_tail_bytes = std::uint64_t{1} << 20;
+  /// Where bytes have to be fetched, so many that stand before the index come along when a file is
+  /// opened: those of the coarsest levels.
+  std::uint64_t lead_bytes = std::uint64_t{1} << 18;
   /// Its is_cancelled() ends every reading of voxels at the next brick, with Error{cancelled}. It
   /// outlives the reader; may be null.
   const Progress* watcher = nullptr;
@@ -140,11 +143,16 @@ class FileReader {
   /// Throws Error{invalid_argument} as read(); Error{corrupt} for a damaged page or model
   virtual ReadPlan ranges_of(const Box& box, int level, const JoinLimits& limits = {}) const;
 
-  /// Calls read(part) for boxes that tile `box`, one after the other, each when the source has
-  /// fetched its bytes: in few requests, and no more than it keeps. Of bytes at hand nothing is
-  /// fetched, and `box` is one part. Readers do this for every box themselves; who reads a box in
+  /// Fetches what reading boxes needs beside what is kept, in few requests. False, with nothing or
+  /// some of it fetched, where the source keeps less: then they are better read a few at a time. Of
+  /// bytes at hand nothing is fetched.
+  /// Throws as ranges_of() and ByteSource::fetch()
+  virtual bool fetch(std::span<const Box> boxes, int level) const;
+
+  /// Calls read(part) for boxes that tile `box`, one after the other, each of them fetched. Of
+  /// bytes at hand `box` is one part. Readers do this for every box themselves; who reads a box in
   /// pieces does it for the whole of it first.
-  /// Throws as ranges_of() and ByteSource::fetch(), and what `read` throws
+  /// Throws as fetch(), and what `read` throws
   virtual void for_fetched(const Box& box, int level,
                            const std::function<void(const Box& part)>& read) const;
 

@@ -22,13 +22,15 @@ struct JoinLimits {
   /// Bytes between two ranges that are always asked for along with them.
   std::uint64_t gap_bytes = std::uint64_t{1} << 15;
   /// Where more ranges than these are left, the smallest gaps are asked for along, too, ..
-  std::size_t most_ranges = 16;
-  /// .. but none that is larger.
-  std::uint64_t most_gap_bytes = std::uint64_t{1} << 17;
+  std::size_t most_ranges = 15;
+  /// .. but none that is larger, ..
+  std::uint64_t most_gap_bytes = std::uint64_t{1} << 18;
+  /// .. and all gaps together only as far as they are so much larger than the ranges.
+  std::uint64_t spare_bytes = std::uint64_t{1} << 20;
 };
 
 /// Ranges stay apart unless they overlap or touch.
-inline constexpr JoinLimits kNoGaps{0, std::numeric_limits<std::size_t>::max(), 0};
+inline constexpr JoinLimits kNoGaps{0, std::numeric_limits<std::size_t>::max(), 0, 0};
 
 /// The ranges that cover `ranges`, rising and apart from one another; empty ones are left out.
 /// Complexity O(n log n)

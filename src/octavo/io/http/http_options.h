@@ -19,6 +19,9 @@ struct HttpOptions {
   /// server asks for. Every 10 kB that arrive give a second back, so that this is also how long a
   /// server may be slower than 10 kB/s.
   double timeout_s = 60;
+  /// Of the ranges of a fetch, so many are asked for at the same time, each over a connection of
+  /// its own. At least 1.
+  int most_requests = 6;
   /// Told once a URL, on any thread, that the server makes it wait.
   std::function<void(const std::string&)> on_wait;
   /// Asked about once a second, on any thread.

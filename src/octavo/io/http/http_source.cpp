@@ -1,12 +1,17 @@
 #include "octavo/io/http/http_source.h"
 
 #include <algorithm>
+#include <atomic>
+#include <exception>
+#include <mutex>
+#include <thread>
 #include <utility>
 #include <vector>
 
 #include "octavo/core/error.h"
 #include "octavo/core/url_text.h"
 #include "octavo/file/lru_cache.h"
+#include "octavo/file/storage/sparse_source.h"
 #include "octavo/file/storage/storage.h"
 #include "octavo/io/http/http_range.h"
 
@@ -17,13 +22,16 @@ namespace {
 constexpr std::uint64_t kBlockBytes = std::uint64_t{1} << 16;
 constexpr std::uint64_t kCacheBytes = 64 * kBlockBytes;
 constexpr std::uint64_t kLargestRequest = std::uint64_t{1} << 26;
+constexpr std::uint64_t kFetchedBytes = std::uint64_t{1} << 26;
 
 using BlockBytes = std::vector<std::uint8_t>;
 using Block = std::shared_ptr<const BlockBytes>;
 
 class HttpSource final : public ByteSource {
  public:
-  HttpSource(const std::string& url, const HttpOptions& options) : client_(url, options) {
+  HttpSource(const std::string& url, const HttpOptions& options)
+      : client_(url, options),
+        most_requests_(static_cast<std::size_t>(std::max(options.most_requests, 1))) {
     RangeAnswer head = client_.fetch(0, kBlockBytes);
     size_ = head.total_bytes;
     validator_ = std::move(head.validator);
@@ -40,6 +48,7 @@ class HttpSource final : public ByteSource {
                       " more were needed",
                   name(), offset);
     }
+    if (read_fetched(offset, out)) return;
     if (out.size() > kBlockBytes) return read_directly(offset, out);
     // At most two blocks: those that lie side by side come in one request.
     const std::uint64_t first = offset / kBlockBytes;
@@ -55,7 +64,70 @@ class HttpSource final : public ByteSource {
     }
   }
 
+  std::uint64_t fetched_bytes_kept() const override { return kFetchedBytes; }
+
+  std::vector<ByteRange> missing(std::span<const ByteRange> ranges) const override {
+    std::vector<ByteRange> behind_head;
+    for (ByteRange range : ranges) {
+      const std::uint64_t known = std::min(range.end(), head_->size());
+      if (known > range.offset) range = {known, range.end() - known};
+      behind_head.push_back(range);
+    }
+    const std::lock_guard lock(mutex_);
+    return fetched_.missing(behind_head);
+  }
+
+  void fetch(std::span<const ByteRange> ranges) const override {
+    std::vector<ByteRange> wanted;
+    for (ByteRange range : ranges) {
+      while (range.length > 0) {
+        const std::uint64_t length = std::min(range.length, kLargestRequest);
+        wanted.push_back({range.offset, length});
+        range = {range.offset + length, range.length - length};
+      }
+    }
+    fetch_all(wanted);
+  }
+
  private:
+  /// Each thread takes the next range until none is left, or one has failed.
+  void fetch_all(std::span<const ByteRange> ranges) const {
+    std::atomic<std::size_t> next = 0;
+    std::atomic<bool> has_failed = false;
+    std::vector<std::exception_ptr> failures(ranges.size());
+    const auto work = [&] {
+      for (std::size_t i = next++; i < ranges.size() && !has_failed; i = next++) {
+        try {
+          keep(ranges[i].offset, fetch(ranges[i].offset, ranges[i].length));
+        } catch (...) {
+          failures[i] = std::current_exception();
+          has_failed = true;
+        }
+      }
+    };
+    {
+      std::vector<std::jthread> threads;
+      for (std::size_t i = 1; i < std::min(most_requests_, ranges.size()); ++i) {
+        threads.emplace_back(work);
+      }
+      work();
+    }
+    for (const std::exception_ptr& failure : failures) {
+      if (failure) std::rethrow_exception(failure);
+    }
+  }
+
+  void keep(std::uint64_t offset, const std::vector<std::uint8_t>& bytes) const {
+    const std::lock_guard lock(mutex_);
+    fetched_.put(offset, bytes);
+    fetched_.shrink_to(kFetchedBytes);
+  }
+
+  bool read_fetched(std::uint64_t offset, std::span<std::uint8_t> out) const {
+    const std::lock_guard lock(mutex_);
+    return fetched_.read(offset, out);
+  }
+
   /// The proven bytes [offset, offset + count), all of them inside the file.
   std::vector<std::uint8_t> fetch(std::uint64_t offset, std::uint64_t count) const {
     RangeAnswer answer = client_.fetch(offset, count);
@@ -105,6 +177,9 @@ class HttpSource final : public ByteSource {
   std::uint64_t size_ = 0;
   std::string validator_;
   Block head_;
+  std::size_t most_requests_;
+  mutable std::mutex mutex_;
+  mutable SparseBytes fetched_;
 };
 
 }  // namespace

@@ -10,7 +10,8 @@
 namespace octavo {
 
 /// A thread-safe source over a URL. One request opens it and brings its first 64 KiB; small reads
-/// go through a cache of 4 MiB in blocks of 64 KiB. Every answer must be a 206 that begins as
+/// go through a cache of 4 MiB in blocks of 64 KiB. What is fetched before it is read comes over
+/// several connections and is kept, 64 MiB of it. Every answer must be a 206 that begins as
 /// asked, of a file of the same length and validator (ETag, else Last-Modified) as the first; the
 /// rest of a short one is asked for. Lost connections and answers 429 and 5xx are tried again three
 /// times. Its name is the URL without its secrets.

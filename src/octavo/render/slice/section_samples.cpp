@@ -46,6 +46,11 @@ class TileSamples {
     }
   }
 
+  /// Adds the boxes that `load` reads.
+  void add_boxes(std::vector<Box>& boxes) const {
+    for (const Block& block : blocks_) boxes.push_back(block.box);
+  }
+
   void load() {
     const VoxelType type = reader_.description().type;
     for (Block& block : blocks_) {
@@ -158,6 +163,80 @@ class Tile {
   SampleInterpolation interpolation_;
 };
 
+/// A section cut into tiles, row by row.
+class SectionTiles {
+ public:
+  SectionTiles(const FileReader& reader, int level, const PlaneSection& section,
+               SampleInterpolation interpolation)
+      : reader_(reader),
+        level_(level),
+        width_(section.width),
+        height_(section.height),
+        map_(index_map(section.world,
+                       reader.levels().geometry(reader.description().geometry, level))),
+        tile_(map_, reader.levels().size(level), interpolation) {}
+
+  std::int64_t count() const { return columns() * ((height_ + kTileSide - 1) / kTileSide); }
+
+  /// Fetches what tiles first .. end - 1 need; false where that is too much at once.
+  bool fetch(std::int64_t first, std::int64_t end) const {
+    if (reader_.source().fetched_bytes_kept() == 0) return true;
+    std::vector<Box> boxes;
+    for (std::int64_t number = first; number < end; ++number) needs_of(number).add_boxes(boxes);
+    return reader_.fetch(boxes, level_);
+  }
+
+  void sample(std::int64_t number, SectionSamples& result) const {
+    TileSamples samples = needs_of(number);
+    samples.load();
+    for_each_pixel(number, [&](std::int64_t x, std::int64_t y, const Cell& cell) {
+      result.values[static_cast<std::size_t>(y * width_ + x)] = Tile::interpolated(cell, samples);
+    });
+  }
+
+ private:
+  std::int64_t columns() const { return (width_ + kTileSide - 1) / kTileSide; }
+
+  TileSamples needs_of(std::int64_t number) const {
+    TileSamples samples(reader_, level_);
+    for_each_pixel(number, [&](std::int64_t, std::int64_t, const Cell& cell) {
+      Tile::for_each_corner(cell, [&](const Index3& sample) { samples.need(sample); });
+    });
+    return samples;
+  }
+
+  template <class Visit>
+  void for_each_pixel(std::int64_t number, Visit visit) const {
+    const std::int64_t left = number % columns() * kTileSide;
+    const std::int64_t top = number / columns() * kTileSide;
+    Cell cell;
+    for (std::int64_t y = top; y < std::min(top + kTileSide, height_); ++y) {
+      for (std::int64_t x = left; x < std::min(left + kTileSide, width_); ++x) {
+        if (tile_.place(x, y, cell)) visit(x, y, cell);
+      }
+    }
+  }
+
+  const FileReader& reader_;
+  int level_;
+  std::int64_t width_;
+  std::int64_t height_;
+  PixelMap map_;
+  Tile tile_;
+};
+
+/// Tiles first .. end - 1, as many at a time as can be fetched.
+void sample_tiles(const SectionTiles& tiles, std::int64_t first, std::int64_t end,
+                  SectionSamples& result) {
+  if (!tiles.fetch(first, end) && end - first > 1) {
+    const std::int64_t middle = first + (end - first) / 2;
+    sample_tiles(tiles, first, middle, result);
+    sample_tiles(tiles, middle, end, result);
+    return;
+  }
+  tbb::parallel_for(first, end, [&](std::int64_t number) { tiles.sample(number, result); });
+}
+
 }  // namespace
 
 SectionSamples sample_section(const FileReader& reader, int level, const PlaneSection& section,
@@ -166,34 +245,10 @@ SectionSamples sample_section(const FileReader& reader, int level, const PlaneSe
   if (level < 0 || level >= levels.count()) {
     throw Error(ErrorKind::invalid_argument, "there is no level " + std::to_string(level));
   }
-  const PixelMap map =
-      index_map(section.world, levels.geometry(reader.description().geometry, level));
   SectionSamples result{section.width, section.height, {}};
   result.values.resize(static_cast<std::size_t>(section.width * section.height), kOutside);
-  const Tile tile(map, levels.size(level), interpolation);
-  const std::int64_t columns = (section.width + kTileSide - 1) / kTileSide;
-  const std::int64_t rows = (section.height + kTileSide - 1) / kTileSide;
-  tbb::parallel_for(std::int64_t{0}, columns * rows, [&](std::int64_t number) {
-    const std::int64_t left = number % columns * kTileSide;
-    const std::int64_t top = number / columns * kTileSide;
-    const auto for_each_pixel = [&](auto visit) {
-      Cell cell;
-      for (std::int64_t y = top; y < std::min(top + kTileSide, section.height); ++y) {
-        for (std::int64_t x = left; x < std::min(left + kTileSide, section.width); ++x) {
-          if (tile.place(x, y, cell)) visit(x, y, cell);
-        }
-      }
-    };
-    TileSamples samples(reader, level);
-    for_each_pixel([&](std::int64_t, std::int64_t, const Cell& cell) {
-      Tile::for_each_corner(cell, [&](const Index3& sample) { samples.need(sample); });
-    });
-    samples.load();
-    for_each_pixel([&](std::int64_t x, std::int64_t y, const Cell& cell) {
-      result.values[static_cast<std::size_t>(y * section.width + x)] =
-          Tile::interpolated(cell, samples);
-    });
-  });
+  const SectionTiles tiles(reader, level, section, interpolation);
+  sample_tiles(tiles, 0, tiles.count(), result);
   return result;
 }
 

@@ -4,11 +4,21 @@
 #include <gtest/gtest.h>
 #include <httplib.h>
 
+#include <algorithm>
 #include <atomic>
+#include <chrono>
+#include <condition_variable>
 #include <functional>
+#include <mutex>
 #include <thread>
 
+#include "octavo/builder/builder.h"
 #include "octavo/core/error.h"
+#include "octavo/file/parallel_read.h"
+#include "octavo/file/reader.h"
+#include "octavo/file/storage/sparse_source.h"
+#include "octavo/planes/memory_source.h"
+#include "support/memory_storage.h"
 
 namespace octavo {
 namespace {
@@ -242,6 +252,173 @@ TEST(Http, UnreachableServersAreAnError) {
 }
 
 TEST(Http, OnlyHttpIsOpened) { EXPECT_THROW(open_url("ftp://x/y"), Error); }
+
+/// Answers ranges of a file and counts them.
+class RangeLog {
+ public:
+  explicit RangeLog(const std::vector<std::uint8_t>& file) : file_(file) {}
+
+  void answer(const Request& request, Response& response) {
+    const auto first = static_cast<std::uint64_t>(request.ranges.at(0).first);
+    const auto last = std::min<std::uint64_t>(
+        static_cast<std::uint64_t>(request.ranges.at(0).second), file_.size() - 1);
+    byte_count += last + 1 - first;
+    response.status = 206;
+    response.set_header("ETag", "\"v1\"");
+    response.set_content_provider(
+        file_.size(), "application/octet-stream",
+        [this](std::size_t offset, std::size_t length, httplib::DataSink& sink) {
+          sink.write(reinterpret_cast<const char*>(file_.data()) + offset, length);
+          return true;
+        });
+  }
+
+  std::atomic<std::uint64_t> byte_count = 0;
+
+ private:
+  const std::vector<std::uint8_t>& file_;
+};
+
+/// As large as a scan of a chest, and as noisy: bricks of 64^3 voxels take about 110 kB.
+const Size3 kChestSize{512, 512, 200};
+
+const std::vector<std::uint8_t>& chest_file() {
+  static const std::vector<std::uint8_t> kFile = [] {
+    VolumeDescription description;
+    description.size = kChestSize;
+    description.type = VoxelType::uint8;
+    std::vector<std::byte> voxels(static_cast<std::size_t>(kChestSize.voxel_count()));
+    std::uint64_t state = 1;
+    for (std::size_t i = 0; i < voxels.size(); ++i) {
+      state = state * 6364136223846793005u + 1442695040888963407u;
+      const auto slope = static_cast<std::uint64_t>(i % 512 / 4);
+      voxels[i] = static_cast<std::byte>(slope + (state >> 61) + (state >> 58 & 7));
+    }
+    const auto source = make_memory_source(description, voxels);
+    testing::MemoryStorage storage;
+    NoProgress progress;
+    BuildOptions options;
+    options.preset = Preset::fast;
+    options.access = Access::none;
+    build_file(*source, storage, "chest.8vo", options, progress);
+    return *storage.files.at("chest.8vo");
+  }();
+  return kFile;
+}
+
+/// The bytes of the plans for a box, gaps and all.
+std::uint64_t planned_bytes(const std::vector<std::uint8_t>& file, const Box& box, int level) {
+  const auto source = std::make_shared<SparseSource>(file.size(), "plan");
+  const auto put = [&](const ByteRange& range) {
+    source->put(range.offset, std::span(file).subspan(range.offset, range.length));
+  };
+  put({0, 1 << 16});
+  for (const ByteRange& range : plan_of_opening(*source, {}).ranges) put(range);
+  const auto reader = FileReader::open(source);
+  std::uint64_t sum = 0;
+  for (;;) {
+    const ReadPlan plan = reader->ranges_of(box, level);
+    for (const ByteRange& range : plan.ranges) put(range);
+    if (plan.ranges.empty()) return sum;
+    sum += total_bytes(plan.ranges);
+  }
+}
+
+struct RemoteBox {
+  const char* name;
+  Box box;
+  int level;
+  int most_requests;
+};
+
+TEST(HttpBoxes, TakeFewRequestsAndNoBytesBeyondTheirPlan) {
+  const RemoteBox boxes[] = {
+      {"slice z", {{0, 0, 100}, {512, 512, 101}}, 0, 8},
+      {"slice y", {{0, 256, 0}, {512, 257, 200}}, 0, 32},
+      {"slice y beside it", {{0, 130, 0}, {512, 131, 200}}, 0, 32},
+      {"slice x", {{256, 0, 0}, {257, 512, 200}}, 0, 32},
+      {"inside a brick", {{272, 272, 80}, {304, 304, 112}}, 0, 4},
+      {"in eight bricks", {{240, 240, 112}, {272, 272, 144}}, 0, 20},
+      {"in eight others", {{304, 432, 48}, {336, 464, 80}}, 0, 20},
+      {"a voxel", {{511, 511, 199}, {512, 512, 200}}, 0, 4},
+      {"slice z of level 2", {{0, 0, 20}, {128, 128, 21}}, 2, 4},
+      {"all of level 3", {{0, 0, 0}, {64, 64, 25}}, 3, 1},
+  };
+  const std::vector<std::uint8_t>& file = chest_file();
+  const auto local = FileReader::open(byte_source_of(file, "local"));
+  RangeLog log(file);
+  TestServer server([&](const Request& q, Response& a) { log.answer(q, a); });
+  for (const RemoteBox& wanted : boxes) {
+    const auto remote = FileReader::open(open_url(server.url()));
+    server.request_count = 0;
+    log.byte_count = 0;
+    const Size3 size = wanted.box.size();
+    Bytes expected(static_cast<std::size_t>(size.voxel_count()));
+    Bytes found(expected.size());
+    local->read(wanted.box, wanted.level, expected.data());
+    read_parallel(*remote, wanted.box, wanted.level, found.data(), 2);
+    EXPECT_EQ(found, expected) << wanted.name;
+    EXPECT_LE(server.request_count, wanted.most_requests) << wanted.name;
+    EXPECT_LE(log.byte_count, planned_bytes(file, wanted.box, wanted.level)) << wanted.name;
+    // Once more: what is kept is not fetched.
+    server.request_count = 0;
+    remote->read(wanted.box, wanted.level, found.data());
+    EXPECT_EQ(found, expected) << wanted.name;
+    EXPECT_EQ(server.request_count, 0) << wanted.name;
+  }
+}
+
+TEST(HttpBoxes, AskForSeveralRangesAtATimeAndNotForMore) {
+  const std::vector<std::uint8_t>& file = chest_file();
+  RangeLog log(file);
+  std::mutex mutex;
+  std::condition_variable changed;
+  int waiting = 0;
+  int most = 0;
+  std::atomic<bool> is_open = false;
+  // Nobody is answered before three wait, or a while has passed.
+  TestServer server([&](const Request& q, Response& a) {
+    if (is_open) {
+      std::unique_lock lock(mutex);
+      most = std::max(most, ++waiting);
+      changed.notify_all();
+      changed.wait_for(lock, std::chrono::seconds(20), [&] { return most >= 3; });
+      --waiting;
+    }
+    log.answer(q, a);
+  });
+  HttpOptions options;
+  options.most_requests = 3;
+  const auto reader = FileReader::open(open_url(server.url(), options));
+  is_open = true;
+  const Box slice{{256, 0, 0}, {257, 512, 200}};
+  Bytes found(static_cast<std::size_t>(slice.size().voxel_count()));
+  reader->read(slice, 0, found.data());
+  EXPECT_EQ(most, 3);
+}
+
+TEST(HttpBoxes, ARangeThatIsDeniedEndsTheReadingAndTheNextOneSucceeds) {
+  const std::vector<std::uint8_t>& file = chest_file();
+  RangeLog log(file);
+  std::atomic<int> denied_at = -1;
+  TestServer server([&](const Request& q, Response& a) {
+    if (denied_at-- == 0) a.status = 403;
+    else log.answer(q, a);
+  });
+  const Box slice{{0, 0, 100}, {512, 512, 101}};
+  Bytes expected(static_cast<std::size_t>(slice.size().voxel_count()));
+  FileReader::open(byte_source_of(file, "local"))->read(slice, 0, expected.data());
+  for (const int at : {0, 1}) {
+    const auto reader = FileReader::open(open_url(server.url()));
+    Bytes found(expected.size());
+    denied_at = at;
+    EXPECT_NE(failure_of([&] { reader->read(slice, 0, found.data()); }).find("denies access"),
+              std::string::npos)
+        << at;
+    reader->read(slice, 0, found.data());
+    EXPECT_EQ(found, expected);
+  }
+}
 
 TEST(Http, TheNameOfASourceHasNoSecrets) {
   const std::string file = test_bytes();
