@@ -20,6 +20,7 @@ ReaderOptions options_of(std::uint64_t cache_bytes) {
   ReaderOptions options;
   options.cache_bytes = cache_bytes;
   options.max_tail_bytes = kMaxTailBytes;
+  options.lead_bytes = 0;  // the page decides what comes along
   return options;
 }
 
@@ -129,7 +130,7 @@ Numbers WebVolume::plan_pages(const Box& box, int level) const {
 }
 
 Numbers WebVolume::plan_box(const Box& box, int level) const {
-  Numbers numbers = numbers_of(plan_of_box(*file_, box, level, kNoGaps, nullptr));
+  Numbers numbers = numbers_of(plan_of_boxes(*file_, {&box, 1}, level, kNoGaps, nullptr));
   const int tier = Levels::tier_of(level);
   std::int64_t count = 0;
   std::int64_t uniform_count = 0;
