@@ -106,7 +106,7 @@ DistanceResult distance(const DistanceOptions& options, const TaskContext& conte
   {
     const ProgressScope scope(context.watcher(), "distance", mask.volume().size.z, "planes");
     context.on_threads([&] {
-      field = make_distance_field(mask.tree, settings, limit, plan, local_storage(),
+      field = make_distance_field(inside_of(mask.tree), settings, limit, plan, local_storage(),
                                   folder_of(options.output.path), context.watcher());
     });
   }

@@ -40,15 +40,15 @@ double length_mm(float squared, const DistanceSettings& settings, double limit_m
 
 class FieldInMemory final : public DistanceField {
  public:
-  FieldInMemory(const MaskTree& mask, const DistanceSettings& settings, double limit_mm,
+  FieldInMemory(const InsideVoxels& voxels, const DistanceSettings& settings, double limit_mm,
                 Progress& progress)
-      : plane_(mask.size().x * mask.size().y),
+      : plane_(voxels.size.x * voxels.size.y),
         settings_(settings),
         limit_mm_(limit_mm),
-        squared_(static_cast<std::size_t>(mask.size().voxel_count())) {
-    measure_planes(mask, 0, mask.size().z, settings, progress, squared_.data());
-    measure_columns(mask.size(), settings, squared_.data());
-    largest_mm_ = length_mm(largest_of(squared_.data(), mask.size().voxel_count()), settings,
+        squared_(static_cast<std::size_t>(voxels.size.voxel_count())) {
+    measure_planes(voxels, 0, voxels.size.z, settings, progress, squared_.data());
+    measure_columns(voxels.size, settings, squared_.data());
+    largest_mm_ = length_mm(largest_of(squared_.data(), voxels.size.voxel_count()), settings,
                             limit_mm);
   }
 
@@ -68,15 +68,15 @@ class FieldInMemory final : public DistanceField {
 
 class FieldOnDisk final : public DistanceField {
  public:
-  FieldOnDisk(const MaskTree& mask, const DistanceSettings& settings, double limit_mm,
+  FieldOnDisk(const InsideVoxels& voxels, const DistanceSettings& settings, double limit_mm,
               std::uint64_t bytes, Storage& storage, const std::string& folder,
               Progress& progress)
-      : size_(mask.size()),
+      : size_(voxels.size),
         settings_(settings),
         limit_mm_(limit_mm),
         file_(storage.create_scratch(folder)) {
     std::vector<float> room(static_cast<std::size_t>(bytes) / kFloatBytes);
-    write_planes(mask, room, progress);
+    write_planes(voxels, room, progress);
     write_columns(room, progress);
   }
 
@@ -93,12 +93,12 @@ class FieldOnDisk final : public DistanceField {
     return static_cast<std::uint64_t>((z * size_.y + y) * size_.x * kFloatBytes);
   }
 
-  void write_planes(const MaskTree& mask, std::vector<float>& room, Progress& progress) {
+  void write_planes(const InsideVoxels& voxels, std::vector<float>& room, Progress& progress) {
     const std::int64_t plane = size_.x * size_.y;
     const std::int64_t planes = static_cast<std::int64_t>(room.size()) / plane;
     for (std::int64_t z = 0; z < size_.z; z += planes) {
       const std::int64_t end = std::min(z + planes, size_.z);
-      measure_planes(mask, z, end, settings_, progress, room.data());
+      measure_planes(voxels, z, end, settings_, progress, room.data());
       file_->write(offset(z, 0), bytes_of(room.data(), (end - z) * plane));
     }
   }
@@ -132,14 +132,18 @@ class FieldOnDisk final : public DistanceField {
 
 class FieldInWindow final : public DistanceField {
  public:
-  FieldInWindow(const MaskTree& mask, const DistanceSettings& settings, double limit_mm,
+  FieldInWindow(const InsideVoxels& voxels, const DistanceSettings& settings, double limit_mm,
                 std::int64_t halo, Progress& progress)
-      : mask_(mask), settings_(settings), limit_mm_(limit_mm), halo_(halo), progress_(progress) {}
+      : voxels_(voxels),
+        settings_(settings),
+        limit_mm_(limit_mm),
+        halo_(halo),
+        progress_(progress) {}
 
   void read(std::int64_t begin, std::int64_t end, float* mm) override {
-    const std::int64_t plane = mask_.size().x * mask_.size().y;
+    const std::int64_t plane = voxels_.size.x * voxels_.size.y;
     const std::int64_t lo = std::max<std::int64_t>(begin - halo_, 0);
-    const std::int64_t hi = std::min(end + halo_, mask_.size().z);
+    const std::int64_t hi = std::min(end + halo_, voxels_.size.z);
     const auto planes_at = [&](std::int64_t z) { return (z - lo) * plane; };
     std::vector<float> in_planes(static_cast<std::size_t>((hi - lo) * plane));
 
@@ -150,25 +154,25 @@ class FieldInWindow final : public DistanceField {
       std::memcpy(in_planes.data() + planes_at(kept_lo),
                   in_planes_.data() + (kept_lo - lo_) * plane,
                   static_cast<std::size_t>((kept_hi - kept_lo) * plane * kFloatBytes));
-      measure_planes(mask_, lo, kept_lo, settings_, progress_, in_planes.data());
-      measure_planes(mask_, kept_hi, hi, settings_, progress_,
+      measure_planes(voxels_, lo, kept_lo, settings_, progress_, in_planes.data());
+      measure_planes(voxels_, kept_hi, hi, settings_, progress_,
                      in_planes.data() + planes_at(kept_hi));
     } else {
-      measure_planes(mask_, lo, hi, settings_, progress_, in_planes.data());
+      measure_planes(voxels_, lo, hi, settings_, progress_, in_planes.data());
     }
     in_planes_ = std::move(in_planes);
     lo_ = lo;
     hi_ = hi;
 
     std::vector<float> squared = in_planes_;
-    measure_columns({mask_.size().x, mask_.size().y, hi - lo}, settings_, squared.data());
+    measure_columns({voxels_.size.x, voxels_.size.y, hi - lo}, settings_, squared.data());
     to_distances((end - begin) * plane, settings_, limit_mm_, squared.data() + planes_at(begin),
                  mm);
   }
   std::optional<double> largest_mm() const override { return std::nullopt; }
 
  private:
-  const MaskTree& mask_;
+  InsideVoxels voxels_;
   DistanceSettings settings_;
   double limit_mm_;
   std::int64_t halo_;
@@ -205,20 +209,20 @@ FieldPlan plan_distance_field(const Size3& size, const DistanceSettings& setting
   return plan;
 }
 
-std::unique_ptr<DistanceField> make_distance_field(const MaskTree& mask,
+std::unique_ptr<DistanceField> make_distance_field(const InsideVoxels& voxels,
                                                    const DistanceSettings& settings,
                                                    double limit_mm, const FieldPlan& plan,
                                                    Storage& storage, const std::string& folder,
                                                    Progress& progress) {
   switch (plan.hold) {
     case DistanceHold::memory:
-      return std::make_unique<FieldInMemory>(mask, settings, limit_mm, progress);
+      return std::make_unique<FieldInMemory>(voxels, settings, limit_mm, progress);
     case DistanceHold::disk:
-      return std::make_unique<FieldOnDisk>(mask, settings, limit_mm, plan.bytes, storage, folder,
+      return std::make_unique<FieldOnDisk>(voxels, settings, limit_mm, plan.bytes, storage, folder,
                                            progress);
     case DistanceHold::window: break;
   }
-  return std::make_unique<FieldInWindow>(mask, settings, limit_mm, plan.halo, progress);
+  return std::make_unique<FieldInWindow>(voxels, settings, limit_mm, plan.halo, progress);
 }
 
 }  // namespace octavo

@@ -45,11 +45,11 @@ class DistanceField {
 FieldPlan plan_distance_field(const Size3& size, const DistanceSettings& settings, double limit_mm,
                               std::uint64_t max_bytes);
 
-/// The field of a mask, which must outlive it.
+/// The field of voxels; what they are filled from must outlive it.
 /// limit_mm  distances beyond it become it; infinite: none do
 /// storage   for a scratch file in `folder`, which vanishes with the field
 /// Throws    Error{io}, Error{cancelled}
-std::unique_ptr<DistanceField> make_distance_field(const MaskTree& mask,
+std::unique_ptr<DistanceField> make_distance_field(const InsideVoxels& voxels,
                                                    const DistanceSettings& settings,
                                                    double limit_mm, const FieldPlan& plan,
                                                    Storage& storage, const std::string& folder,

@@ -52,6 +52,12 @@ void run_columns(ColumnPass& pass, std::int64_t count, std::int64_t stride, floa
 
 }  // namespace
 
+InsideVoxels inside_of(const MaskTree& mask) {
+  return {mask.size(), [&mask](const Box& box, std::uint8_t* inside) {
+            fill_voxels(mask, box, inside);
+          }};
+}
+
 double distance_unit_mm(const DistanceSettings& settings) noexcept {
   return std::min({settings.spacing_mm[0], settings.spacing_mm[1], settings.spacing_mm[2]});
 }
@@ -62,9 +68,9 @@ double distance_weight(const DistanceSettings& settings, int axis) noexcept {
   return steps * steps;
 }
 
-void measure_planes(const MaskTree& mask, std::int64_t begin, std::int64_t end,
+void measure_planes(const InsideVoxels& voxels, std::int64_t begin, std::int64_t end,
                     const DistanceSettings& settings, Progress& progress, float* squared) {
-  const Size3 size = mask.size();
+  const Size3 size = voxels.size;
   const std::int64_t plane = size.x * size.y;
   // Four planes are what a word of the tree holds.
   const std::int64_t first = begin / 4;
@@ -77,7 +83,7 @@ void measure_planes(const MaskTree& mask, std::int64_t begin, std::int64_t end,
       if (progress.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
       const std::int64_t lo = std::max(begin, 4 * four);
       const std::int64_t hi = std::min(end, 4 * four + 4);
-      fill_voxels(mask, {{0, 0, lo}, {size.x, size.y, hi}}, inside.data());
+      voxels.fill({{0, 0, lo}, {size.x, size.y, hi}}, inside.data());
       for (std::int64_t z = lo; z < hi; ++z) {
         float* const out = squared + (z - begin) * plane;
         const std::uint8_t* const in = inside.data() + (z - lo) * plane;
@@ -118,7 +124,7 @@ std::vector<float> signed_distances(const MaskTree& mask, const DistanceSettings
                                     Progress& progress) {
   const Size3 size = mask.size();
   std::vector<float> values(static_cast<std::size_t>(size.voxel_count()));
-  measure_planes(mask, 0, size.z, settings, progress, values.data());
+  measure_planes(inside_of(mask), 0, size.z, settings, progress, values.data());
   measure_columns(size, settings, values.data());
   to_distances(size.voxel_count(), settings, HUGE_VAL, values.data(), values.data());
   return values;

@@ -8,6 +8,8 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <vector>
 
 #include "octavo/core/geometry.h"
 #include "octavo/core/progress.h"
@@ -22,6 +24,16 @@ struct DistanceSettings {
   Point3 spacing_mm = {1, 1, 1};
 };
 
+/// Voxels of which some are inside: those of a mask, or what is computed of one.
+struct InsideVoxels {
+  Size3 size;
+  /// Writes 1 or 0 for every voxel of a box, [z][y][x]. Is called from several threads.
+  std::function<void(const Box& box, std::uint8_t* inside)> fill;
+};
+
+/// Those of a mask, which must outlive it.
+InsideVoxels inside_of(const MaskTree& mask);
+
 /// The smallest spacing: squares count in its square, so that they are whole where voxels are
 /// cubes.
 double distance_unit_mm(const DistanceSettings& settings) noexcept;
@@ -29,11 +41,11 @@ double distance_unit_mm(const DistanceSettings& settings) noexcept;
 /// The weight of a step along an axis in such squares.
 double distance_weight(const DistanceSettings& settings, int axis) noexcept;
 
-/// Squared distances within planes [begin, end) of the mask, signed as line_distance.h says.
+/// Squared distances within planes [begin, end) signed as line_distance.h says.
 /// Uses the threads of the calling task arena, as all below.
 /// squared  [z][y][x] of these planes
 /// Throws   Error{cancelled}
-void measure_planes(const MaskTree& mask, std::int64_t begin, std::int64_t end,
+void measure_planes(const InsideVoxels& voxels, std::int64_t begin, std::int64_t end,
                     const DistanceSettings& settings, Progress& progress, float* squared);
 
 /// The pass along z, in place.

@@ -31,7 +31,8 @@ class DistanceFields : public ::testing::Test {
   }
 
   std::unique_ptr<DistanceField> made(const FieldPlan& plan, double limit) {
-    return make_distance_field(mask_, kFieldSettings, limit, plan, storage_, ".", progress_);
+    return make_distance_field(inside_of(mask_), kFieldSettings, limit, plan, storage_, ".",
+                               progress_);
   }
 
   MaskTree mask_;

@@ -1,0 +1,251 @@
+// octavo morphometry: what labs of bone, rock and foam measure of a mask.
+#include <fmt/format.h>
+
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "common/failure.h"
+#include "common/options.h"
+#include "common/task_run.h"
+#include "octavo/tasks/structure/morphometry.h"
+#include "text/quantities.h"
+#include "verbs.h"
+
+namespace octavo::cli {
+
+namespace {
+
+constexpr VerbText kMorphometryText = {
+    "morphometry", "Measure structure: volume share, surface, thickness, connectivity and more.",
+    "Bone volume and total volume (BV, TV, BV/TV), surface (BS, BS/BV), thickness, separation and\n"
+    "number (Tb.Th, Tb.Sp, Tb.N) by the largest balls that fit, structure model index, Euler\n"
+    "number and connectivity density, degree of anisotropy, fractal dimension; with --of also\n"
+    "densities of the tissue and of the total volume (TMD, BMD), calibrated where --calibration\n"
+    "gives a line. Of rock and foam 1 - BV/TV is the porosity and Tb.Sp the size of pores. The\n"
+    "definitions, with their sources, stand in docs/morphometry.md.\n\n"
+    "The surface at the border of the volume is no surface, and nothing is known beyond it.\n"
+    "--region measures within a label map; balls may reach out of it.\n\n"
+    "Examples:\n"
+    "  octavo morphometry bone.8vo\n"
+    "  octavo morphometry bone.8vo --of scan.8vo --calibration 0.37,-120 --csv\n"
+    "  octavo morphometry bone.8vo --region trabecular.8vo --thickness-map thickness.8vo\n"
+    "  octavo morphometry cortex.8vo --slices --csv"};
+
+struct MorphometryArguments {
+  std::string input;
+  std::string region;
+  std::string grey;
+  std::string calibration;
+  std::string thickness_map;
+  std::string spacing_map;
+  bool no_thickness = false;
+  bool slices = false;
+  bool csv = false;
+};
+
+/// A number as all three outputs show it.
+struct ShownMeasure {
+  std::string key;    ///< in JSON
+  std::string label;  ///< as the field abbreviates it
+  std::optional<double> value;
+  std::string unit;
+  std::string words;
+};
+
+using ShownMeasures = std::vector<ShownMeasure>;
+
+void add_thickness_rows(const MorphometryResult& result, ShownMeasures& rows) {
+  if (const auto& th = result.thickness) {
+    rows.push_back({"tb_th_mm", "Tb.Th", th->mean_mm, "mm", "mean thickness"});
+    rows.push_back({"tb_th_sd_mm", "Tb.Th.SD", th->deviation_mm, "mm", "its standard deviation"});
+    rows.push_back({"tb_th_max_mm", "Tb.Th.max", th->maximum_mm, "mm", "largest thickness"});
+    const double number = th->mean_mm > 0 ? result.share() / th->mean_mm : 0;
+    rows.push_back({"tb_n_per_mm", "Tb.N", number, "1/mm", "number: BV/TV over Tb.Th"});
+  }
+  const auto& sp = result.spacing;
+  if (!sp || sp->voxels == 0) return;
+  rows.push_back({"tb_sp_mm", "Tb.Sp", sp->mean_mm, "mm", "mean separation, size of pores"});
+  rows.push_back({"tb_sp_sd_mm", "Tb.Sp.SD", sp->deviation_mm, "mm", "its standard deviation"});
+  rows.push_back({"tb_sp_max_mm", "Tb.Sp.max", sp->maximum_mm, "mm", "largest separation"});
+  for (const int percent : {10, 50, 90}) {
+    rows.push_back({fmt::format("pore_d{}_mm", percent), fmt::format("pore d{}", percent),
+                    sp->quantile_mm(0.01 * percent), "mm",
+                    fmt::format("{} % of the pore volume is narrower", percent)});
+  }
+}
+
+void add_form_rows(const MorphometryResult& result, ShownMeasures& rows) {
+  const double spread = static_cast<double>(result.euler.faces - result.euler.corners);
+  rows.push_back({"euler_number", "Euler", static_cast<double>(result.euler.corners), "",
+                  "pieces - tunnels + cavities, voxels joined by corners"});
+  rows.push_back({"euler_number_by_faces", "Euler.6", static_cast<double>(result.euler.faces), "",
+                  "the same, voxels joined by faces"});
+  rows.push_back({"euler_number_error", "Euler.err", std::abs(spread) / 2, "",
+                  "half of how far the two are apart"});
+  rows.push_back({"connectivity", "Conn", result.connectivity, "",
+                  "1 - Euler number, the border of the volume weighted"});
+  rows.push_back({"connectivity_density_per_mm3", "Conn.D",
+                  result.connectivity / result.total_mm3, "1/mm3", "connectivity over TV"});
+  if (const auto& a = result.anisotropy) {
+    rows.push_back({"degree_of_anisotropy", "DA", a->degree, "", "0 alike all round, 1 aligned"});
+    const bool is_bounded = a->lengths_mm[0] > 0 && a->lengths_mm[2] > 0;
+    rows.push_back({"mil_ratio", "MIL ratio",
+                    is_bounded ? std::optional(a->lengths_mm[0] / a->lengths_mm[2]) : std::nullopt,
+                    "", "longest over shortest mean intercept"});
+  }
+  const auto add_fractal = [&](const std::optional<FractalFit>& fit, const std::string& key,
+                               const std::string& label, const char* words) {
+    if (!fit) return;
+    rows.push_back({key, label, fit->dimension, "",
+                    fmt::format("{}, boxes of {} to {} voxels", words, fit->smallest_side,
+                                fit->largest_side)});
+    rows.push_back({key + "_r2", label + ".R2", fit->r2, "", "how well the line fits"});
+  };
+  add_fractal(result.fractal, "fractal_dimension", "FD", "fractal dimension");
+  add_fractal(result.surface_fractal, "surface_fractal_dimension", "FD.S", "that of the surface");
+}
+
+ShownMeasures rows_of(const MorphometryResult& result) {
+  ShownMeasures rows = {
+      {"bv_mm3", "BV", result.bone_mm3, "mm3", "volume of the mask"},
+      {"tv_mm3", "TV", result.total_mm3, "mm3", "volume that is measured"},
+      {"bv_tv", "BV/TV", result.share(), "", "share of the mask"},
+      {"porosity", "Po", 1 - result.share(), "", "share of what is not in it"},
+      {"bs_mm2", "BS", result.surface.area_mm2, "mm2", "surface between the two"},
+      {"bs_bv_per_mm", "BS/BV", result.surface.area_mm2 / result.bone_mm3, "1/mm", ""},
+      {"bs_tv_per_mm", "BS/TV", result.surface.area_mm2 / result.total_mm3, "1/mm", ""},
+      {"cut_mm2", "cut", result.surface.cut_mm2, "mm2", "faces at the border, not in BS"},
+      {"smi", "SMI", result.smi, "", "0 plates, 3 rods, 4 balls"}};
+  add_thickness_rows(result, rows);
+  add_form_rows(result, rows);
+  if (result.tissue) {
+    rows.push_back({"tmd", "TMD", result.tissue->mean, "", "mean density of the mask"});
+    rows.push_back({"tmd_sd", "TMD.SD", result.tissue->deviation, "", ""});
+    rows.push_back({"bmd", "BMD", result.total->mean, "", "mean density of TV"});
+    rows.push_back({"bmd_sd", "BMD.SD", result.total->deviation, "", ""});
+  }
+  return rows;
+}
+
+nlohmann::ordered_json summary_json(const std::optional<ThicknessSummary>& summary) {
+  if (!summary) return nullptr;
+  return {{"voxels", summary->voxels},        {"mean_mm", summary->mean_mm},
+          {"sd_mm", summary->deviation_mm},   {"min_mm", summary->minimum_mm},
+          {"max_mm", summary->maximum_mm},    {"bin_mm", summary->bin_mm},
+          {"bins", summary->bins}};
+}
+
+nlohmann::ordered_json report_json(const MorphometryArguments& arguments,
+                                   const MorphometryResult& result) {
+  nlohmann::ordered_json report = {{"mask", arguments.input}};
+  for (const ShownMeasure& row : rows_of(result)) report[row.key] = optional_json(row.value);
+  report["thickness"] = summary_json(result.thickness);
+  report["spacing"] = summary_json(result.spacing);
+  report["mil"] = nullptr;
+  if (const auto& a = result.anisotropy) {
+    report["mil"] = {{"lengths_mm", a->lengths_mm}, {"axes", a->axes}};
+  }
+  nlohmann::ordered_json boxes = nlohmann::ordered_json::array();
+  for (const BoxCount& one : result.boxes) {
+    boxes.push_back({{"side", one.side}, {"holding", one.holding}, {"mixed", one.mixed}});
+  }
+  report["boxes"] = boxes;
+  report["touches_border"] = result.touches;
+  if (!arguments.slices) return report;
+  nlohmann::ordered_json slices = nlohmann::ordered_json::array();
+  const auto& spacing = result.volume.geometry.spacing_mm;
+  for (const SliceMeasure& slice : result.slices) {
+    slices.push_back({{"area_mm2", static_cast<double>(slice.voxels) * spacing[0] * spacing[1]},
+                      {"total_mm2",
+                       static_cast<double>(slice.region_voxels) * spacing[0] * spacing[1]},
+                      {"thickness_mm", slice.mean_thickness_mm}});
+  }
+  report["slices"] = slices;
+  return report;
+}
+
+std::string slices_csv(const MorphometryResult& result) {
+  std::string text = "slice,area_mm2,total_mm2,thickness_mm\n";
+  const auto& spacing = result.volume.geometry.spacing_mm;
+  const double pixel = spacing[0] * spacing[1];
+  for (std::size_t z = 0; z < result.slices.size(); ++z) {
+    const SliceMeasure& slice = result.slices[z];
+    text += fmt::format("{},{:.9g},{:.9g},{:.9g}\n", z, static_cast<double>(slice.voxels) * pixel,
+                        static_cast<double>(slice.region_voxels) * pixel, slice.mean_thickness_mm);
+  }
+  return text;
+}
+
+std::string report_text(const MorphometryArguments& arguments, const MorphometryResult& result) {
+  if (arguments.slices) return slices_csv(result);
+  std::string text = arguments.csv ? "name,value,unit\n" : "";
+  for (const ShownMeasure& row : rows_of(result)) {
+    if (arguments.csv) {
+      const std::string value = row.value ? fmt::format("{:.9g}", *row.value) : "";
+      text += fmt::format("{},{},{}\n", row.key, value, row.unit);
+      continue;
+    }
+    const std::string value = row.value ? fmt::format("{:.6g}", *row.value) : "-";
+    text += fmt::format("{:<10} {:>12} {:<6} {}\n", row.label, value, row.unit, row.words);
+  }
+  return text;
+}
+
+MorphometryOptions options_of(const MorphometryArguments& arguments, const Context& context) {
+  MorphometryOptions options;
+  options.input = arguments.input;
+  options.region = arguments.region;
+  options.grey = arguments.grey;
+  options.has_thickness = !arguments.no_thickness;
+  options.thickness_map = {arguments.thickness_map, context.force};
+  options.spacing_map = {arguments.spacing_map, context.force};
+  if (arguments.calibration.empty()) return options;
+  const std::vector<std::string> parts = split(arguments.calibration, ',');
+  if (parts.size() != 2 || arguments.grey.empty()) {
+    throw Error(ErrorKind::invalid_argument,
+                "--calibration takes SLOPE,INTERCEPT, for the scan that --of gives");
+  }
+  options.calibration = {parse_number(parts[0], "--calibration"),
+                         parse_number(parts[1], "--calibration")};
+  return options;
+}
+
+int run_morphometry(const MorphometryArguments& arguments, Context& context) {
+  if (arguments.no_thickness &&
+      (arguments.slices || !arguments.thickness_map.empty() || !arguments.spacing_map.empty())) {
+    throw Error(ErrorKind::invalid_argument,
+                "--no-thickness leaves out what --slices and the maps show");
+  }
+  const MorphometryResult result = run_task(morphometry, options_of(arguments, context), context);
+  print_result(context, report_json(arguments, result), report_text(arguments, result));
+  return kExitDone;
+}
+
+}  // namespace
+
+void add_morphometry(CLI::App& app, Context& context) {
+  const auto arguments = std::make_shared<MorphometryArguments>();
+  Verb verb = add_verb(app, context, kMorphometryText, [arguments, &context] {
+    return run_morphometry(*arguments, context);
+  });
+  verb.add_option("mask", arguments->input, "A label map, .8vo")->type_name("FILE")->required();
+  verb.add_option("--region", arguments->region, "A label map to measure within")
+      ->type_name("FILE");
+  verb.add_option("--of", arguments->grey, "The scan on the same grid, for densities")
+      ->type_name("GREY");
+  verb.add_option("--calibration", arguments->calibration,
+                  "Density = SLOPE * value + INTERCEPT, of the scan's real values")
+      ->type_name("SLOPE,INTERCEPT");
+  verb.add_option("--thickness-map", arguments->thickness_map, "An .8vo file of local thickness")
+      ->type_name("FILE");
+  verb.add_option("--spacing-map", arguments->spacing_map, "An .8vo file of local separation")
+      ->type_name("FILE");
+  verb.add_flag("--no-thickness", arguments->no_thickness, "Leave out Tb.Th, Tb.Sp and Tb.N");
+  verb.add_flag("--slices", arguments->slices,
+                "Area and mean thickness of each slice, as CSV or in --json");
+  verb.add_flag("--csv", arguments->csv, "name,value,unit in place of a table");
+}
+
+}  // namespace octavo::cli

@@ -1,0 +1,283 @@
+#include "octavo/tasks/structure/morphometry.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <memory>
+#include <utility>
+
+#include "octavo/core/error.h"
+#include "octavo/ops/mask/set_operations.h"
+#include "octavo/ops/measure/mask_moments.h"
+#include "octavo/planes/computed_source.h"
+#include "octavo/tasks/build_planes.h"
+#include "octavo/tasks/file_planes.h"
+#include "octavo/tasks/inputs.h"
+#include "octavo/tasks/masks.h"
+#include "octavo/tasks/volume_facts.h"
+
+namespace octavo {
+
+namespace {
+
+constexpr std::int64_t kMapPlanes = 16;
+
+class MorphometryWork {
+ public:
+  MorphometryWork(const MorphometryOptions& options, const TaskContext& context)
+      : options_(options),
+        context_(context),
+        mask_(open_mask(options.input, context)),
+        size_(mask_.volume().size),
+        spacing_(mask_.volume().geometry.spacing_mm) {
+    require_known_spacing(mask_.volume(), mask_.path, "a measure in mm");
+    if (!options.region.empty()) {
+      OpenedMask region = open_mask(options.region, context);
+      require_same_grid(mask_.volume(), mask_.path, region.volume(), region.path);
+      region_ = std::move(region.tree);
+      context.on_threads(
+          [&] { inside_ = combine(mask_.tree, *region_, SetOperation::intersect); });
+    }
+    if (!options.grey.empty()) {
+      grey_ = open_volume(options.grey, context);
+      require_same_grid(mask_.volume(), mask_.path, grey_->description(), options.grey);
+      if (grey_->description().kind != VolumeKind::grey) {
+        throw Error(ErrorKind::invalid_argument, "holds labels, not grey values", options.grey)
+            .with_field("grey.kind");
+      }
+    }
+    context.require_memory(2 * mask_.tree.memory_bytes() + room_bytes(), "the measures");
+  }
+
+  MorphometryResult take() {
+    measure_volumes();
+    measure_form();
+    if (options_.has_thickness) measure_thickness();
+    if (grey_) measure_densities();
+    return std::move(result_);
+  }
+
+ private:
+  const MaskTree& inside() const { return inside_ ? *inside_ : mask_.tree; }
+  const MaskTree* region() const { return region_ ? &*region_ : nullptr; }
+
+  std::uint64_t room_bytes() const {
+    if (context_.max_memory_bytes == 0) return std::uint64_t{1} << 30;
+    const std::uint64_t held = 2 * mask_.tree.memory_bytes();
+    return held < context_.max_memory_bytes ? (context_.max_memory_bytes - held) / 2 : 0;
+  }
+
+  void measure_volumes() {
+    const double voxel = spacing_[0] * spacing_[1] * spacing_[2];
+    result_.volume = mask_.volume();
+    result_.voxels = inside().voxel_count();
+    result_.region_voxels = region_ ? region_->voxel_count()
+                                    : static_cast<std::uint64_t>(size_.voxel_count());
+    if (result_.voxels == 0) {
+      throw Error(ErrorKind::invalid_argument,
+                  region_ ? "no voxel of the mask lies in the region" : "the mask is empty",
+                  mask_.path);
+    }
+    result_.bone_mm3 = voxel * static_cast<double>(result_.voxels);
+    result_.total_mm3 = voxel * static_cast<double>(result_.region_voxels);
+    if (result_.voxels == result_.region_voxels) {
+      context_.warn(mask_.path + ": fills all that is measured: there is no surface in it");
+    }
+    Box box;
+    context_.on_threads([&] { box = mask_moments(inside()).box; });
+    bool is_cut = false;
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto a = static_cast<std::size_t>(2 * axis);
+      result_.touches[a] = box.lo[axis] == 0;
+      result_.touches[a + 1] = box.hi[axis] == size_[axis];
+      is_cut = is_cut || result_.touches[a] || result_.touches[a + 1];
+    }
+    if (is_cut) {
+      context_.note(mask_.path + ": touches the border of the volume: faces there are no surface, "
+                    "and what lies beyond is not known");
+    }
+  }
+
+  template <class Work>
+  void watched(const char* what, std::int64_t total, const char* unit, Work work) {
+    const ProgressScope scope(context_.watcher(), what, total, unit);
+    context_.on_threads(work);
+  }
+
+  void measure_form() {
+    watched("surface", size_.z, "planes", [&] {
+      result_.surface = surface_shape(mask_.tree, region(), spacing_, context_.watcher());
+    });
+    watched("connectivity", size_.z, "planes",
+            [&] { result_.euler = euler_numbers(inside(), context_.watcher()); });
+    watched("directions", 300, "directions", [&] {
+      result_.anisotropy = anisotropy(mask_.tree, region(), spacing_, context_.watcher());
+    });
+    const double area = result_.surface.area_mm2;
+    if (area > 0) {
+      result_.smi = 6 * result_.bone_mm3 * result_.surface.growth_mm / (area * area);
+    }
+    result_.connectivity = 1 - result_.euler.share;
+    result_.boxes = box_counts(inside());
+    result_.fractal = fractal_dimension(result_.boxes, size_, false);
+    result_.surface_fractal = fractal_dimension(result_.boxes, size_, true);
+  }
+
+  /// The folder of scratch files.
+  std::string scratch_folder() const {
+    for (const Output* output : {&options_.thickness_map, &options_.spacing_map}) {
+      if (!output->path.empty()) return folder_of(output->path);
+    }
+    return std::filesystem::temp_directory_path().string();
+  }
+
+  void measure_thickness() {
+    if (result_.voxels == static_cast<std::uint64_t>(size_.voxel_count())) return;
+    result_.slices.assign(static_cast<std::size_t>(size_.z), {});
+    result_.thickness = thickness_of(false, options_.thickness_map);
+    result_.spacing = thickness_of(true, options_.spacing_map);
+  }
+
+  ThicknessSummary thickness_of(bool is_background, const Output& map) {
+    const ThicknessClass asked{mask_.tree, region(), is_background};
+    std::vector<FittingBall> balls;
+    const char* const what = is_background ? "spacing" : "thickness";
+    watched(what, 2 * size_.z, "planes", [&] {
+      balls = fitting_balls(asked, spacing_, {room_bytes(), local_storage(), scratch_folder()},
+                            context_.watcher());
+    });
+    const LocalThickness thickness(asked, spacing_, balls);
+    ThicknessSummary summary;
+    // What is read of planes goes into the sums once, though a build may ask for it twice.
+    std::int64_t added = 0;
+    const auto read = [&](std::int64_t begin, std::int64_t end, float* mm) {
+      context_.on_threads([&] { thickness.read(begin, end, mm); });
+      context_.stop_if_cancelled();
+      if (begin != added) return;
+      const std::int64_t plane = size_.x * size_.y;
+      thickness.add(mm, (end - begin) * plane, summary);
+      if (!is_background) add_slices(begin, end, mm);
+      added = end;
+    };
+    if (!map.path.empty()) {
+      write_map(what, map, read);
+    } else {
+      const ProgressScope scope(context_.watcher(), what, size_.z, "planes");
+      std::vector<float> mm(static_cast<std::size_t>(kMapPlanes * size_.x * size_.y));
+      for (std::int64_t z = 0; z < size_.z; z += kMapPlanes) {
+        const std::int64_t end = std::min(z + kMapPlanes, size_.z);
+        read(z, end, mm.data());
+        context_.watcher().advance(end - z);
+      }
+    }
+    LocalThickness::finish(summary);
+    return summary;
+  }
+
+  void add_slices(std::int64_t begin, std::int64_t end, const float* mm) {
+    const std::int64_t plane = size_.x * size_.y;
+    std::vector<std::uint8_t> in_region(static_cast<std::size_t>(plane), 1);
+    for (std::int64_t z = begin; z < end; ++z) {
+      SliceMeasure& slice = result_.slices[static_cast<std::size_t>(z)];
+      double sum = 0;
+      for (std::int64_t i = 0; i < plane; ++i) {
+        const float value = mm[(z - begin) * plane + i];
+        slice.voxels += value > 0 ? 1 : 0;
+        sum += static_cast<double>(value);
+      }
+      if (region_) fill_voxels(*region_, {{0, 0, z}, {size_.x, size_.y, z + 1}}, in_region.data());
+      for (const std::uint8_t one : in_region) slice.region_voxels += one;
+      if (slice.voxels > 0) slice.mean_thickness_mm = sum / static_cast<double>(slice.voxels);
+    }
+  }
+
+  template <class Read>
+  void write_map(const char* what, const Output& map, Read read) {
+    VolumeDescription volume = mask_.volume();
+    volume.kind = VolumeKind::grey;
+    volume.type = VoxelType::float32;
+    volume.rescale = {};
+    volume.coding.reset();
+    MetadataFacts facts =
+        volume.metadata.for_labels(MadeBy("morphometry").set("map", what)).facts();
+    facts.unit = "mm";
+    volume.metadata = Metadata::of(std::move(facts));
+    const auto fill = [&](const Box& box, std::byte* voxels) {
+      std::vector<float> mm(static_cast<std::size_t>(box.size().voxel_count()));
+      read(box.lo.z, box.hi.z, mm.data());
+      std::memcpy(voxels, mm.data(), mm.size() * sizeof(float));
+    };
+    const auto source = make_computed_source(volume, fill, kMapPlanes);
+    build_planes(*source, {.kind = VolumeKind::grey, .is_resumable = false}, map, what, context_);
+  }
+
+  void measure_densities() {
+    const ProgressScope scope(context_.watcher(), "densities", size_.z, "planes");
+    FilePlanes planes(grey_, 0, context_.thread_count());
+    const VolumeDescription& volume = planes.description();
+    const auto count = static_cast<std::size_t>(size_.x * size_.y);
+    std::vector<std::byte> bytes(count * static_cast<std::size_t>(bytes_per_voxel(volume.type)));
+    std::vector<std::uint8_t> in_mask(count);
+    std::vector<std::uint8_t> in_region(count, 1);
+    DensityMeasure tissue;
+    DensityMeasure total;
+    const auto add = [](DensityMeasure& to, double value) {
+      ++to.voxels;
+      to.mean += value;
+      to.deviation += value * value;
+    };
+    for (std::int64_t z = 0; z < size_.z; ++z) {
+      planes.read_plane(bytes);
+      const Box box = {{0, 0, z}, {size_.x, size_.y, z + 1}};
+      fill_voxels(mask_.tree, box, in_mask.data());
+      if (region_) fill_voxels(*region_, box, in_region.data());
+      with_voxel_type(volume.type, [&](auto id) {
+        using T = typename decltype(id)::type;
+        for (std::size_t i = 0; i < count; ++i) {
+          if (in_region[i] == 0) continue;
+          T stored;
+          std::memcpy(&stored, bytes.data() + i * sizeof stored, sizeof stored);
+          const double real = volume.rescale.to_real(static_cast<double>(stored));
+          if (!std::isfinite(real)) continue;
+          const double value = options_.calibration.to_real(real);
+          add(total, value);
+          if (in_mask[i] != 0) add(tissue, value);
+        }
+      });
+      context_.stop_if_cancelled();
+      context_.watcher().advance(1);
+    }
+    for (DensityMeasure* one : {&tissue, &total}) {
+      if (one->voxels == 0) continue;
+      const auto n = static_cast<double>(one->voxels);
+      one->mean /= n;
+      const double variance = one->deviation / n - one->mean * one->mean;
+      one->deviation = std::sqrt(std::max(0.0, variance));
+    }
+    result_.tissue = tissue;
+    result_.total = total;
+  }
+
+  const MorphometryOptions& options_;
+  const TaskContext& context_;
+  OpenedMask mask_;
+  std::optional<MaskTree> region_;
+  std::optional<MaskTree> inside_;  // of the mask, what lies in the region
+  std::shared_ptr<const FileReader> grey_;
+  Size3 size_;
+  Point3 spacing_;
+  MorphometryResult result_;
+};
+
+}  // namespace
+
+MorphometryResult morphometry(const MorphometryOptions& options, const TaskContext& context) {
+  for (const Output* map : {&options.thickness_map, &options.spacing_map}) {
+    if (map->path.empty()) continue;
+    require_computed(*map, {options.input, options.region, options.grey});
+  }
+  return MorphometryWork(options, context).take();
+}
+
+}  // namespace octavo

@@ -1,0 +1,101 @@
+#include "octavo/tasks/structure/morphometry.h"
+
+#include <cmath>
+
+#include "support/task_files.h"
+
+namespace octavo {
+namespace {
+
+using testing::DenseMask;
+using testing::for_each_voxel;
+
+constexpr Size3 kPlateSize = {40, 40, 30};
+
+class MorphometryTask : public testing::TaskFiles {
+ protected:
+  void SetUp() override {
+    geometry_.spacing_mm = {0.5, 0.5, 0.5};
+    options_.input = write("plate.8vo", solid([](const Index3& p) {
+      return p.z >= 10 && p.z < 18;
+    }));
+  }
+
+  template <class Inside>
+  static DenseMask solid(Inside inside) {
+    DenseMask mask{kPlateSize, std::vector<std::uint8_t>(40 * 40 * 30)};
+    for_each_voxel(kPlateSize, [&](const Index3& p) { mask.at(p) = inside(p) ? 1 : 0; });
+    return mask;
+  }
+
+  MorphometryOptions options_;
+};
+
+TEST_F(MorphometryTask, MeasuresAPlate) {
+  options_.thickness_map = {folder_.file("th.8vo"), false};
+  const MorphometryResult result = morphometry(options_, context_);
+  EXPECT_EQ(result.voxels, 40u * 40 * 8);
+  EXPECT_DOUBLE_EQ(result.bone_mm3, 20 * 20 * 4);
+  EXPECT_DOUBLE_EQ(result.total_mm3, 20 * 20 * 15);
+  EXPECT_NEAR(result.surface.area_mm2, 2 * 400, 1e-6);
+  EXPECT_NEAR(result.smi, 0, 1e-6);
+  EXPECT_NEAR(result.thickness->mean_mm, 4, 1e-6);
+  EXPECT_EQ(result.euler.corners, 1);
+  EXPECT_NEAR(result.anisotropy->degree, 1, 0.02);
+  EXPECT_EQ(result.touches, (std::array<bool, 6>{true, true, true, true, false, false}));
+  EXPECT_EQ(result.slices[12].voxels, 1600u);
+  EXPECT_EQ(result.slices[9].voxels, 0u);
+  EXPECT_NEAR(result.slices[12].mean_thickness_mm, 4, 1e-6);
+  const testing::DenseLabels map = read(options_.thickness_map.path);
+  EXPECT_EQ(map.at({5, 5, 12}), 4);
+  EXPECT_EQ(map.at({5, 5, 2}), 0);
+}
+
+TEST_F(MorphometryTask, MeasuresWithinARegion) {
+  options_.region = write("region.8vo", solid([](const Index3& p) {
+    return p.x >= 10 && p.x < 30 && p.y >= 10 && p.y < 30 && p.z >= 5 && p.z < 25;
+  }));
+  const MorphometryResult result = morphometry(options_, context_);
+  EXPECT_DOUBLE_EQ(result.share(), 8.0 / 20);
+  EXPECT_NEAR(result.surface.area_mm2, 2 * 100, 1e-6);
+  EXPECT_NEAR(result.surface.cut_mm2, 4 * 10 * 4, 1e-6);
+  EXPECT_NEAR(result.thickness->mean_mm, 4, 1e-6);
+  EXPECT_EQ(result.thickness->voxels, 20u * 20 * 8);
+}
+
+TEST_F(MorphometryTask, CalibratesTheScanBeneath) {
+  testing::DenseLabels grey(kPlateSize);
+  for_each_voxel(kPlateSize, [&](const Index3& p) {
+    grey.at(p) = p.z >= 10 && p.z < 18 ? (p.x % 2 == 0 ? 100 : 102) : 10;
+  });
+  testing::Volume volume = testing::volume_of(grey, 2);
+  volume.description.kind = VolumeKind::grey;
+  volume.description.geometry = geometry_;
+  testing::build_volume(volume, folder_.file("grey.8vo"), 1);
+  options_.grey = folder_.file("grey.8vo");
+  options_.calibration = {2, 5};
+  const MorphometryResult result = morphometry(options_, context_);
+  EXPECT_NEAR(result.tissue->mean, 2 * 101 + 5, 1e-9);
+  EXPECT_NEAR(result.tissue->deviation, 2, 1e-6);
+  EXPECT_NEAR(result.total->mean, (207 * 8 + 25 * 22) / 30.0, 1e-9);
+  options_.grey = options_.input;
+  EXPECT_EQ(failure_of([&] { morphometry(options_, context_); }).field, "grey.kind");
+}
+
+TEST_F(MorphometryTask, SaysWhereThereIsNothingToMeasure) {
+  options_.input = write("empty.8vo", solid([](const Index3&) { return false; }));
+  EXPECT_EQ(failure_of([&] { morphometry(options_, context_); }).kind,
+            ErrorKind::invalid_argument);
+  options_.input = write("full.8vo", solid([](const Index3&) { return true; }));
+  const MorphometryResult full = morphometry(options_, context_);
+  EXPECT_EQ(full.share(), 1);
+  EXPECT_EQ(full.surface.area_mm2, 0);
+  EXPECT_FALSE(full.thickness);
+  EXPECT_EQ(warnings_.size(), 1u);
+  options_.input = write("plain.8vo", solid([](const Index3&) { return true; }), false);
+  EXPECT_EQ(failure_of([&] { morphometry(options_, context_); }).kind,
+            ErrorKind::invalid_argument);
+}
+
+}  // namespace
+}  // namespace octavo
