@@ -13,6 +13,7 @@ set(OCTAVO_READ_SOURCES
   core/levels.cpp
   core/made_by.cpp
   core/metadata_reading.cpp
+  core/place_known.cpp
   core/powers_of_ten.cpp
   core/sample_coding.cpp
   core/sha256.cpp

@@ -6,7 +6,7 @@ import { readFileSync } from "node:fs";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 import {
-  builtScan, crc32c, dist, golden, goldenFolder, goldenNames, listedChecksums, run, sha1,
+  builtScan, crc32c, dist, exportedNifti, golden, goldenFolder, goldenNames, listedChecksums, run, sha1,
 } from "./support/golden.mjs";
 import { damagedFiles } from "./support/damage.mjs";
 import { startServer } from "./support/server.mjs";
@@ -348,6 +348,25 @@ test("a thumbnail is the picture that the program writes", async () => {
   const plain = await open(golden("small-int16.8vo"), { pool });
   assert.equal(await plain.thumbnail(), null);
   plain.close();
+});
+
+test("a NIfTI file for niivue is the one that the program exports", async () => {
+  const { niftiOf } = await import(join(dist, "niivue.js"));
+  const golds = ["small-int16.8vo", "small-axis-order.8vo", "float32-plain.8vo"].map(golden);
+  for (const bytes of [...golds, (await builtScan(4)).bytes]) {
+    const scan = await open(bytes, { pool });
+    const own = new DataView(await niftiOf(scan, 1));
+    const exported = await exportedNifti(bytes, 1);
+    assert.equal(own.byteLength, exported.byteLength);
+    for (let i = 40; i < 56; i += 2) assert.equal(own.getInt16(i, true), exported.getInt16(i, true));
+    for (const at of [70, 72, 254]) assert.equal(own.getInt16(at, true), exported.getInt16(at, true));
+    for (let at = 280; at < 328; at += 4) {
+      assert.ok(Math.abs(own.getFloat32(at, true) - exported.getFloat32(at, true)) < 1e-5);
+    }
+    assert.equal(sha1(new Uint8Array(own.buffer, 352)),
+      sha1(new Uint8Array(exported.buffer, exported.byteOffset + 352, exported.byteLength - 352)));
+    scan.close();
+  }
 });
 
 test("what is not there to be read is an error of its own", async () => {

@@ -1,26 +1,39 @@
 // Bundles the package into dist/, beside octavo.wasm of build-web.
-import { copyFile, mkdir } from "node:fs/promises";
+import { copyFile, mkdir, readdir, rm } from "node:fs/promises";
 import { fileURLToPath } from "node:url";
 import { build } from "esbuild";
 
 const here = (path) => fileURLToPath(new URL(path, import.meta.url));
 
 await mkdir(here("dist"), { recursive: true });
-await build({
-  entryPoints: {
-    reader: here("src/index.ts"),
-    worker: here("src/decode/worker.ts"),
-  },
+for (const name of await readdir(here("dist"))) {
+  if (name.endsWith(".js")) await rm(here(`dist/${name}`));
+}
+const settings = {
   outdir: here("dist"),
   bundle: true,
-  format: "esm",
   target: "es2022",
   minify: true,
-  sourcemap: false,
   legalComments: "none",
   external: ["node:*"],
   loader: { ".8vo": "binary" },
   logLevel: "warning",
+};
+// What both entries share stands in a file of its own, so that there is one shared pool.
+await build({
+  ...settings,
+  format: "esm",
+  splitting: true,
+  chunkNames: "shared-[hash]",
+  entryPoints: { reader: here("src/index.ts"), niivue: here("src/hosts/niivue.ts") },
+});
+await build({ ...settings, format: "esm", entryPoints: { worker: here("src/decode/worker.ts") } });
+// Not all browsers take a Service Worker that is a module; a script says where octavo.wasm is.
+await build({
+  ...settings,
+  format: "iife",
+  logOverride: { "empty-import-meta": "silent" },
+  entryPoints: { "zarr-worker": here("src/hosts/zarr_worker.ts") },
 });
 await copyFile(
   process.argv[2] ?? here("../../build-web/web/reader/wasm/octavo.wasm"), here("dist/octavo.wasm"));

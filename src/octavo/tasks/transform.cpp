@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "octavo/core/error.h"
+#include "octavo/core/place_known.h"
 #include "octavo/file/storage/storage.h"
 #include "octavo/file/write/copy_described.h"
-#include "octavo/io/source/place_known.h"
 #include "octavo/ops/mask/mask_transform.h"
 #include "octavo/planes/computed_source.h"
 #include "octavo/tasks/file_planes.h"

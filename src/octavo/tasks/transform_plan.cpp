@@ -10,9 +10,9 @@
 
 #include "octavo/core/error.h"
 #include "octavo/core/levels.h"
+#include "octavo/core/place_known.h"
 #include "octavo/core/text.h"
 #include "octavo/core/url_text.h"
-#include "octavo/io/source/place_known.h"
 #include "octavo/ops/grid/rotation.h"
 #include "octavo/tasks/geometry_words.h"
 #include "octavo/tasks/inputs.h"

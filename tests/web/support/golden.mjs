@@ -29,22 +29,38 @@ export async function inFolder(use) {
   }
 }
 
-/** A scan of noise over a ramp, larger than what a reader asks for at first: the bytes of its file. */
-export function builtScan(seed) {
+/**
+ * A scan of 128 x 96 x 80 voxels of 0.5 mm: the bytes of its file, and its voxels.
+ * voxelOf  of [x, y, z]; noise over a ramp where absent: more than a reader asks for at first
+ */
+export function builtScan(seed, voxelOf) {
   return inFolder((folder) => {
     const [width, height, depth] = [128, 96, 80];
     let state = seed;
     const voxels = Int16Array.from({ length: width * height * depth }, (_, i) => {
       state = (state * 48271) % 2147483647;
-      return (i % width) * 4 + (state % 200) - 300;
+      const place = [i % width, Math.floor(i / width) % height, Math.floor(i / width / height)];
+      return voxelOf ? voxelOf(place) : place[0] * 4 + (state % 200) - 300;
     });
     writeFileSync(join(folder, "scan.raw"), voxels);
     writeFileSync(join(folder, "scan.mhd"), [
       "ObjectType = Image", "NDims = 3", `DimSize = ${width} ${height} ${depth}`,
-      "ElementType = MET_SHORT", "ElementSpacing = 0.5 0.5 0.5", "ElementByteOrderMSB = False",
+      "ElementType = MET_SHORT", "ElementSpacing = 0.5 0.5 0.5",
+      "TransformMatrix = 1 0 0 0 1 0 0 0 1", "Offset = 10 -20 30", "ElementByteOrderMSB = False",
       "ElementDataFile = scan.raw", ""].join("\n"));
     run("build", join(folder, "scan.mhd"), "-o", join(folder, "scan.8vo"));
     return { bytes: new Uint8Array(readFileSync(join(folder, "scan.8vo"))), voxels };
+  });
+}
+
+/** The NIfTI file that the program makes of a level of a file. */
+export function exportedNifti(bytes, level) {
+  return inFolder((folder) => {
+    const [scan, nifti] = [join(folder, "scan.8vo"), join(folder, "level.nii")];
+    writeFileSync(scan, bytes);
+    run("extract", scan, "--level", String(level), "--stored", "-o", nifti);
+    const written = readFileSync(nifti);
+    return new DataView(written.buffer, written.byteOffset, written.byteLength);
   });
 }
 

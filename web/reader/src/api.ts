@@ -83,7 +83,7 @@ export interface OpenOptions {
 }
 
 export interface PoolOptions {
-  /** Decoders at work at a time, each a worker; cores less one, at most 8, where absent. */
+  /** Workers that decode; cores less one, at most 8, where absent. 0: on the calling thread. */
   readonly workers?: number;
   /** Decoded bricks that each worker keeps at most, 32 MiB of each volume where absent. */
   readonly cacheBytes?: number;

@@ -7,6 +7,7 @@
 
 #include "octavo/core/json_text.h"
 #include "octavo/core/label_color.h"
+#include "octavo/core/place_known.h"
 #include "octavo/file/box_plan.h"
 
 namespace octavo::web {
@@ -84,7 +85,6 @@ void WebVolume::open(std::uint64_t cache_bytes) {
 
 std::string WebVolume::description() const {
   const VolumeDescription& volume = reader_->description();
-  const MetadataFacts& facts = volume.metadata.facts();
   std::vector<JsonObject> levels;
   for (int level = 0; level < reader_->levels().count(); ++level) {
     levels.push_back(level_json(*reader_, level));
@@ -104,7 +104,7 @@ std::string WebVolume::description() const {
       .set("originMm", volume.geometry.origin_mm)
       .set("direction", volume.geometry.direction)
       .set("isSpacingKnown", volume.metadata.is_spacing_known())
-      .set("isPlaceKnown", facts.place_known.value_or(true))
+      .set("isPlaceKnown", is_place_known(volume))
       .set("slope", volume.rescale.slope)
       .set("intercept", volume.rescale.intercept)
       .set("unit", volume.metadata.unit())
@@ -112,7 +112,7 @@ std::string WebVolume::description() const {
       .set("max", volume.voxel_of(range.max))
       .set("maxError", reader_->max_error())
       .set("detailLevel", reader_->detail_level())
-      .set("labels", labels_json(facts.labels))
+      .set("labels", labels_json(volume.metadata.facts().labels))
       .text();
 }
 

@@ -6,9 +6,9 @@
 #include <optional>
 
 #include "octavo/core/checked.h"
+#include "octavo/core/place_known.h"
 #include "octavo/file/storage/temporary.h"
 #include "octavo/io/source/described_source.h"
-#include "octavo/io/source/place_known.h"
 #include "octavo/io/source/value_unit.h"
 
 namespace octavo {

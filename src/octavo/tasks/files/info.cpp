@@ -3,11 +3,11 @@
 #include <filesystem>
 
 #include "octavo/core/error.h"
+#include "octavo/core/place_known.h"
 #include "octavo/file/directory.h"
 #include "octavo/file/layout.h"
 #include "octavo/file/storage/pending_file.h"
 #include "octavo/file/thumbnail.h"
-#include "octavo/io/source/place_known.h"
 #include "octavo/tasks/files/finite_voxels.h"
 #include "octavo/tasks/inputs.h"
 #include "octavo/tasks/volume_facts.h"

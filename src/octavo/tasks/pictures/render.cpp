@@ -8,8 +8,8 @@
 #include <memory>
 
 #include "octavo/core/error.h"
+#include "octavo/core/place_known.h"
 #include "octavo/core/text.h"
-#include "octavo/io/source/place_known.h"
 #include "octavo/render/cubes/relief_picture.h"
 #include "octavo/render/rays/ray_caster.h"
 #include "octavo/tasks/inputs.h"

@@ -9,8 +9,8 @@
 #include <utility>
 
 #include "octavo/core/error.h"
+#include "octavo/core/place_known.h"
 #include "octavo/core/text.h"
-#include "octavo/io/source/place_known.h"
 #include "octavo/render/slice/montage.h"
 #include "octavo/tasks/inputs.h"
 #include "octavo/tasks/masks.h"

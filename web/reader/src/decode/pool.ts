@@ -2,37 +2,15 @@
 //
 // A brick always goes to the same worker, which may still have it decoded; a worker that has
 // nothing to do takes from one that has much. What is wanted most goes first.
-import type { ErrorKind, Pool, PoolOptions, VoxelTypeName } from "../api.js";
+import type { ErrorKind, PoolOptions } from "../api.js";
 import { cancelled, failureOf, OctavoError } from "../errors.js";
 import type { PlacedBytes } from "../store/file_bytes.js";
 import type { ByteRange } from "../store/ranges.js";
-import { type Corners, Engine, type OpeningBytes } from "./engine.js";
+import type { DecodedBox, Decoders, JobOptions, PoolFile } from "./decoders.js";
+import { Engine } from "./engine.js";
 import type { FromWorker, ToWorker } from "./messages.js";
 import { compile } from "./module.js";
 import { isNode, startWorker, type WorkerPort } from "./ports.js";
-
-/** What workers know of a volume. */
-export interface PoolFile {
-  readonly number: number;
-  readonly opening: OpeningBytes;
-  /** Brings bytes that a worker lacks. */
-  supply(ranges: readonly ByteRange[]): Promise<PlacedBytes[]>;
-}
-
-export interface JobOptions {
-  readonly level: number;
-  readonly box: Corners;
-  readonly type: VoxelTypeName;
-  /** Jobs of one key go to one worker. */
-  readonly key: number;
-  readonly priority: number;
-  readonly signal?: AbortSignal | undefined;
-}
-
-export interface DecodedBox {
-  readonly voxels: ArrayBuffer;
-  readonly ms: number;
-}
 
 interface Job extends JobOptions {
   readonly number: number;
@@ -51,7 +29,7 @@ class Slot {
   current: Job | null = null;
 }
 
-export class WorkerPool implements Pool {
+export class WorkerPool implements Decoders {
   private readonly slots: Slot[];
   private nextNumber = 1;
   private isClosed = false;
@@ -67,7 +45,7 @@ export class WorkerPool implements Pool {
     const pool = new WorkerPool(
       module, await Engine.create(module, "octavo"),
       new URL(options.worker ?? "./worker.js", import.meta.url),
-      Math.max(1, options.workers ?? await usualWorkers()), options.cacheBytes ?? 32 * 1024 * 1024);
+      options.workers ?? await usualWorkers(), options.cacheBytes ?? 32 * 1024 * 1024);
     await Promise.all(pool.slots.map((slot, i) => pool.start(slot, i === 0)));
     return pool;
   }
@@ -76,12 +54,10 @@ export class WorkerPool implements Pool {
     return this.slots.length;
   }
 
-  /** A number for a new file. */
   register(): number {
     return this.nextNumber++;
   }
 
-  /** Workers forget a file; jobs of it that wait are rejected. */
   forget(file: number): void {
     for (const slot of this.slots) {
       const [own, others] = [slot.queue.filter((job) => job.file.number === file),
@@ -92,7 +68,6 @@ export class WorkerPool implements Pool {
     }
   }
 
-  /** Decodes a box. Its bytes are at hand as a rule: a worker that waits for some does nothing. */
   read(file: PoolFile, options: JobOptions): Promise<DecodedBox> {
     return new Promise((resolve, reject) => {
       const { signal } = options;

@@ -4,15 +4,13 @@
 // is missing.
 import { failureOf } from "../errors.js";
 import { EngineFile } from "./engine.js";
-import { bytesPerVoxel, type FromWorker, type ToWorker } from "./messages.js";
+import type { FromWorker, ToWorker } from "./messages.js";
 import { portOfWorker } from "./ports.js";
+import { voxelsOf } from "./reading.js";
 import { warm } from "./warming.js";
 
 type ReadJob = Extract<ToWorker, { kind: "read" }>;
 type SentBytes = Extract<ToWorker, { kind: "bytes" }>["parts"];
-
-/** Coded bytes kept in an instance between two jobs. */
-const keptBytes = 4 * 1024 * 1024;
 
 const port = await portOfWorker();
 const files = new Map<number, EngineFile>();
@@ -28,34 +26,12 @@ function bytesFor(job: number, ranges: Extract<FromWorker, { kind: "needs" }>["r
   });
 }
 
-/** Voxels of a box; null where the page has given up. */
-async function voxelsOf(file: EngineFile, job: ReadJob): Promise<ArrayBuffer | null> {
-  for (;;) {
-    const plan = await file.use((exports, volume, engine) => engine.withBox(job.box, (box) =>
-      engine.plan(exports.octavo_plan(volume, box, job.level))));
-    if (plan.ranges.length === 0 && plan.isComplete) break;
-    const parts = await bytesFor(job.job, plan.ranges);
-    if (parts === null) return null;
-    for (const part of parts) await file.put(part);
-  }
-  const [x0, y0, z0, x1, y1, z1] = job.box as [number, number, number, number, number, number];
-  const byteLength = (x1 - x0) * (y1 - y0) * (z1 - z0) * bytesPerVoxel[job.type];
-  return file.use((exports, volume, engine) => {
-    const out = exports.octavo_allocate(byteLength);
-    engine.withBox(job.box, (box) => exports.octavo_read(volume, box, job.level, out));
-    const voxels = exports.memory.buffer.slice(out, out + byteLength);
-    exports.octavo_free(out);
-    exports.octavo_forget(volume, keptBytes);
-    return voxels;
-  });
-}
-
 async function read(job: ReadJob): Promise<void> {
   const file = files.get(job.file);
   const started = performance.now();
   try {
     if (!file) throw new Error("the file is closed");
-    const voxels = await voxelsOf(file, job);
+    const voxels = await voxelsOf(file, job, (ranges) => bytesFor(job.job, ranges));
     if (voxels === null) {
       send({ kind: "failed", job: job.job, error: "cancelled", message: "cancelled" });
       return;

@@ -1,5 +1,6 @@
 // From a source to a volume: the header, then the tail of the file.
-import type { Open, OpenOptions, Source, Volume } from "../api.js";
+import type { Open, OpenOptions, Pool, Source, Volume } from "../api.js";
+import type { Decoders } from "../decode/decoders.js";
 import { createVolume, Engine, EngineFile } from "../decode/engine.js";
 import { WorkerPool } from "../decode/pool.js";
 import { OctavoError } from "../errors.js";
@@ -28,9 +29,13 @@ function sharedPool(): Promise<WorkerPool> {
   return shared;
 }
 
+function isDecoders(pool: Pool): pool is Decoders {
+  return "module" in pool && "engine" in pool;
+}
+
 export const open: Open = async (source, options = {}) => {
   const pool = options.pool ?? await sharedPool();
-  if (!(pool instanceof WorkerPool)) {
+  if (!isDecoders(pool)) {
     throw new OctavoError("invalid_argument", "the pool is none of createPool");
   }
   const cacheBytes = options.cacheBytes ?? 128 * 1024 * 1024;
@@ -59,7 +64,7 @@ export const open: Open = async (source, options = {}) => {
 
 class Opening {
   constructor(
-    private readonly bytes: FileBytes, private readonly pool: WorkerPool,
+    private readonly bytes: FileBytes, private readonly pool: Decoders,
     private readonly source: Source, private readonly options: OpenOptions,
     private readonly cacheBytes: number) {}
 

@@ -3,8 +3,8 @@ import type {
   Box, BrickRanges, LabelInfo, Level, Plan, ReadOptions, Statistics, Vector3, Volume, VoxelArray,
   VoxelTypeName,
 } from "../api.js";
+import type { DecodedBox, Decoders, PoolFile } from "../decode/decoders.js";
 import type { EngineFile } from "../decode/engine.js";
-import type { DecodedBox, PoolFile, WorkerPool } from "../decode/pool.js";
 import { cancelled, failureOf, OctavoError } from "../errors.js";
 import type { FileBytes, WaitOptions } from "../store/file_bytes.js";
 import { type ByteRange, totalLength } from "../store/ranges.js";
@@ -43,7 +43,7 @@ export interface VolumeParts {
   readonly metadataText: string;
   readonly bytes: FileBytes;
   readonly cacheBytes: number;
-  readonly pool: WorkerPool;
+  readonly pool: Decoders;
   readonly index: EngineFile;
   readonly identity: Identity;
   openAgain(options: ReadOptions): Promise<Volume>;

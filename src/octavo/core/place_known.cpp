@@ -1,4 +1,4 @@
-#include "octavo/io/source/place_known.h"
+#include "octavo/core/place_known.h"
 
 namespace octavo {
 

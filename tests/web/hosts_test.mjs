@@ -1,0 +1,181 @@
+// .8vo files in viewers of others, unchanged, on a static host: neuroglancer by the Service Worker
+// that answers for zarr, niivue by its loader.
+//
+// usage: node hosts_test.mjs FOLDER, which tests/web/setup has filled
+import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import { join } from "node:path";
+import { after, before, test } from "node:test";
+import { inChromium, newPage } from "./support/chromium.mjs";
+import { builtScan, dist } from "./support/golden.mjs";
+import { startServer } from "./support/server.mjs";
+
+const folder = process.argv[2];
+const size = [128, 96, 80];
+const bright = 900;
+/** Bright where y and z are small: no turn and no mirror image looks the same. */
+const isBright = ([x, y, z]) => x < 100 && y < 40 && z < 30;
+
+let site;
+let scan;
+before(async () => {
+  scan = await builtScan(1, (place) => (isBright(place) ? bright : 0));
+  site = await startServer({
+    "/dist/": dist,
+    "/v/scan/": join(folder, "neuroglancer/static/client"),
+    "/niivue/": join(folder, "node_modules/@niivue/niivue/dist"),
+  });
+  for (const name of ["zarr-worker.js", "octavo.wasm"]) {
+    site.files.set(`/${name}`, readFileSync(join(dist, name)));
+  }
+  site.files.set("/scan.8vo", Buffer.from(scan.bytes));
+  site.files.set("/favicon.ico", Buffer.alloc(0));
+  site.files.set("/blank.html", Buffer.from("<!doctype html><canvas id=gl></canvas>"));
+});
+after(() => site.close());
+
+/** Where the bright pixels of a picture lie, in parts of its size, and how many there are. */
+async function brightPlace(browser, picture) {
+  const page = await newPage(browser, `${site.url}/blank.html`);
+  const place = await page.evaluate(async (url) => {
+    const image = await createImageBitmap(await (await fetch(url)).blob());
+    const canvas = new OffscreenCanvas(image.width, image.height);
+    const context = canvas.getContext("2d");
+    context.drawImage(image, 0, 0);
+    const { data } = context.getImageData(0, 0, image.width, image.height);
+    let [x, y, count] = [0, 0, 0];
+    for (let i = 0; i < data.length; i += 4) {
+      if (Math.min(data[i], data[i + 1], data[i + 2]) < 230) continue;
+      x += (i / 4) % image.width;
+      y += Math.floor(i / 4 / image.width);
+      count += 1;
+    }
+    return { x: x / count / image.width, y: y / count / image.height, count };
+  }, `data:image/png;base64,${picture.toString("base64")}`);
+  await page.close();
+  return place;
+}
+
+async function startWorker(page) {
+  await page.evaluate(async () => {
+    const { serviceWorker } = navigator;
+    await serviceWorker.register("/zarr-worker.js");
+    await serviceWorker.ready;
+    if (serviceWorker.controller) return;
+    await new Promise((resolve) => serviceWorker.addEventListener("controllerchange", resolve));
+  });
+}
+
+test("a Service Worker answers for a zarr hierarchy", async () => {
+  await inChromium(async (browser) => {
+    const page = await newPage(browser, `${site.url}/blank.html`);
+    await startWorker(page);
+    const said = await page.evaluate(async () => {
+      const get = (key) => fetch(`/scan.8vo.zarr/${key}`);
+      const chunk = await (await get("0/c/0/1/1")).arrayBuffer();
+      const part = await fetch("/scan.8vo.zarr/0/c/0/0/0", { headers: { Range: "bytes=2-5" } });
+      return {
+        group: await (await get("zarr.json")).json(), array: await (await get("0/zarr.json")).json(),
+        chunk: Array.from(new Int16Array(chunk)),
+        part: [part.status, (await part.arrayBuffer()).byteLength],
+        missing: [(await get("0/c/9/0/0")).status, (await get("99/zarr.json")).status,
+          (await get(".zattrs")).status, (await fetch("/none.8vo.zarr/zarr.json")).status],
+      };
+    });
+    assert.deepEqual(said.array.shape, [...size].reverse());
+    assert.equal(said.array.data_type, "int16");
+    const [{ datasets }] = said.group.attributes.ome.multiscales;
+    assert.deepEqual(datasets[1].coordinateTransformations, [
+      { type: "scale", scale: [1, 1, 1] }, { type: "translation", translation: [0.25, 0.25, 0.25] }]);
+    assert.deepEqual(said.part, [206, 4]);
+    assert.deepEqual(said.missing, [404, 404, 404, 502]);
+    const [depth, height, width] = said.array.chunk_grid.configuration.chunk_shape;
+    for (let z = 0; z < depth; z += 5) {
+      for (let y = 0; y < height; y += 3) {
+        for (let x = 0; x < width; x += 7) {
+          const place = [x + width, y + height, z];
+          const isInside = place.every((at, axis) => at < size[axis]);
+          const voxel = isInside
+            ? scan.voxels[(place[2] * size[1] + place[1]) * size[0] + place[0]] : 0;
+          assert.equal(said.chunk[(z * height + y) * width + x], voxel);
+        }
+      }
+    }
+  });
+});
+
+test("neuroglancer shows a scan, the right way around", async () => {
+  const state = {
+    layers: [{
+      type: "image", name: "scan", source: `zarr3://${site.url}/scan.8vo.zarr/`,
+      shaderControls: { normalized: { range: [0, bright] } },
+    }],
+    layout: "xy", showAxisLines: false, showScaleBar: false, showDefaultAnnotations: false,
+    crossSectionBackgroundColor: "#000000",
+  };
+  // What its Python server would say.
+  site.misbehave = (request, response, entry) => {
+    if (entry.path.startsWith("/events/")) {
+      response.writeHead(200, { "Content-Type": "text/event-stream" });
+      for (const [k, s] of [["c", {}], ["s", state]]) {
+        response.write(`data: ${JSON.stringify({ k, g: "a/1", s })}\n\n`);
+      }
+      return true;
+    }
+    if (request.method !== "POST") return false;
+    response.writeHead(200, { "Content-Type": "application/json" }).end("{}");
+    return true;
+  };
+  await inChromium(async (browser) => {
+    const context = await browser.newContext({ viewport: { width: 700, height: 560 } });
+    const page = await context.newPage();
+    await page.goto(`${site.url}/blank.html`);
+    await startWorker(page);
+    await page.goto(`${site.url}/v/scan/index.html`);
+    let place;
+    for (let second = 0; second < 120; ++second) {
+      await page.waitForTimeout(1000);
+      place = await brightPlace(browser, await page.locator("canvas").first().screenshot());
+      if (place.count > 2000) break;
+    }
+    assert.ok(place.count > 2000, "nothing bright is shown");
+    // The first axis, z, goes to the right, y down.
+    assert.ok(place.x < 0.5 && place.y < 0.5, JSON.stringify(place));
+  });
+  site.misbehave = null;
+  assert.ok(site.log.every(({ path, range }) => path !== "/scan.8vo" || range !== ""));
+});
+
+test("niivue shows a scan, voxels at their places", async () => {
+  await inChromium(async (browser) => {
+    const page = await browser.newPage({ viewport: { width: 700, height: 560 } });
+    await page.goto(`${site.url}/blank.html`);
+    const said = await page.evaluate(async () => {
+      const { Niivue } = await import("/niivue/index.js");
+      const { loadBytes, loadNifti } = await import("/dist/niivue.js");
+      const viewer = new Niivue();
+      await viewer.attachTo("gl");
+      await viewer.loadFromArrayBuffer(await loadNifti("/scan.8vo"), "scan.nii");
+      const [volume] = viewer.volumes;
+      const shown = viewer.volumes.length;
+      viewer.useLoader(loadBytes, "8vo", "nii");
+      await viewer.addVolumesFromUrl([{ url: "/scan.8vo" }]);
+      return {
+        shown,
+        dims: volume.hdr.dims.slice(0, 4), affine: volume.hdr.affine, max: volume.global_max,
+        // In RAS order: both index axes x and y are turned around.
+        corner: volume.getValue(127, 95, 0), far: volume.getValue(0, 0, 79),
+        count: viewer.volumes.length, other: viewer.volumes[1]?.global_max,
+      };
+    });
+    assert.deepEqual(said.dims, [3, ...size]);
+    assert.deepEqual(said.affine.map((row) => row.map((n) => n + 0)),
+      [[-0.5, 0, 0, -10], [0, -0.5, 0, 20], [0, 0, 0.5, 30], [0, 0, 0, 1]]);
+    assert.equal(said.max, bright);
+    assert.deepEqual([said.corner, said.far], [bright, 0]);
+    assert.deepEqual([said.shown, said.count, said.other], [1, 2, bright]);
+    await page.waitForTimeout(500);
+    const place = await brightPlace(browser, await page.screenshot());
+    assert.ok(place.count > 1000, "nothing bright is shown");
+  });
+});
