@@ -188,7 +188,8 @@ class Surfaces(cli_test.InFolder):
             root = ElementTree.fromstring(zipfile.ZipFile(path).read("3D/3dmodel.model"))
             texts = [element.text for element in root if element.get("name") == "Description"]
             return json.loads(texts[0].split("report ")[1])
-        return json.loads(data.split(b"report ")[1].split(b"\n")[0])
+        parts = data.split(b"report ")[1:]
+        return json.loads(b"".join(part.split(b"\n")[0] for part in parts))
 
     def test_points_of_glb_have_16_bits_within_the_deviation(self):
         for words, number, extensions in [

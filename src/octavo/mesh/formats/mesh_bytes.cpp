@@ -45,6 +45,23 @@ std::string line_text(std::string_view text) {
   return line;
 }
 
+std::string short_lines(std::string_view start, std::string_view text) {
+  constexpr std::size_t kMost = 250;
+  const std::string line = line_text(text);
+  const auto is_inside_letter = [&](std::size_t at) {
+    return (static_cast<unsigned char>(line[at]) & 0xc0) == 0x80;
+  };
+  std::string lines;
+  std::size_t begin = 0;
+  do {
+    std::size_t end = std::min(line.size(), begin + kMost - start.size());
+    while (end < line.size() && end > begin + 1 && is_inside_letter(end)) --end;
+    lines += std::string(start) + line.substr(begin, end - begin) + "\n";
+    begin = end;
+  } while (begin < line.size());
+  return lines;
+}
+
 std::string coordinate_text(float value) {
   // Below, the shortest digits lie within half a step of floats, 2^-21 at most.
   constexpr float kFirstFixed = 16;

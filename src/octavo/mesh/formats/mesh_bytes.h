@@ -63,6 +63,10 @@ std::string space_words(MeshSpace space);
 /// Text for one line: spaces in place of control characters.
 std::string line_text(std::string_view text);
 
+/// Lines of at most 250 bytes that each begin with `start`; joined, what is behind it is line_text.
+/// MeshLab rejects headers with lines of 512 bytes.
+std::string short_lines(std::string_view start, std::string_view text);
+
 /// Digits that read back as the same float, and as a double within 1e-6 of it.
 std::string coordinate_text(float value);
 

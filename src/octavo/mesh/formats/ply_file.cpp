@@ -18,12 +18,12 @@ std::int32_t ply_label(std::int64_t label, const PendingFile& file) {
 std::string ply_header(const MeshDescription& described, bool has_labels) {
   std::string header = "ply\nformat binary_little_endian 1.0\n";
   for (const std::string& comment : described.comments) {
-    header += "comment " + line_text(comment) + "\n";
+    header += short_lines("comment ", comment);
   }
-  if (!described.report.empty()) header += "comment report " + line_text(described.report) + "\n";
+  if (!described.report.empty()) header += short_lines("comment report ", described.report);
   for (const MeshPart& part : described.parts) {
     if (part.label && !part.name.empty()) {
-      header += "comment label " + std::to_string(*part.label) + " " + line_text(part.name) + "\n";
+      header += short_lines("comment label " + std::to_string(*part.label) + " ", part.name);
     }
   }
   header += "comment " + space_words(described.space) + "\nelement vertex " +

@@ -178,6 +178,28 @@ TEST(MeshFile, CommentsAndReportsAreOneLine) {
             std::string::npos);
 }
 
+// MeshLab rejects headers of PLY with lines of 512 bytes.
+TEST(MeshFile, HeadersOfPlyHaveShortLines) {
+  std::string report = "{\"name\":\"";
+  for (int i = 0; i < 400; ++i) report += "\xc3\xa4,";
+  report += "\"}";
+  MeshPart part{.name = std::string(700, 'n'), .label = 7, .begin = 0, .end = 2};
+  const std::vector<std::string> comments = {std::string(600, 'c')};
+  const std::string file = written(MeshFormat::ply, {.mesh = kWritten,
+                                                     .parts = {&part, 1},
+                                                     .comments = comments,
+                                                     .report = report});
+  std::istringstream lines(file.substr(0, file.find("end_header")));
+  const std::string start = "comment report ";
+  std::string joined;
+  for (std::string line; std::getline(lines, line);) {
+    EXPECT_LE(line.size(), 250u);
+    EXPECT_NE(static_cast<unsigned char>(line.back()), 0xc3);
+    if (line.starts_with(start)) joined += line.substr(start.size());
+  }
+  EXPECT_EQ(joined, report);
+}
+
 TEST(MeshFile, AllFormatsButStlHaveNormals) {
   EXPECT_FALSE(has_normals(MeshFormat::stl));
   EXPECT_TRUE(has_normals(MeshFormat::ply));
