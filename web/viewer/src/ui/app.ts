@@ -177,6 +177,8 @@ export class App {
       ...emptyState(),
       at: clampVoxel(size, link.at ?? (size.map((n) => Math.floor(n / 2)) as never)),
       window,
+      tool: this.store.now.tool,
+      hasAnnotations: this.store.now.hasAnnotations,
       layout: link.layout ?? this.store.now.layout,
       mode: link.mode ?? "volume",
       iso: link.iso ?? (facts.unit === "HU" ? 226 : window.center),

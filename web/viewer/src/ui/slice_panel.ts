@@ -301,7 +301,7 @@ export class SlicePanel {
       state: this.store.now,
       slice: this.slice,
       ratio: this.ratio,
-      title: `${name} ${title}`,
+      title: session.facts.isPlaceKnown ? `${name} ${title}` : title,
       fidelity: shown === 0 ? "" : `${fidelity} of full resolution`,
     });
   }

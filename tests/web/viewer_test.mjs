@@ -1,0 +1,192 @@
+// The page of the viewer in Chromium: what it shows, measures and passes on, and what it does when
+// servers and files are not as they promised.
+//
+// usage: OCTAVO=build/octavo node tests/web/viewer_test.mjs
+import assert from "node:assert/strict";
+import { after, before, test } from "node:test";
+import { builtScan } from "./support/golden.mjs";
+import { pngPixels } from "./support/png.mjs";
+import { HOSTILE, calm, settled, startPage, text, withPage } from "./support/viewer_page.mjs";
+
+let host;
+let files;
+before(async () => {
+  ({ host, files } = await startPage());
+});
+after(() => host.close());
+
+test("labels lie over the scan, with names as text and never as markup", async () => {
+  await withPage("?url=scan.8vo&labels=labels.8vo&at=75,65,40", async (shown) => {
+    await shown.waitForFunction(
+      () => document.querySelectorAll("#labels li").length === 2, null, { timeout: 60_000 });
+    await settled(shown);
+    const names = await shown.locator("#labels li span:nth-of-type(2)").allTextContents();
+    assert.ok(names.some((name) => name === HOSTILE), JSON.stringify(names));
+    assert.equal(await shown.locator("#labels img").count(), 0);
+    assert.doesNotMatch(await shown.title(), /taken/);
+    await shown.waitForFunction(
+      () => document.getElementById("readout").textContent.includes("inside"));
+    const colored = async () => {
+      const seen = pngPixels(await shown.locator("#panel-z").screenshot());
+      return seen.isColored;
+    };
+    await shown.evaluate(() => {
+      octavo.store.set({ hasAnnotations: false });
+      for (const slider of document.querySelectorAll(".panel input")) slider.hidden = true;
+    });
+    await shown.waitForTimeout(300);
+    assert.equal(await colored(), true);
+    await shown.locator("#labels-none").click();
+    await shown.waitForTimeout(500);
+    assert.equal(await colored(), false);
+  });
+});
+
+test("keys, tools and links: what is seen can be passed on", async () => {
+  await withPage("?url=scan.8vo&layout=z&at=75,65,40", async (shown) => {
+    await settled(shown);
+    await shown.locator("#panel-z").focus();
+    await shown.keyboard.press("ArrowRight");
+    await shown.keyboard.press("PageUp");
+    await shown.keyboard.press("3");
+    assert.deepEqual(await shown.evaluate(() => [octavo.store.now.at, octavo.store.now.window]),
+      [[76, 65, 41], { center: 400, width: 1800 }]);
+    await shown.keyboard.press("d");
+    const box = await shown.locator("#panel-z").boundingBox();
+    const drag = async (fx, fy, tx, ty) => {
+      await shown.mouse.move(box.x + box.width * fx, box.y + box.height * fy);
+      await shown.mouse.down();
+      await shown.mouse.move(box.x + box.width * tx, box.y + box.height * ty, { steps: 3 });
+      await shown.mouse.up();
+    };
+    await drag(0.4, 0.5, 0.6, 0.5);
+    const line = await text(shown, "measurements");
+    const mm = Number(/([\d.]+) mm/.exec(line)[1]);
+    const pixelMm = await shown.evaluate(() => octavo.slices[2].look.pixelMm);
+    assert.ok(Math.abs(mm - box.width * 0.2 * pixelMm) < pixelMm * 2, line);
+    await shown.keyboard.press("e");
+    await drag(0.45, 0.45, 0.55, 0.55);
+    await shown.waitForFunction(
+      () => /mean .* samples/.test(document.getElementById("measurements").textContent));
+    const link = await shown.evaluate(() => octavo.permalink());
+    assert.match(link, /\?url=scan\.8vo&at=76,65,41&window=400,1800&layout=z/);
+    await shown.goto(link);
+    await settled(shown);
+    assert.deepEqual(await shown.evaluate(() => octavo.store.now.at), [76, 65, 41]);
+    const [saved] = await Promise.all([
+      shown.waitForEvent("download"), shown.locator("button[title^='Save']").click()]);
+    assert.equal(saved.suggestedFilename(), "scan.8vo.png");
+  });
+});
+
+test("a lost graphics context comes back with the same picture", async () => {
+  await withPage("?url=scan.8vo&layout=z", async (shown) => {
+    await settled(shown);
+    const before = pngPixels(await shown.locator("#panel-z").screenshot());
+    const frames = await shown.evaluate(() => {
+      octavo.stage.loseContext();
+      return octavo.stage.frames;
+    });
+    await shown.waitForFunction((n) => octavo.stage.frames > n, frames);
+    await shown.waitForTimeout(300);
+    const again = pngPixels(await shown.locator("#panel-z").screenshot());
+    assert.deepEqual(again.grey, before.grey);
+    assert.ok(before.grey.some((v) => v > 100));
+  }, { mayComplain: true });
+});
+
+test("a server that dies is named, and what is missing comes once it is back", async () => {
+  // Larger than what opening fetches.
+  const noisy = Buffer.from((await builtScan(5)).bytes);
+  await withPage("?url=scan.8vo&layout=z", async (shown) => {
+    await shown.waitForFunction(() => !document.getElementById("message").hidden, null,
+      { timeout: 120_000 });
+    const message = await text(shown, "message");
+    assert.match(message, /scan\.8vo/);
+    host.misbehave = null;
+    await shown.locator("#message button").first().click();
+    await settled(shown);
+    await shown.waitForFunction(
+      () => document.getElementById("fidelity").textContent === "full resolution");
+    assert.equal(await shown.locator("#message").isVisible(), false);
+  }, {
+    mayComplain: true,
+    prepare: () => {
+      let asked = 0;
+      host.files.set("/scan.8vo", noisy);
+      host.misbehave = (request, response) => {
+        if (!request.url.startsWith("/scan.8vo") || ++asked < 4) return false;
+        response.writeHead(503).end();
+        return true;
+      };
+    },
+  });
+});
+
+test("a file that is replaced is never mixed with the one that is shown", async () => {
+  const [noisy, other] = [5, 6].map(async (seed) => Buffer.from((await builtScan(seed)).bytes));
+  const before = await noisy;
+  const after = await other;
+  await withPage("?url=scan.8vo&layout=z&at=75,65,10", async (shown) => {
+    await shown.waitForFunction(() => globalThis.octavo?.session?.hasPreview);
+    host.files.set("/scan.8vo", after);
+    await shown.evaluate(() => octavo.store.set({ at: [10, 10, 70], layout: "y" }));
+    await shown.waitForFunction(() => !document.getElementById("message").hidden, null,
+      { timeout: 60_000 });
+    const open = shown.locator("#message button", { hasText: "Open the new file" });
+    await open.waitFor({ timeout: 5_000 });
+    await open.click();
+    await settled(shown);
+    assert.equal(await shown.evaluate(() => octavo.session.facts.levels[0].size[0]), 128);
+    assert.equal(await shown.evaluate(() => octavo.session.cells.failure ?? null), null);
+  }, { mayComplain: true, prepare: () => host.files.set("/scan.8vo", before) });
+});
+
+test("lies and damage are a sentence, and the next file opens", async () => {
+  const damaged = Buffer.from(files.scan);
+  for (let i = 0; i < 64; ++i) damaged[Math.floor(damaged.length / 2) + i * 97] ^= 0xff;
+  await withPage("", async (shown) => {
+    await shown.locator("#welcome").waitFor();
+    for (const [name, bytes] of [
+      ["none.8vo", null], ["text.8vo", Buffer.from("hello ".repeat(200))],
+      ["short.8vo", files.scan.subarray(0, 5000)],
+    ]) {
+      if (bytes) host.files.set(`/${name}`, bytes);
+      await shown.evaluate((url) => octavo.open(url), `${host.url}/${name}`);
+      const message = await text(shown, "message");
+      assert.ok(message.length > 20 && message.length < 400, message);
+    }
+    host.files.set("/damaged.8vo", damaged);
+    await shown.evaluate((url) => octavo.open(url), `${host.url}/damaged.8vo`);
+    await shown.waitForFunction(
+      () => document.getElementById("message").textContent.includes("damaged.8vo"), null,
+      { timeout: 60_000 });
+    await shown.evaluate((url) => octavo.open(url), `${host.url}/scan.8vo`);
+    await settled(shown);
+    assert.equal(await shown.evaluate(() => octavo.session.facts.name.includes("scan.8vo")), true);
+  }, { mayComplain: true });
+});
+
+test("a server that ignores ranges is said to do so, and the file is shown", async () => {
+  await withPage("?url=scan.8vo&layout=z", async (shown) => {
+    await settled(shown);
+    assert.match(await text(shown, "message"), /range/i);
+  }, { prepare: () => { host.ignoresRanges = true; } });
+});
+
+test("flying through keeps decoded voxels within their limit", async () => {
+  await withPage("?url=scan.8vo", async (shown) => {
+    await settled(shown);
+    const limit = await shown.evaluate(() => octavo.session.cells.budgetBytes);
+    let most = 0;
+    for (let i = 0; i < 60; ++i) {
+      await shown.evaluate((n) => octavo.store.set({
+        at: [(n * 41) % 150, (n * 31) % 130, (n * 7) % 90],
+        camera: { azimuth: n * 6 - 180, elevation: (n * 5) % 60, zoom: 1 + (n % 3) },
+      }), i);
+      await shown.waitForTimeout(30);
+      most = Math.max(most, await shown.evaluate(() => octavo.session.cells.heldBytes));
+    }
+    assert.ok(most > 0 && most <= limit, `${most} of ${limit}`);
+  });
+});
