@@ -83,7 +83,7 @@ TEST(SharedGroups, AnyBandsInAnyOrderMakeTheFileOfABuild) {
     EXPECT_GE(volumes.back().plan().group_count, 2) << name;
     EXPECT_GE(layer_bricks_of(volumes.back().plan()), 9) << name;
   }
-  const std::uint64_t count = case_count(18, 2'000);
+  const std::uint64_t count = case_count(9, 2'000);
   GoalCases cases("E4", "random partitions with shared groups", count);
   std::size_t bands = 0;
   for (std::uint64_t i = 0; cases.next(); ++i) {
