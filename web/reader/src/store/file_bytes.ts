@@ -26,7 +26,7 @@ export interface WaitOptions {
 }
 
 /** Where so many requests are not enough, larger holes are fetched along, up to this. */
-const mostRequests = 16;
+const mostRequests = 12;
 const mostGapBytes = 256 * 1024;
 /** A longer request is cut, so that its parts may come at a time. */
 const mostRequestBytes = 16 * 1024 * 1024;
