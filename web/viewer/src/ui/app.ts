@@ -84,6 +84,8 @@ export class App {
       autoWindow: () => this.autoWindow(),
       facts: () => this.session?.facts,
     });
+    // Where there is little room it belongs to the picture.
+    document.body.classList.toggle("no-side", matchMedia("(max-width: 760px)").matches);
     this.join();
   }
 
