@@ -65,6 +65,7 @@ void add_verbs(CLI::App& app, Context& context) {
   add_open(app, context);
   add_close(app, context);
   add_distance(app, context);
+  add_align(app, context);
   add_morphometry(app, context);
   add_shell(app, context);
   add_surface(app, context);

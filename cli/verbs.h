@@ -25,6 +25,7 @@ void add_erode(CLI::App& app, Context& context);
 void add_open(CLI::App& app, Context& context);
 void add_close(CLI::App& app, Context& context);
 void add_distance(CLI::App& app, Context& context);
+void add_align(CLI::App& app, Context& context);
 void add_morphometry(CLI::App& app, Context& context);
 void add_shell(CLI::App& app, Context& context);
 void add_surface(CLI::App& app, Context& context);

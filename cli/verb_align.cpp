@@ -1,0 +1,107 @@
+// octavo align: the pose that lays the surface of one mask onto that of another.
+#include <fmt/format.h>
+
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "common/failure.h"
+#include "common/options.h"
+#include "common/task_run.h"
+#include "octavo/tasks/structure/align.h"
+#include "text/quantities.h"
+#include "verbs.h"
+
+namespace octavo::cli {
+
+namespace {
+
+constexpr VerbText kAlignText = {
+    "align", "Find the rigid pose that lays one mask onto another, by their surfaces.",
+    "The first mask moves, the second stays. Nothing has to be near: turns of all kinds are\n"
+    "tried. Half of a surface may be missing on either side. The matrix, mm and LPS, is what\n"
+    "'octavo transform --affine' takes. With --scale the size is found as well.\n\n"
+    "Where fewer than 45 % of the points of the first surface come to lie within two voxels of\n"
+    "the second, there is no pose: the exit code is 1, and no matrix is written. The condition\n"
+    "says how well the surfaces hold the pose; it is large for balls and rods.\n\n"
+    "Examples:\n"
+    "  octavo align skull-a.8vo skull-b.8vo -o pose.txt\n"
+    "  octavo transform a.8vo --affine pose.txt --grid-of b.8vo -o a-on-b.8vo"};
+
+struct AlignArguments {
+  std::string moving;
+  std::string fixed;
+  std::string output;
+  bool scale = false;
+};
+
+nlohmann::ordered_json report_json(const AlignArguments& arguments, const AlignResult& result) {
+  const FoundPose& pose = result.pose;
+  nlohmann::ordered_json matrix = nullptr;
+  if (result.is_found) {
+    matrix = nlohmann::ordered_json::array();
+    for (std::size_t row = 0; row < 3; ++row) {
+      matrix.push_back({pose.map.linear[3 * row], pose.map.linear[3 * row + 1],
+                        pose.map.linear[3 * row + 2], pose.map.offset[row]});
+    }
+  }
+  return {{"moving", arguments.moving},
+          {"fixed", arguments.fixed},
+          {"found", result.is_found},
+          {"matrix_mm", matrix},
+          {"scale", pose.scale},
+          {"overlap", pose.overlap},
+          {"mean_mm", pose.mean_mm},
+          {"p95_mm", pose.p95_mm},
+          {"max_mm", pose.max_mm},
+          {"iterations", pose.iterations},
+          {"condition", pose.condition},
+          {"points", result.points},
+          {"level", result.level}};
+}
+
+std::string report_text(const AlignArguments& arguments, const AlignResult& result) {
+  const FoundPose& pose = result.pose;
+  if (!result.is_found) {
+    return fmt::format("{} and {}: no pose; at best {:.0f} % of the surface comes near\n",
+                       escaped(arguments.moving), escaped(arguments.fixed), 100 * pose.overlap);
+  }
+  std::string text;
+  for (std::size_t row = 0; row < 3; ++row) {
+    text += fmt::format("{:>12.6f} {:>12.6f} {:>12.6f} {:>12.4f}\n", pose.map.linear[3 * row],
+                        pose.map.linear[3 * row + 1], pose.map.linear[3 * row + 2],
+                        pose.map.offset[row]);
+  }
+  text += fmt::format("{:.0f} % of the surface within two voxels: mean {:.3g} mm, 95 % within "
+                      "{:.3g} mm, largest {:.3g} mm\n",
+                      100 * pose.overlap, pose.mean_mm, pose.p95_mm, pose.max_mm);
+  return text + fmt::format("scale {:.6g}, {} iterations, condition {:.3g}\n", pose.scale,
+                            pose.iterations, pose.condition);
+}
+
+int run_align(const AlignArguments& arguments, Context& context) {
+  const AlignOptions options = {
+      arguments.moving, arguments.fixed, {arguments.output, context.force}, arguments.scale};
+  const AlignResult result = run_task(align, options, context);
+  print_result(context, report_json(arguments, result), report_text(arguments, result));
+  return result.is_found ? kExitDone : kExitDifferent;
+}
+
+}  // namespace
+
+void add_align(CLI::App& app, Context& context) {
+  const auto arguments = std::make_shared<AlignArguments>();
+  Verb verb = add_verb(app, context, kAlignText,
+                       [arguments, &context] { return run_align(*arguments, context); });
+  verb.add_option("moving", arguments->moving, "The mask that moves, .8vo")
+      ->type_name("FILE")
+      ->required();
+  verb.add_option("fixed", arguments->fixed, "The mask that stays, .8vo")
+      ->type_name("FILE")
+      ->required();
+  verb.add_option("-o,--output", arguments->output, "A text file for the matrix")
+      ->type_name("FILE");
+  verb.add_flag("--scale", arguments->scale, "Find the size as well: a similarity");
+}
+
+}  // namespace octavo::cli

@@ -1,0 +1,59 @@
+#include "octavo/ops/align/surface_points.h"
+
+#include <algorithm>
+#include <random>
+
+namespace octavo {
+
+namespace {
+
+/// Calls visit(middle) for every face, in index space.
+template <class Visit>
+void visit_faces(const MaskTree& mask, Visit&& visit) {
+  const Size3& size = mask.size();
+  const std::int64_t plane = size.x * size.y;
+  // A plane and the one behind it.
+  std::vector<std::uint8_t> voxels(static_cast<std::size_t>(2 * plane));
+  fill_voxels(mask, {{0, 0, 0}, {size.x, size.y, 1}}, voxels.data() + plane);
+  for (std::int64_t z = 0; z < size.z; ++z) {
+    std::copy_n(voxels.begin() + plane, plane, voxels.begin());
+    const bool has_next = z + 1 < size.z;
+    if (has_next) {
+      fill_voxels(mask, {{0, 0, z + 1}, {size.x, size.y, z + 2}}, voxels.data() + plane);
+    }
+    for (std::int64_t y = 0; y < size.y; ++y) {
+      for (std::int64_t x = 0; x < size.x; ++x) {
+        const std::uint8_t* const here = voxels.data() + y * size.x + x;
+        const Point3 p = {static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)};
+        if (x + 1 < size.x && here[1] != here[0]) visit(Point3{p[0] + 0.5, p[1], p[2]});
+        if (y + 1 < size.y && here[size.x] != here[0]) visit(Point3{p[0], p[1] + 0.5, p[2]});
+        if (has_next && here[plane] != here[0]) visit(Point3{p[0], p[1], p[2] + 0.5});
+      }
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<Point3> surface_points(const MaskTree& mask, const Geometry& geometry,
+                                   std::int64_t count) {
+  // A sample of all faces that have gone by, each as likely as any other.
+  std::mt19937_64 random(25);
+  std::vector<Point3> points;
+  std::uint64_t seen = 0;
+  visit_faces(mask, [&](const Point3& middle) {
+    ++seen;
+    if (points.size() < static_cast<std::size_t>(count)) {
+      points.push_back(middle);
+    } else if (const std::uint64_t at = random() % seen; at < points.size()) {
+      points[static_cast<std::size_t>(at)] = middle;
+    }
+  });
+  for (std::size_t i = points.size(); i > 1; --i) {
+    std::swap(points[i - 1], points[static_cast<std::size_t>(random() % i)]);
+  }
+  for (Point3& p : points) p = geometry.to_world(p);
+  return points;
+}
+
+}  // namespace octavo

@@ -1,0 +1,79 @@
+#include "octavo/tasks/structure/align.h"
+
+#include <cmath>
+#include <filesystem>
+
+#include "octavo/tasks/affine_file.h"
+#include "support/task_files.h"
+
+namespace octavo {
+namespace {
+
+using testing::DenseMask;
+using testing::for_each_voxel;
+
+constexpr Size3 kStairSize = {48, 40, 36};
+
+class Align : public testing::TaskFiles {
+ protected:
+  template <class Inside>
+  static DenseMask solid(Inside inside) {
+    DenseMask mask{kStairSize, std::vector<std::uint8_t>(48 * 40 * 36)};
+    for_each_voxel(kStairSize, [&](const Index3& p) { mask.at(p) = inside(p) ? 1 : 0; });
+    return mask;
+  }
+
+  void SetUp() override {
+    // Three bars of three lengths from a corner: nothing turns them onto themselves.
+    bars_ = solid([](const Index3& p) {
+      const bool is_x = p.x >= 4 && p.x < 44 && p.y >= 4 && p.y < 12 && p.z >= 4 && p.z < 9;
+      const bool is_y = p.x >= 4 && p.x < 10 && p.y >= 4 && p.y < 34 && p.z >= 4 && p.z < 14;
+      const bool is_z = p.x >= 4 && p.x < 13 && p.y >= 4 && p.y < 11 && p.z >= 4 && p.z < 26;
+      return is_x || is_y || is_z;
+    });
+    geometry_ = {{3, -5, 8}, {0.5, 0.5, 0.6}};
+    options_.fixed = write("fixed.8vo", bars_);
+    options_.matrix = {folder_.file("pose.txt"), false};
+  }
+
+  DenseMask bars_;
+  AlignOptions options_;
+};
+
+TEST_F(Align, FindsWhereTheGridWasMoved) {
+  const Geometry fixed = geometry_;
+  const double c = std::cos(0.7);
+  const double s = std::sin(0.7);
+  geometry_.origin_mm = {100, 40, -20};
+  geometry_.direction = {c, 0, s, 0, 1, 0, -s, 0, c};
+  options_.moving = write("moving.8vo", bars_);
+  const AlignResult result = align(options_, context_);
+  ASSERT_TRUE(result.is_found);
+  EXPECT_GT(result.pose.overlap, 0.95);
+  const Affine map = read_affine(options_.matrix.path);
+  for (const Point3& p : {Point3{4, 4, 4}, {44, 12, 9}, {10, 34, 14}, {13, 11, 26}}) {
+    const Point3 made = map(geometry_.to_world(p));
+    const Point3 expected = fixed.to_world(p);
+    for (std::size_t a = 0; a < 3; ++a) EXPECT_NEAR(made[a], expected[a], 0.25);
+  }
+}
+
+TEST_F(Align, WritesNoMatrixWhereSurfacesDoNotMeet) {
+  geometry_.spacing_mm = {8, 8, 8};
+  options_.moving = write("speckles.8vo", solid([](const Index3& p) {
+    return (p.x * 7 + p.y * 13 + p.z * 29) % 17 == 0;
+  }));
+  const AlignResult result = align(options_, context_);
+  EXPECT_FALSE(result.is_found);
+  EXPECT_FALSE(std::filesystem::exists(options_.matrix.path));
+}
+
+TEST_F(Align, NeedsSurfacesAndASpacing) {
+  options_.moving = write("empty.8vo", solid([](const Index3&) { return false; }));
+  EXPECT_EQ(failure_of([&] { align(options_, context_); }).kind, ErrorKind::invalid_argument);
+  options_.moving = write("plain.8vo", bars_, false);
+  EXPECT_EQ(failure_of([&] { align(options_, context_); }).kind, ErrorKind::invalid_argument);
+}
+
+}  // namespace
+}  // namespace octavo
