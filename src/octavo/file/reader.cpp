@@ -47,7 +47,7 @@ void fill_voxels(const VolumeDescription& volume, std::int64_t code, std::int64_
 }
 
 // Copies what `box` and the samples of `held` share into the array of `box`.
-void copy_shared(const Bytes& samples, const Box& held, const Box& box, const Target& out) {
+void copy_shared(const std::uint8_t* samples, const Box& held, const Box& box, const Target& out) {
   const Box part = intersection(box, held);
   const Size3 size = held.size();
   const std::size_t row_bytes = static_cast<std::size_t>(part.size().x) * out.voxel_bytes;
@@ -56,7 +56,7 @@ void copy_shared(const Bytes& samples, const Box& held, const Box& box, const Ta
       const std::int64_t at = ((z - held.lo.z) * size.y + (y - held.lo.y)) * size.x +
                               (part.lo.x - held.lo.x);
       std::memcpy(out.row(part.lo.x - box.lo.x, y - box.lo.y, z - box.lo.z),
-                  samples.data() + static_cast<std::size_t>(at) * out.voxel_bytes, row_bytes);
+                  samples + static_cast<std::size_t>(at) * out.voxel_bytes, row_bytes);
     }
   }
 }
@@ -232,11 +232,12 @@ class FileReaderImpl final : public FileReader {
                                        int in_brick_level, bool keep) const;
   std::shared_ptr<const OpenedBrick> opened(const BrickEntry& entry,
                                             const BrickShape& shape) const;
-  std::shared_ptr<const Bytes> decoded_part(const BrickEntry& entry, const OpenedBrick& brick,
-                                            std::size_t number, ByteSpan bytes) const;
-  void decode_parts(const BrickEntry& entry, const OpenedBrick& brick, const ForEach* run,
-                    std::span<const std::size_t> numbers,
-                    std::span<std::shared_ptr<const Bytes>> samples) const;
+  std::size_t bytes_of_part(const OpenedBrick& brick, std::size_t number) const;
+  void decode_part(const BrickEntry& entry, const OpenedBrick& brick, std::size_t number,
+                   ByteSpan bytes, void* out) const;
+  void for_read_parts(const BrickEntry& entry, const OpenedBrick& brick, const ForEach* run,
+                      std::span<const std::size_t> numbers,
+                      const std::function<void(std::size_t, ByteSpan)>& use) const;
   bool read_parts(const BrickEntry& entry, const Box& whole, const Box& box,
                   const BrickReading& how, const Target& out) const;
   void read_shared(const BrickEntry& entry, int level, const Box& box, const BrickReading& how,
@@ -374,34 +375,35 @@ std::shared_ptr<const OpenedBrick> FileReaderImpl::opened(const BrickEntry& entr
   return brick;
 }
 
-std::shared_ptr<const Bytes> FileReaderImpl::decoded_part(const BrickEntry& entry,
-                                                          const OpenedBrick& brick,
-                                                          std::size_t number,
-                                                          ByteSpan bytes) const {
+std::size_t FileReaderImpl::bytes_of_part(const OpenedBrick& brick, std::size_t number) const {
+  const Size3 size = brick.parts->parts()[number].box.size();
+  return static_cast<std::size_t>(size.voxel_count() * bytes_per_voxel(description().type));
+}
+
+// Decodes a part into a dense array.
+void FileReaderImpl::decode_part(const BrickEntry& entry, const OpenedBrick& brick,
+                                 std::size_t number, ByteSpan bytes, void* out) const {
   const BrickParts::Part& part = brick.parts->parts()[number];
   const Size3 size = part.box.size();
-  const auto count = static_cast<std::size_t>(size.voxel_count());
-  const auto voxel_bytes = static_cast<std::size_t>(bytes_per_voxel(description().type));
-  auto voxels = std::make_shared<Bytes>(count * voxel_bytes);
   try {
-    brick.parts->decode(number, bytes, {voxels->data(), size.x, size.x * size.y});
+    brick.parts->decode(number, bytes, {out, size.x, size.x * size.y});
   } catch (const Error& error) {
     const Piece piece = file_.piece_of(entry, 0);
     throw Error(error.kind(), describe(piece) + ": " + error.detail(), source().name(),
                 piece.offset + part.offset);
   }
   if (const auto& coding = description().coding) {
-    void* const out = voxels->data();
-    decode_samples(*coding, out, {static_cast<float*>(out), count});
+    decode_samples(*coding, out,
+                   {static_cast<float*>(out), static_cast<std::size_t>(size.voxel_count())});
   }
-  return voxels;
 }
 
-// Reads parts of a brick and decodes them. Those that follow each other take one read.
+// Reads parts of a brick and calls use(number, bytes) for each. Those that follow each other take
+// one read.
 // numbers  rising
-void FileReaderImpl::decode_parts(const BrickEntry& entry, const OpenedBrick& brick,
-                                  const ForEach* run, std::span<const std::size_t> numbers,
-                                  std::span<std::shared_ptr<const Bytes>> samples) const {
+void FileReaderImpl::for_read_parts(const BrickEntry& entry, const OpenedBrick& brick,
+                                    const ForEach* run, std::span<const std::size_t> numbers,
+                                    const std::function<void(std::size_t, ByteSpan)>& use) const {
   const std::vector<BrickParts::Part>& parts = brick.parts->parts();
   const Piece piece = file_.piece_of(entry, 0);
   std::vector<Bytes> reads;
@@ -420,7 +422,7 @@ void FileReaderImpl::decode_parts(const BrickEntry& entry, const OpenedBrick& br
   }
   run_to_end(run, numbers.size(), [&](std::size_t i) {
     stop_if_cancelled();
-    samples[i] = decoded_part(entry, brick, numbers[i], bytes[i]);
+    use(numbers[i], bytes[i]);
   });
 }
 
@@ -435,21 +437,28 @@ bool FileReaderImpl::read_parts(const BrickEntry& entry, const Box& whole, const
   // Kept ones, and those that are missing
   const std::vector<BrickParts::Part>& parts = brick->parts->parts();
   std::vector<std::size_t> missing;
-  const auto copy_part = [&](std::size_t number, const Bytes& samples) {
+  const auto copy_part = [&](std::size_t number, const std::uint8_t* samples) {
     copy_shared(samples, moved(parts[number].box, whole.lo), box, out);
   };
   for (std::size_t i = 0; i < parts.size(); ++i) {
     if (intersection(moved(parts[i].box, whole.lo), box).is_empty()) continue;
-    if (const auto kept = cache_.find(key_of_part(entry, i))) copy_part(i, *kept);
+    if (const auto kept = cache_.find(key_of_part(entry, i))) copy_part(i, kept->data());
     else missing.push_back(i);
   }
-  std::vector<std::shared_ptr<const Bytes>> samples(missing.size());
-  decode_parts(entry, *brick, how.run, missing, samples);
-  for (std::size_t i = 0; i < missing.size(); ++i) {
-    copy_part(missing[i], *samples[i]);
-    if (!how.keeps) continue;
-    cache_.insert(key_of_part(entry, missing[i]), samples[i], samples[i]->size() + sizeof(Bytes));
-  }
+  for_read_parts(entry, *brick, how.run, missing, [&](std::size_t number, ByteSpan bytes) {
+    const std::size_t size = bytes_of_part(*brick, number);
+    if (!how.keeps || size > cache_.capacity()) {
+      // What nobody keeps takes no memory of its own, which the system would have to give anew.
+      thread_local Bytes passing;
+      if (passing.size() < size) passing.resize(size);
+      decode_part(entry, *brick, number, bytes, passing.data());
+      return copy_part(number, passing.data());
+    }
+    const auto samples = std::make_shared<Bytes>(size);
+    decode_part(entry, *brick, number, bytes, samples->data());
+    copy_part(number, samples->data());
+    cache_.insert(key_of_part(entry, number), samples, size + sizeof(Bytes));
+  });
   return true;
 }
 
@@ -488,7 +497,7 @@ void FileReaderImpl::read_shared(const BrickEntry& entry, int level, const Box& 
   const bool is_in_parts = in_brick == 0 && (part != whole || how.run != nullptr);
   if (is_in_parts && read_parts(entry, whole, box, own, out)) return;
   const auto samples = decoded(entry, shape, in_brick, own.keeps);
-  copy_shared(*samples, whole, box, out);
+  copy_shared(samples->data(), whole, box, out);
 }
 
 void FileReaderImpl::read_bricks(const Box& box, int level, const VoxelTarget& out,

@@ -129,10 +129,11 @@ CoarseSamples<Sample>::CoarseSamples(SampleGrid<Sample>& grid)
     : row_(grid.size().x + 2 * kX), rows_(grid.size().y + 2 * kYZ) {
   grid.fill_margins();
   const Size3& size = grid.size();
-  samples_.resize(static_cast<std::size_t>(row_ * rows_ * (size.z + 2 * kYZ)));
+  // All of them are written below.
+  samples_.reset(new Sample[static_cast<std::size_t>(row_ * rows_ * (size.z + 2 * kYZ))]);
   for (std::int64_t z = -kYZ; z < size.z + kYZ; ++z) {
     for (std::int64_t y = -kYZ; y < size.y + kYZ; ++y) {
-      std::copy_n(grid.row(y, z) - kX, row_, samples_.data() + place(-kX, y, z));
+      std::copy_n(grid.row(y, z) - kX, row_, samples_.get() + place(-kX, y, z));
     }
   }
 }
@@ -144,7 +145,7 @@ void CoarseSamples<Sample>::put(const Part& part, SampleGrid<Sample>& grid) cons
   grid.set_size(size);
   for (std::int64_t z = -kYZ; z < size.z + kYZ; ++z) {
     for (std::int64_t y = -kYZ; y < size.y + kYZ; ++y) {
-      std::copy_n(samples_.data() + place(at.x - kX, y + at.y, z + at.z), size.x + 2 * kX,
+      std::copy_n(samples_.get() + place(at.x - kX, y + at.y, z + at.z), size.x + 2 * kX,
                   grid.row(y, z) - kX);
     }
   }

@@ -17,6 +17,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "octavo/codec/brick_codec.h"
@@ -91,7 +92,7 @@ class CoarseSamples {
 
   std::int64_t row_;
   std::int64_t rows_;
-  std::vector<Sample> samples_;
+  std::unique_ptr<Sample[]> samples_;
 };
 
 }  // namespace octavo::grey
