@@ -16,6 +16,7 @@
 #include <cmath>
 #include <cstdio>
 #include <numbers>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -51,15 +52,16 @@ class Tube {
     return std::hypot(x - cx, y - cy) < kThick / 2;
   }
 
-  /// The cubes of 64^3 voxels that it may meet in a layer.
-  std::vector<Index3> cubes_of(std::int64_t layer) const {
+  /// The cubes of 64^3 voxels that it meets in a layer.
+  std::set<std::array<std::int64_t, 2>> cubes_of(std::int64_t layer) const {
     const auto cube = [](double place) { return static_cast<std::int64_t>(place) / kCubeSide; };
-    std::vector<Index3> cubes;
-    const auto reach = static_cast<std::int64_t>((kWound + kThick) / kCubeSide) + 1;
-    const std::int64_t middle = cube(middle_);
-    for (std::int64_t y = middle - reach; y <= middle + reach; ++y) {
-      for (std::int64_t x = middle - reach; x <= middle + reach; ++x) {
-        cubes.push_back({x, y, layer});
+    std::set<std::array<std::int64_t, 2>> cubes;
+    for (std::int64_t z = layer * kCubeSide; z < (layer + 1) * kCubeSide; ++z) {
+      const auto [x, y] = at(static_cast<double>(z));
+      for (const double dx : {-kThick / 2, kThick / 2}) {
+        for (const double dy : {-kThick / 2, kThick / 2}) {
+          cubes.insert({cube(x + dx), cube(y + dy)});
+        }
       }
     }
     return cubes;
@@ -78,7 +80,10 @@ MaskTree mask_of(const Tube& tube, std::int64_t side) {
   std::vector<std::uint64_t> words(4096);
   std::vector<std::pair<std::uint64_t, Index3>> cubes;
   for (std::int64_t layer = 0; layer < side / kCubeSide; ++layer) {
-    for (const Index3& cube : tube.cubes_of(layer)) cubes.emplace_back(interleave(cube), cube);
+    for (const auto& [x, y] : tube.cubes_of(layer)) {
+      const Index3 cube = {x, y, layer};
+      cubes.emplace_back(interleave(cube), cube);
+    }
   }
   std::sort(cubes.begin(), cubes.end(),
             [](const auto& a, const auto& b) { return a.first < b.first; });
