@@ -79,6 +79,33 @@ test("keys, tools and links: what is seen can be passed on", async () => {
   });
 });
 
+test("a surface in 3-D covers the pixels that octavo render covers", async () => {
+  const side = files.rays.width;
+  await withPage("?url=scan.8vo&layout=3d&mode=iso&iso=600&camera=40,25,1", async (shown) => {
+    await settled(shown);
+    await shown.evaluate((n) => {
+      document.body.classList.add("no-side");
+      octavo.store.set({ hasAnnotations: false });
+      const main = document.getElementById("main");
+      main.style.flex = "none";
+      main.style.width = main.style.height = `${n}px`;
+      document.documentElement.dataset.theme = "dark";
+    }, side);
+    await shown.waitForTimeout(400);
+    await settled(shown);
+    await shown.waitForTimeout(200);
+    const seen = pngPixels(await shown.locator("#panel-3d").screenshot());
+    assert.deepEqual([seen.width, seen.height], [side, side]);
+    let [both, any] = [0, 0];
+    for (let i = 0; i < side * side; ++i) {
+      const [a, b] = [files.rays.grey[i] > 24, seen.grey[i] > 32];
+      both += a && b ? 1 : 0;
+      any += a || b ? 1 : 0;
+    }
+    assert.ok(any > side * side * 0.2 && both / any > 0.97, `${both} of ${any}`);
+  });
+});
+
 test("a lost graphics context comes back with the same picture", async () => {
   await withPage("?url=scan.8vo&layout=z", async (shown) => {
     await settled(shown);

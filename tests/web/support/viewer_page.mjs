@@ -37,13 +37,17 @@ function madeFiles() {
       at("names.txt"), "-o", at("labels.8vo"));
     run("slice", at("scan.8vo"), "--axis", "z", "--index", "40", "--window", "100,600", "--size",
       "1", "--no-scale-bar", "--no-sides", "--no-notes", "-o", at("slice.png"));
+    run("render", at("scan.8vo"), "--mode", "iso", "--isovalue", "600", "--azimuth", "40",
+      "--elevation", "25", "--size", "200x200", "--no-legend", "--no-sides", "--no-scale-bar",
+      "-o", at("rays.png"));
     const places = Array.from({ length: 50 }, (_, i) =>
       [(i * 37) % nx, (i * 53) % ny, (i * 29) % nz]);
     const probed = JSON.parse(run(
       "probe", at("scan.8vo"), ...places.flatMap((p) => ["--at", p.join(",")]), "--json"));
     return {
       scan: readFileSync(at("scan.8vo")), labels: readFileSync(at("labels.8vo")),
-      slice: pngPixels(readFileSync(at("slice.png"))), probed: probed.points, size: [nx, ny, nz],
+      slice: pngPixels(readFileSync(at("slice.png"))),
+      rays: pngPixels(readFileSync(at("rays.png"))), probed: probed.points, size: [nx, ny, nz],
     };
   });
 }
