@@ -4,12 +4,14 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "common/failure.h"
 #include "common/options.h"
 #include "common/salvage_option.h"
 #include "common/task_run.h"
 #include "octavo/tasks/files/export_part.h"
+#include "octavo/tasks/files/export_zarr_image.h"
 #include "text/quantities.h"
 #include "text/volume_json.h"
 #include "verbs.h"
@@ -28,8 +30,12 @@ constexpr VerbText kExportText = {
     "or how the patient lies, is left out where the format can leave it out; elsewhere a warning\n"
     "says so. A damaged file is rejected (exit code 4), unless --salvage says how to fill what is\n"
     "damaged; everything else then equals the original.\n\n"
+    ".ome.zarr (a folder) and .ozx (one zip file) are OME-Zarr 0.5 images: all levels from\n"
+    "--level on as sharded zarr v3 arrays, stored values; the whole geometry, slope and intercept\n"
+    "stand in an attribute.\n\n"
     "Examples:\n"
     "  octavo export head.8vo -o head.nii.gz\n"
+    "  octavo export head.8vo -o head.ome.zarr\n"
     "  octavo export head.8vo --level 2 -o preview.nrrd\n"
     "  octavo export head.8vo -o slices/\n"
     "  octavo export damaged.8vo --salvage coarse -o rescued.nii.gz"};
@@ -52,6 +58,7 @@ struct ExportArguments {
   bool stored = false;
   bool real = false;
   SalvageArguments salvage;
+  std::string compression;
 };
 
 ExportPartOptions options_of(const ExportArguments& arguments, const Context& context) {
@@ -88,7 +95,44 @@ std::string result_text(const ExportResult& result, const Box& box, int level) {
                      bytes_text(result.bytes));
 }
 
+ZarrCompression compression_of(const std::string& name) {
+  return name == "blosc"  ? ZarrCompression::blosc
+         : name == "none" ? ZarrCompression::none
+                          : ZarrCompression::zstd;
+}
+
+/// All levels from one on, as an OME-Zarr image.
+int run_zarr_export(const ExportArguments& arguments, Context& context) {
+  if (!arguments.box.empty() || !arguments.box_mm.empty() || arguments.real ||
+      salvage_filling(arguments.salvage)) {
+    throw Error(ErrorKind::invalid_argument,
+                "OME-Zarr images are whole volumes of stored values: --box, --box-mm, --real and "
+                "--salvage are of other formats",
+                arguments.output);
+  }
+  const ZarrImageOptions options{.input = arguments.input,
+                                 .output = {arguments.output, context.force},
+                                 .level = arguments.level,
+                                 .compression = compression_of(arguments.compression)};
+  const ZarrImageResult result = run_task(export_zarr_image, options, context);
+  print_result(context,
+               {{"output", arguments.output},
+                {"levels", result.written.levels},
+                {"files", result.written.files},
+                {"bytes", result.written.bytes}},
+               fmt::format("{}: {} in {}, {}\n", arguments.output,
+                           count_of(static_cast<std::uint64_t>(result.written.levels), "level"),
+                           count_of(result.written.files, "file"),
+                           bytes_text(result.written.bytes)));
+  return kExitDone;
+}
+
 int run_export(const ExportArguments& arguments, Context& context) {
+  if (is_zarr_path(arguments.output)) return run_zarr_export(arguments, context);
+  if (!arguments.compression.empty()) {
+    throw Error(ErrorKind::invalid_argument, "--compression is of .ome.zarr and .ozx",
+                arguments.output);
+  }
   const ExportPartResult result = run_task(export_part, options_of(arguments, context), context);
   print_result(context, result_json(result, arguments.level),
                result_text(result.written, result.box, arguments.level));
@@ -125,6 +169,9 @@ void add_options(Verb verb, const std::shared_ptr<ExportArguments>& arguments) {
       verb.add_flag("--stored", arguments->stored, "Stored integers instead of real units");
   verb.add_flag("--real", arguments->real, "Real units as float32, in every format")
       ->excludes(stored);
+  verb.add_option("--compression", arguments->compression, "Of OME-Zarr: zstd, blosc or none")
+      ->type_name("NAME")
+      ->check(one_of(std::vector<std::string>{"zstd", "blosc", "none"}));
   add_salvage_option(verb, arguments->salvage);
 }
 

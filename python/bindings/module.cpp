@@ -3,11 +3,19 @@
 
 #include "building.h"
 #include "errors.h"
+#include "label_maps.h"
+#include "measuring.h"
+#include "pictures.h"
 #include "reading.h"
+#include "remaking.h"
 
 NB_MODULE(_octavo, module) {
   module.attr("version") = OCTAVO_VERSION;
   octavo::python::register_errors();
   octavo::python::bind_reading(module);
   octavo::python::bind_building(module);
+  octavo::python::bind_label_maps(module);
+  octavo::python::bind_measuring(module);
+  octavo::python::bind_pictures(module);
+  octavo::python::bind_remaking(module);
 }

@@ -179,15 +179,16 @@ void read_brick_ranges(const OpenFile& file, nb::ndarray<double, nb::c_contig, n
 OpenFile::OpenFile(const std::string& path, std::uint64_t cache_bytes) {
   Call call;
   call.run([&] {
-    reader_ = FileReader::open(open_byte_source(local_storage(), path), options_with(cache_bytes));
+    source_ = open_byte_source(local_storage(), path);
+    reader_ = FileReader::open(source_, options_with(cache_bytes));
   });
 }
 
 OpenFile::OpenFile(nb::object read_at, std::uint64_t size, const std::string& name,
                    std::uint64_t cache_bytes) {
-  auto source = std::make_shared<PythonBytes>(std::move(read_at), size, name);
+  source_ = std::make_shared<PythonBytes>(std::move(read_at), size, name);
   Call call;
-  call.run([&] { reader_ = FileReader::open(std::move(source), options_with(cache_bytes)); });
+  call.run([&] { reader_ = FileReader::open(source_, options_with(cache_bytes)); });
 }
 
 void bind_reading(nb::module_& module) {

@@ -21,8 +21,11 @@ class OpenFile {
            std::uint64_t cache_bytes);
 
   const FileReader& reader() const { return *reader_; }
+  std::shared_ptr<const FileReader> shared_reader() const { return reader_; }
+  const std::shared_ptr<const ByteSource>& source() const { return source_; }
 
  private:
+  std::shared_ptr<const ByteSource> source_;
   std::shared_ptr<FileReader> reader_;
 };
 

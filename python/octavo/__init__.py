@@ -4,6 +4,8 @@
     v = octavo.open("scan.8vo")
     v[40:60, :, 128]            # numpy's rules, [z, y, x]
     v.levels[2][...]            # a quarter as fine
+    bone = v.threshold(226).components(keep_largest=1)   # octrees: a & b, ~a, bone.dilate(mm=2)
+    bone.measure(of=v)          # a list of dicts
     octavo.build(array, "new.8vo", spacing=(1.5, 0.96, 0.96), unit="HU")
 
 Arrays, spacings and origins are in the order z, y, x; mm and LPS.
@@ -14,14 +16,19 @@ from ._building import Writer, build
 from ._errors import (ArgumentError, Cancelled, CorruptError, Error, FormatError, InternalError,
                       LimitError, OutOfMemoryError, SourceError, StorageError, TruncatedError,
                       VersionError)
+from ._label_map import LabelMap
+from ._tasks import Surface
+from ._notebook import viewer
 from ._volume import DEFAULT_CACHE_BYTES, RealView, View, Volume
+from ._zarr import as_dask, as_zarr, export, from_ome_zarr
 
 __version__ = _octavo.version
 
 __all__ = [
     "ArgumentError", "Cancelled", "CorruptError", "Error", "FormatError", "InternalError",
-    "LimitError", "OutOfMemoryError", "RealView", "SourceError", "StorageError", "TruncatedError",
-    "VersionError", "View", "Volume", "Writer", "build", "open",
+    "LabelMap", "LimitError", "OutOfMemoryError", "RealView", "SourceError", "StorageError",
+    "Surface", "TruncatedError", "VersionError", "View", "Volume", "Writer", "as_dask", "as_zarr",
+    "build", "export", "from_ome_zarr", "open", "viewer",
 ]
 
 

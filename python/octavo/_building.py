@@ -12,7 +12,8 @@ import numpy as np
 from . import _octavo
 from ._errors import ArgumentError, Error, SourceError, StorageError
 from ._sources import require_name
-from ._volume import MOST_THREADS, RealView, View, Volume, whole_number
+from ._volume import RealView, View, Volume
+from ._work import MOST_THREADS, _reporter, whole_number
 
 _BLOCK_BYTES = 64 << 20
 
@@ -372,24 +373,6 @@ def _require_not_own_source(view, path):
         is_same = os.path.samefile(view._file.name, path)
         if is_same:
             raise ArgumentError(f"{path}: is the volume that is read", path=path)
-
-
-@contextlib.contextmanager
-def _reporter(progress):
-    if progress is not True:
-        yield progress or None
-        return
-    try:
-        from tqdm.auto import tqdm
-    except ImportError:
-        raise ArgumentError("progress=True needs tqdm (pip install tqdm); a function "
-                            "progress(done, total, what) does without it") from None
-    with tqdm() as bar:
-        def report(done, total, what):
-            bar.total = total
-            bar.set_description(what, refresh=False)
-            bar.update(done - bar.n)
-        yield report
 
 
 def _program():

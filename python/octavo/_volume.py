@@ -11,9 +11,10 @@ import numpy as np
 from ._errors import ArgumentError, CorruptError, StorageError
 from ._indexing import Selection, boxes_of
 from ._sources import source_of
+from ._tasks import VolumeTasks
+from ._work import MOST_THREADS, grid_affine, whole_number
 
 DEFAULT_CACHE_BYTES = 256 << 20
-MOST_THREADS = 1 << 10
 
 
 class View:
@@ -68,11 +69,7 @@ class View:
     @property
     def affine(self):
         """4 x 4: the index (z, y, x, 1) of a voxel to its center in the world, LPS x, y, z, mm."""
-        direction = np.array(self._file.facts["direction"]).reshape(3, 3)[:, ::-1]
-        matrix = np.eye(4)
-        matrix[:3, :3] = direction * np.array(self.spacing)
-        matrix[:3, 3] = self.origin[::-1]
-        return matrix
+        return grid_affine(self._file.facts["direction"], self.spacing, self.origin)
 
     @property
     def affine_ras(self):
@@ -266,7 +263,7 @@ class RealView:
         return real.astype(np.float32)[()]
 
 
-class Volume(View):
+class Volume(VolumeTasks, View):
     """An open .8vo file; as an array, its level 0.
 
     Made by `octavo.open`; a context manager. It pickles as the place it was opened from, may be
@@ -405,6 +402,10 @@ class Volume(View):
         return (f"<octavo volume {self.name}: {size} {self.dtype}{unit}, {spacing} mm "
                 f"(z, y, x), {len(self.levels)} levels>")
 
+    def _repr_html_(self):
+        from ._notebook import html_of
+        return repr(self) if self.closed else html_of(self)
+
     def _level(self, level):
         if not 0 <= level < len(self.levels):
             raise ArgumentError(f"level {level} is not there: {self.name} has levels 0 to "
@@ -502,17 +503,6 @@ def _whole_numbers(point):
     if len(numbers) != 3:
         raise ArgumentError("a corner of a box has three whole numbers, z, y, x")
     return numbers
-
-
-def whole_number(given, name, lowest, highest=(1 << 63) - 1):
-    """`given` as an int. Raises ArgumentError for other things and other numbers."""
-    try:
-        number = operator.index(given)
-    except TypeError:
-        number = None
-    if number is None or not lowest <= number <= highest:
-        raise ArgumentError(f"{name} is a whole number from {lowest} to {highest}, not {given!r}")
-    return number
 
 
 def _memory_bytes():

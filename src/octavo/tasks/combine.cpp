@@ -9,7 +9,6 @@
 #include "octavo/ops/mask/set_operations.h"
 #include "octavo/tasks/file_planes.h"
 #include "octavo/tasks/inputs.h"
-#include "octavo/tasks/masks.h"
 
 namespace octavo {
 
@@ -147,6 +146,20 @@ ComputedVolume combined_planes(const CombineOptions& options, const TaskContext&
 
 const char* combination_name(Combination combination) {
   return kNames[static_cast<std::size_t>(combination)];
+}
+
+ComputedMask combined_mask(const ComputedMask& a, const ComputedMask* b, Combination combination,
+                           const TaskContext& context) {
+  CombineOptions options{.inputs = std::vector<std::string>(b == nullptr ? 1 : 2),
+                         .combination = combination};
+  require_masks(options);
+  ComputedMask made{MaskTree(), label_description(a.volume, VoxelType::uint8,
+                                                  made_by(options, {}))};
+  context.on_threads([&] {
+    made.tree = b == nullptr ? complement(a.tree)
+                             : combine(a.tree, b->tree, operation_of(combination));
+  });
+  return made;
 }
 
 CombineResult combine(const CombineOptions& options, const TaskContext& context) {

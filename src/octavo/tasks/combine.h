@@ -7,6 +7,7 @@
 
 #include "octavo/core/volume.h"
 #include "octavo/tasks/build_planes.h"
+#include "octavo/tasks/masks.h"
 #include "octavo/tasks/outputs.h"
 #include "octavo/tasks/task_context.h"
 
@@ -37,6 +38,13 @@ struct CombineResult {
 ///         for masks that are to be resampled
 /// Memory  a layer of bricks of each mask
 ComputedVolume combined_planes(const CombineOptions& options, const TaskContext& context);
+
+/// What is left of one mask or two, in memory, on the grid of the first.
+/// b  null for the complement
+/// Throws  Error{invalid_argument} for a wrong count of masks
+/// Requires masks of one grid
+ComputedMask combined_mask(const ComputedMask& a, const ComputedMask* b, Combination combination,
+                           const TaskContext& context);
 
 /// Writes what is left of the masks, taken from left to right. Notes which were resampled; warns as
 /// open_mask_on does.

@@ -10,34 +10,49 @@ namespace octavo {
 
 namespace {
 
-std::uint64_t write_components(const Components& found, std::size_t kept,
-                               const VolumeDescription& volume, const ComponentsOptions& options,
-                               const TaskContext& context) {
+LabelTree kept_labels(const Components& found, std::size_t kept, const TaskContext& context) {
   LabelTree labels;
   context.on_threads([&] {
     labels = labels_of_components(found, kept, context.max_memory_bytes, &context.watcher());
   });
-  return write_label_tree(labels, description_of_components(kept, volume, options),
-                          *options.output, "components", context)
-      .file_bytes;
+  return labels;
+}
+
+Components found_components(const MaskTree& mask, const ComponentsOptions& options,
+                            const TaskContext& context) {
+  std::optional<Components> found;
+  context.on_threads(
+      [&] { found.emplace(mask, options.connectivity, context.max_memory_bytes); });
+  return std::move(*found);
 }
 
 }  // namespace
+
+LabeledMask labeled_components(const MaskTree& mask, const VolumeDescription& volume,
+                               const ComponentsOptions& options, const TaskContext& context) {
+  require_usable(options, volume);
+  const Components found = found_components(mask, options, context);
+  LabeledMask made;
+  made.table =
+      table_of_components(found.components(), volume, options, found.memory_bytes(), context);
+  made.labels = kept_labels(found, made.table.kept, context);
+  made.volume = description_of_components(made.table.kept, volume, options);
+  return made;
+}
 
 ComponentsResult components(const ComponentsOptions& options, const TaskContext& context) {
   if (options.output) require_computed(*options.output, {options.input});
   const OpenedMask mask = open_mask(options.input, context);
   require_usable(options, mask.volume());
-  std::optional<Components> found;
-  context.on_threads([&] {
-    found.emplace(mask.tree, options.connectivity, context.max_memory_bytes);
-  });
-
-  ComponentsResult result = table_of_components(found->components(), mask.volume(), options,
-                                                found->memory_bytes(), context);
-  if (options.output) {
-    result.file_bytes = write_components(*found, result.kept, result.volume, options, context);
-  }
+  const Components found = found_components(mask.tree, options, context);
+  ComponentsResult result = table_of_components(found.components(), mask.volume(), options,
+                                                found.memory_bytes(), context);
+  if (!options.output) return result;
+  result.file_bytes =
+      write_label_tree(kept_labels(found, result.kept, context),
+                       description_of_components(result.kept, result.volume, options),
+                       *options.output, "components", context)
+          .file_bytes;
   return result;
 }
 

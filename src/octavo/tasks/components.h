@@ -9,6 +9,8 @@
 
 #include "octavo/core/box.h"
 #include "octavo/core/volume.h"
+#include "octavo/octree/label_tree.h"
+#include "octavo/octree/mask_tree.h"
 #include "octavo/ops/mask/word_neighbors.h"
 #include "octavo/tasks/outputs.h"
 #include "octavo/tasks/task_context.h"
@@ -43,6 +45,20 @@ struct ComponentsResult {
   std::vector<ComponentRow> rows = {};  ///< of those kept, the largest ones
   std::uint64_t file_bytes = 0;         ///< of the label map; 0 where none is written
 };
+
+/// The components of a mask and the label map of those kept, in memory.
+struct LabeledMask {
+  ComponentsResult table;
+  LabelTree labels;
+  VolumeDescription volume;  ///< that the file of the label map would have
+};
+
+/// What `components` writes.
+/// volume   that the mask is of
+/// options  their input names the mask in errors
+/// Throws  as components does before it writes, opening apart
+LabeledMask labeled_components(const MaskTree& mask, const VolumeDescription& volume,
+                               const ComponentsOptions& options, const TaskContext& context);
 
 /// Finds the components of a mask, and writes those kept as labels 1, 2, ... by their rows.
 /// Throws  as open_mask, Components, require_computed and build_file; Error{invalid_argument} for a

@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "octavo/core/size_tolerance.h"
-#include "octavo/ops/mask/fill_holes.h"
 #include "octavo/tasks/masks.h"
 #include "octavo/tasks/volume_facts.h"
 
@@ -30,19 +29,25 @@ MadeBy made_by(const FillHolesOptions& options) {
 
 }  // namespace
 
+FilledMask filled_mask(const MaskTree& mask, const VolumeDescription& volume,
+                       const FillHolesOptions& options, const TaskContext& context) {
+  const std::uint64_t largest = max_voxels(options, volume);
+  // The complement, its components, those selected and the result.
+  context.require_memory(6 * mask.memory_bytes(), "the holes");
+  FilledMask made{.filled = {.mask = MaskTree()}, .made_by = made_by(options)};
+  context.on_threads([&] {
+    made.filled = fill_holes(mask, options.connectivity, largest, context.max_memory_bytes);
+  });
+  return made;
+}
+
 FillHolesResult fill_holes(const FillHolesOptions& options, const TaskContext& context) {
   require_computed(options.output, {options.input});
   const OpenedMask mask = open_mask(options.input, context);
   const VolumeDescription& volume = mask.volume();
-  const std::uint64_t largest = max_voxels(options, volume);
-  // The complement, its components, those selected and the result.
-  context.require_memory(6 * mask.tree.memory_bytes(), "the holes");
-  FilledHoles filled;
-  context.on_threads([&] {
-    filled = fill_holes(mask.tree, options.connectivity, largest, context.max_memory_bytes);
-  });
+  const auto [filled, made_by] = filled_mask(mask.tree, volume, options, context);
   const BuildResult built =
-      write_mask(filled.mask, volume, made_by(options), options.output, "fill-holes", context);
+      write_mask(filled.mask, volume, made_by, options.output, "fill-holes", context);
   return {.volume = volume,
           .voxels = filled.mask.voxel_count(),
           .hole_count = filled.hole_count,

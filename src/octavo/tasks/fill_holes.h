@@ -5,7 +5,9 @@
 #include <optional>
 #include <string>
 
+#include "octavo/core/made_by.h"
 #include "octavo/core/volume.h"
+#include "octavo/ops/mask/fill_holes.h"
 #include "octavo/ops/mask/word_neighbors.h"
 #include "octavo/tasks/outputs.h"
 #include "octavo/tasks/task_context.h"
@@ -28,6 +30,19 @@ struct FillHolesResult {
   std::uint64_t larger_hole_count = 0;  ///< that were left
   std::uint64_t file_bytes = 0;
 };
+
+/// A mask with its holes filled, in memory.
+struct FilledMask {
+  FilledHoles filled;
+  MadeBy made_by;
+};
+
+/// The mask that fill_holes writes.
+/// volume   that the mask is of
+/// options  their input names the mask in errors
+/// Throws  as fill_holes does before it writes, opening apart
+FilledMask filled_mask(const MaskTree& mask, const VolumeDescription& volume,
+                       const FillHolesOptions& options, const TaskContext& context);
 
 /// Writes the mask with its holes filled.
 /// Throws  as require_computed, open_mask, fill_holes of masks and build_file;

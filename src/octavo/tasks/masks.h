@@ -25,6 +25,12 @@ struct OpenedMask {
   const VolumeDescription& volume() const { return reader->description(); }
 };
 
+/// A mask in memory, and the description that its file would have.
+struct ComputedMask {
+  MaskTree tree;
+  VolumeDescription volume;
+};
+
 /// Opens the label map `path`; its mask is every voxel that is not 0.
 /// Throws what FileReader::open and mask_of_file throw; Error{invalid_argument} for grey volumes
 OpenedMask open_mask(const std::string& path, const TaskContext& context);

@@ -30,7 +30,11 @@ Reach reach_of(const MorphOptions& options, const VolumeDescription& volume,
   return Reach::within_mm(*options.mm, volume.geometry.spacing_mm, volume.size, max_bytes);
 }
 
-MadeBy made_by(const MorphOptions& options) {
+}  // namespace
+
+const char* morphology_name(Morphology morphology) { return way_of(morphology).name; }
+
+MadeBy made_by_morph(const MorphOptions& options) {
   MadeBy made(morphology_name(options.morphology));
   if (options.mm) {
     made.set("mm", *options.mm);
@@ -41,32 +45,33 @@ MadeBy made_by(const MorphOptions& options) {
   return made;
 }
 
-}  // namespace
-
-const char* morphology_name(Morphology morphology) { return way_of(morphology).name; }
+MaskTree morphed_mask(const MaskTree& mask, const VolumeDescription& volume,
+                      const MorphOptions& options, const TaskContext& context) {
+  const Reach reach = reach_of(options, volume, context.max_memory_bytes);
+  // The mask, its surface, what it grows to in pieces and whole; the ball; a window per thread.
+  context.require_memory(5 * mask.memory_bytes() + reach.memory_bytes() +
+                             dilation_thread_bytes(reach, volume.size) *
+                                 static_cast<std::uint64_t>(context.thread_count()),
+                         "masks that grow");
+  MaskTree made;
+  context.on_threads([&] {
+    made = way_of(options.morphology)
+               .change(mask, reach, context.watcher(), context.max_memory_bytes);
+  });
+  if (made.is_empty() && !mask.is_empty()) {
+    const std::string name = options.output.path.empty() ? "the mask" : options.output.path;
+    context.warn(name + ": is empty; no voxel of " + options.input + " is left");
+  }
+  return made;
+}
 
 MorphResult morph(const MorphOptions& options, const TaskContext& context) {
   require_computed(options.output, {options.input});
   const OpenedMask mask = open_mask(options.input, context);
   MorphResult result{.volume = mask.volume(), .voxels_before = mask.tree.voxel_count()};
-  const Size3& size = result.volume.size;
-  const Reach reach = reach_of(options, result.volume, context.max_memory_bytes);
-  // The mask, its surface, what it grows to in pieces and whole; the ball; a window per thread.
-  context.require_memory(5 * mask.tree.memory_bytes() + reach.memory_bytes() +
-                             dilation_thread_bytes(reach, size) *
-                                 static_cast<std::uint64_t>(context.thread_count()),
-                         "masks that grow");
-
-  MaskTree made;
-  context.on_threads([&] {
-    made = way_of(options.morphology)
-               .change(mask.tree, reach, context.watcher(), context.max_memory_bytes);
-  });
+  const MaskTree made = morphed_mask(mask.tree, result.volume, options, context);
   result.voxels = made.voxel_count();
-  if (result.voxels == 0 && result.voxels_before > 0) {
-    context.warn(options.output.path + ": is empty; no voxel of " + options.input + " is left");
-  }
-  result.file_bytes = write_mask(made, result.volume, made_by(options), options.output,
+  result.file_bytes = write_mask(made, result.volume, made_by_morph(options), options.output,
                                  morphology_name(options.morphology), context)
                           .file_bytes;
   return result;

@@ -5,7 +5,9 @@
 #include <optional>
 #include <string>
 
+#include "octavo/core/made_by.h"
 #include "octavo/core/volume.h"
+#include "octavo/octree/mask_tree.h"
 #include "octavo/ops/mask/word_neighbors.h"
 #include "octavo/tasks/outputs.h"
 #include "octavo/tasks/task_context.h"
@@ -33,6 +35,16 @@ struct MorphResult {
   std::uint64_t voxels_before = 0;
   std::uint64_t file_bytes = 0;
 };
+
+/// The mask that morph writes, in memory.
+/// volume   that the mask is of
+/// options  their input names the mask in errors
+/// Throws  as morph does before it writes, opening apart
+MaskTree morphed_mask(const MaskTree& mask, const VolumeDescription& volume,
+                      const MorphOptions& options, const TaskContext& context);
+
+/// How morph changed a mask, for the metadata of its file.
+MadeBy made_by_morph(const MorphOptions& options);
 
 /// Writes the mask grown, shrunk, opened or closed. Warns when nothing of it is left.
 /// Throws  as require_computed, open_mask, Reach and build_file; Error{invalid_argument} for a

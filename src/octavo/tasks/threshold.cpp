@@ -8,7 +8,6 @@
 #include "octavo/core/error.h"
 #include "octavo/tasks/file_planes.h"
 #include "octavo/tasks/inputs.h"
-#include "octavo/tasks/masks.h"
 
 namespace octavo {
 
@@ -114,18 +113,13 @@ class ClassPlanes final : public PlaneSource {
   LabelCounts counts_{};
 };
 
-/// Writes the mask of all classes, and counts its voxels under label 1.
-BuildResult write_one_mask(const FileReader& reader, const std::vector<StoredClass>& classes,
-                           const MadeBy& made, const ThresholdOptions& options,
-                           const TaskContext& context, LabelCounts& counts) {
-  std::vector<ValueWindow> windows;
-  for (const StoredClass& one : classes) windows.push_back(one.window);
-  const MaskTree mask = read_mask(reader, 0, windows, context);
-  counts[1] = mask.voxel_count();
-  if (counts[1] == 0) {
-    context.warn(options.output.path + ": no voxel lies in the range; the mask is empty");
+std::vector<StoredClass> stored_classes(const std::vector<ValueClass>& asked,
+                                        const VolumeDescription& volume, bool is_stored) {
+  std::vector<StoredClass> classes;
+  for (const ValueClass& one : asked) {
+    classes.push_back({one.label, stored_window(one.range, volume, is_stored)});
   }
-  return write_mask(mask, reader.description(), made, options.output, kThreshold, context);
+  return classes;
 }
 
 }  // namespace
@@ -134,14 +128,31 @@ ComputedVolume threshold_planes(const ThresholdOptions& options, const TaskConte
   const std::shared_ptr<const FileReader> reader = open_volume(options.input, context);
   const VolumeDescription& volume = reader->description();
   const std::vector<ValueClass> asked = asked_classes(options, volume, context);
-  std::vector<StoredClass> classes;
-  for (const ValueClass& one : asked) {
-    classes.push_back({one.label, stored_window(one.range, volume, options.is_stored)});
-  }
+  std::vector<StoredClass> classes = stored_classes(asked, volume, options.is_stored);
   return {std::make_unique<ClassPlanes>(
               std::make_unique<FilePlanes>(reader, 0, context.thread_count()), std::move(classes),
               made_by(options, asked)),
           {.kind = VolumeKind::labels, .is_resumable = false}};
+}
+
+ComputedMask threshold_mask(const FileReader& reader, const ThresholdOptions& options,
+                            const TaskContext& context) {
+  if (!options.classes.empty()) {
+    throw Error(ErrorKind::invalid_argument, "a mask has one class");
+  }
+  const VolumeDescription& volume = reader.description();
+  const std::vector<ValueClass> asked = asked_classes(options, volume, context);
+  std::vector<ValueWindow> windows;
+  for (const StoredClass& one : stored_classes(asked, volume, options.is_stored)) {
+    windows.push_back(one.window);
+  }
+  ComputedMask mask{read_mask(reader, 0, windows, context),
+                    label_description(volume, VoxelType::uint8, made_by(options, asked))};
+  if (mask.tree.is_empty()) {
+    const std::string& name = options.output.path.empty() ? options.input : options.output.path;
+    context.warn(name + ": no voxel lies in the range; the mask is empty");
+  }
+  return mask;
 }
 
 ThresholdResult threshold(const ThresholdOptions& options, const TaskContext& context) {
@@ -149,27 +160,22 @@ ThresholdResult threshold(const ThresholdOptions& options, const TaskContext& co
   const VolumeDescription& volume = reader->description();
   const std::vector<ValueClass> asked = asked_classes(options, volume, context);
   require_computed(options.output, {options.input});
-  const MadeBy made = made_by(options, asked);
-  std::vector<StoredClass> classes;
-  for (const ValueClass& one : asked) {
-    classes.push_back({one.label, stored_window(one.range, volume, options.is_stored)});
-  }
 
-  LabelCounts counts{};
-  BuildResult built;
+  ThresholdResult result{volume, {}, 0};
   if (options.classes.empty()) {
-    built = write_one_mask(*reader, classes, made, options, context, counts);
-  } else {
-    ClassPlanes planes(std::make_unique<FilePlanes>(reader, 0, context.thread_count()),
-                       std::move(classes), made);
-    built = write_labels(planes, options.output, kThreshold, context);
-    counts = planes.counts();
+    const ComputedMask mask = threshold_mask(*reader, options, context);
+    result.file_bytes =
+        write_described_mask(mask.tree, mask.volume, options.output, kThreshold, context)
+            .file_bytes;
+    result.objects.push_back({1, mask.tree.voxel_count()});
+    return result;
   }
-
-  ThresholdResult result{volume, {}, built.file_bytes};
+  ClassPlanes planes(std::make_unique<FilePlanes>(reader, 0, context.thread_count()),
+                     stored_classes(asked, volume, options.is_stored), made_by(options, asked));
+  result.file_bytes = write_labels(planes, options.output, kThreshold, context).file_bytes;
+  const LabelCounts& counts = planes.counts();
   for (std::size_t label = 1; label < counts.size(); ++label) {
-    const bool is_the_mask = label == 1 && options.classes.empty();
-    if (counts[label] == 0 && !is_the_mask) continue;
+    if (counts[label] == 0) continue;
     result.objects.push_back({static_cast<std::int64_t>(label), counts[label]});
   }
   return result;

@@ -7,6 +7,7 @@
 
 #include "octavo/tasks/asked_labels.h"
 #include "octavo/tasks/build_planes.h"
+#include "octavo/tasks/masks.h"
 #include "octavo/tasks/outputs.h"
 #include "octavo/tasks/task_context.h"
 #include "octavo/tasks/value_ranges.h"
@@ -45,6 +46,14 @@ struct ThresholdResult {
 /// The planes that `threshold` writes: of one mask, or of classes.
 /// Throws  as threshold does before it writes, the name of the output apart
 ComputedVolume threshold_planes(const ThresholdOptions& options, const TaskContext& context);
+
+/// The mask that `threshold` writes, in memory. Bricks whose minimum and maximum decide are not
+/// decoded. Warns of an empty mask.
+/// options  without classes; their input names `reader` in errors
+/// Throws  as threshold does before it writes; Error{invalid_argument} for classes
+/// Memory  that of the mask
+ComputedMask threshold_mask(const FileReader& reader, const ThresholdOptions& options,
+                            const TaskContext& context);
 
 /// Writes the voxels whose values lie in the ranges. Bricks whose minimum and maximum decide are
 /// not decoded. Warns of an empty mask.

@@ -60,8 +60,8 @@ ExportFormat export_format_of(const std::string& path) {
   if (has_ending(path, ".mhd")) return ExportFormat::meta_image_detached;
   if (has_ending(path, ".tif") || has_ending(path, ".tiff")) return ExportFormat::tiff_stack;
   throw Error(ErrorKind::invalid_argument,
-              "the name says no format; known are .raw .nrrd .nii .nii.gz .mha .mhd .tif .tiff and "
-              "FOLDER/ for a TIFF stack",
+              "the name says no format; known are .raw .nrrd .nii .nii.gz .mha .mhd .tif .tiff "
+              ".ome.zarr .ozx and FOLDER/ for a TIFF stack",
               path)
       .with_field("export.format");
 }

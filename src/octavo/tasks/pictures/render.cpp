@@ -13,7 +13,6 @@
 #include "octavo/render/cubes/relief_picture.h"
 #include "octavo/render/rays/ray_caster.h"
 #include "octavo/tasks/inputs.h"
-#include "octavo/tasks/pictures/picture_files.h"
 #include "octavo/tasks/pictures/render_scene.h"
 #include "octavo/tasks/value_ranges.h"
 #include "octavo/tasks/volume_facts.h"
@@ -74,7 +73,7 @@ void check_rays(const RenderOptions& options) {
 
 /// Options that contradict each other, whatever the volume.
 void check_render(const RenderOptions& options) {
-  require_png(options.output.path);
+  if (!options.on_picture) require_png(options.output.path);
   if (options.turntable < 0) reject_render("a turntable has at least one picture", "turntable");
   check_ray_options(options);
   if (is_ray_mode(options.mode)) {
@@ -126,6 +125,9 @@ Viewpoint viewpoint_of(const AskedView& asked, const Geometry& geometry) {
 /// The name of the output, or for a turntable with a number before the ending.
 std::vector<std::string> picture_paths(const RenderOptions& options) {
   if (options.turntable == 0) return {options.output.path};
+  if (options.on_picture) {
+    return std::vector<std::string>(static_cast<std::size_t>(options.turntable));
+  }
   std::vector<std::string> paths;
   for (int i = 0; i < options.turntable; ++i) {
     std::string& path = paths.emplace_back(options.output.path);
@@ -274,6 +276,7 @@ RenderResult render(const RenderOptions& asked, const TaskContext& context) {
       options.mode == RenderMode::cubes || options.mode == RenderMode::surface;
   if (is_of_masks) require_cube_scene(*reader, options);
   for (const std::string& path : paths) {
+    if (options.on_picture) break;
     require_free({path, options.output.overwrite});
     require_no_input(path, {options.input});
   }
@@ -286,7 +289,7 @@ RenderResult render(const RenderOptions& asked, const TaskContext& context) {
   }
   const Series series(*scene, *reader, options, paths.size());
   RenderResult result;
-  PictureFiles files(context);
+  PictureFiles files(context, options.on_picture);
   for (std::size_t i = 0; i < paths.size(); ++i) {
     const Picture picture = series.draw(i, result.seconds);
     if (i == 0) {

@@ -13,6 +13,7 @@
 #include "octavo/render/window.h"
 #include "octavo/tasks/asked_labels.h"
 #include "octavo/tasks/outputs.h"
+#include "octavo/tasks/pictures/picture_files.h"
 #include "octavo/tasks/task_context.h"
 #include "octavo/tasks/value_ranges.h"
 
@@ -66,6 +67,7 @@ struct AskedView {
 struct RenderOptions {
   std::string input;  ///< an .8vo file or a URL of one
   Output output;      ///< ends in .png; a turntable writes NAME-000.png and so on
+  PictureListener on_picture = {};  ///< takes the pictures in place of the output
   RenderMode mode = RenderMode::cubes;
   std::optional<RenderShade> shade;  ///< default: flat cubes, smooth surfaces
   std::optional<int> level;          ///< default 0; of rays the coarsest with voxels of a pixel

@@ -14,7 +14,6 @@
 #include "octavo/render/slice/montage.h"
 #include "octavo/tasks/inputs.h"
 #include "octavo/tasks/masks.h"
-#include "octavo/tasks/pictures/picture_files.h"
 #include "octavo/tasks/range_words.h"
 #include "octavo/tasks/volume_facts.h"
 #include "octavo/tasks/volume_parts.h"
@@ -31,7 +30,7 @@ constexpr std::uint64_t kBytesPerPixel = 26;
 
 /// Options that contradict each other, whatever the volume.
 void check_slice(const SliceOptions& options) {
-  require_png(options.output.path);
+  if (!options.on_picture) require_png(options.output.path);
   const bool has_position = options.index || options.position_mm;
   if (options.axes.empty()) reject_slice("no axis is asked for", "axes");
   for (const int axis : options.axes) {
@@ -244,11 +243,13 @@ std::vector<Drawing> planned(const SliceOptions& options, const FileReader& read
   for (const int axis : options.axes) {
     Drawing& drawing = drawings.emplace_back();
     drawing.path = options.output.path;
-    if (options.axes.size() > 1) {
+    if (options.axes.size() > 1 && !options.on_picture) {
       drawing.path.insert(drawing.path.size() - 4, fmt::format("-{}", "xyz"[axis]));
     }
-    require_free({drawing.path, options.output.overwrite});
-    require_no_input(drawing.path, {options.input});
+    if (!options.on_picture) {
+      require_free({drawing.path, options.output.overwrite});
+      require_no_input(drawing.path, {options.input});
+    }
     drawing.options = look;
     choose_sections(drawing.options, options, reader, axis);
     const auto pixels = static_cast<std::uint64_t>(slice_pixels(reader, drawing.options));
@@ -315,7 +316,7 @@ SliceResult slice(const SliceOptions& options, const TaskContext& context) {
   result.volume = reader->description();
   result.geometry = reader->levels().geometry(result.volume.geometry, options.level);
   result.level = options.level;
-  PictureFiles files(context);
+  PictureFiles files(context, options.on_picture);
   for (const Drawing& drawing : drawings) {
     files.add(drawing.path, drawing.picture.picture);
     result.pictures.push_back(told(drawing, result.volume.kind));

@@ -9,6 +9,7 @@
 #include "octavo/render/slice/slice_picture.h"
 #include "octavo/tasks/asked_labels.h"
 #include "octavo/tasks/outputs.h"
+#include "octavo/tasks/pictures/picture_files.h"
 #include "octavo/tasks/salvage.h"
 #include "octavo/tasks/task_context.h"
 
@@ -37,6 +38,7 @@ struct SliceOptions {
   std::string input;  ///< an .8vo file or a URL of one
   /// Ends in .png. Several axes write NAME-x.png, NAME-y.png and NAME-z.png.
   Output output;
+  PictureListener on_picture = {};  ///< takes the pictures in place of the output
   std::vector<int> axes = {2};  ///< 0 x, 1 y, 2 z
   int level = 0;
   std::optional<std::int64_t> index;  ///< in samples of the level; default the middle

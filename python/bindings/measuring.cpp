@@ -1,0 +1,216 @@
+#include "measuring.h"
+
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "octavo/core/error.h"
+#include "octavo/core/sha256.h"
+#include "octavo/core/text.h"
+#include "octavo/mesh/formats/mesh_bytes.h"
+#include "octavo/tasks/file_planes.h"
+#include "octavo/tasks/files/plane_compare.h"
+#include "octavo/tasks/measure.h"
+#include "octavo/tasks/surface.h"
+#include "octavo/tasks/surfaces/surface_mesh.h"
+#include "work.h"
+
+namespace octavo::python {
+
+namespace nb = nanobind;
+using namespace nb::literals;
+
+namespace {
+
+/// A number for each axis x, y, z; None where nothing is known.
+void set_axes(nb::dict& row, const std::string& before, const std::string& after,
+              const std::optional<Point3>& point) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::string name = before + "xyz"[axis] + after;
+    row[name.c_str()] = point ? nb::cast((*point)[axis]) : nb::none();
+  }
+}
+
+/// The columns that `octavo measure --csv` has.
+nb::dict region_row(const MeasuredRegion& one, const MeasureResult& result) {
+  const RegionMeasure& region = one.region;
+  nb::dict row;
+  row["label"] = region.label;
+  row["name"] = result.names.name_of(region.label);
+  row["voxels"] = region.voxel_count;
+  row["mm3"] = one.in_mm ? nb::cast(one.in_mm->mm3) : nb::none();
+  row["surface_voxels"] = region.surface_voxel_count;
+  const auto in_mm = [&](auto member) {
+    return one.in_mm ? std::optional<Point3>(member(*one.in_mm)) : std::nullopt;
+  };
+  set_axes(row, "centroid_", "_mm", in_mm([](const RegionInMm& mm) { return mm.centroid; }));
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::string name = std::string("box_") + "xyz"[axis];
+    row[(name + "_lo").c_str()] = region.box.lo[axis];
+    row[(name + "_hi").c_str()] = region.box.hi[axis];
+  }
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::string name = "principal_moment_" + std::to_string(i + 1) + "_mm2";
+    row[name.c_str()] = one.in_mm ? nb::cast(one.in_mm->axes.moments_mm2[i]) : nb::none();
+  }
+  for (std::size_t i = 0; i < 3; ++i) {
+    set_axes(row, "principal_axis_" + std::to_string(i + 1) + "_", "",
+             in_mm([&](const RegionInMm& mm) { return mm.axes.axes[i]; }));
+  }
+  if (!region.grey) return row;
+  row["mean"] = region.grey->mean;
+  row["sd"] = region.grey->deviation;
+  row["min"] = region.grey->minimum;
+  row["max"] = region.grey->maximum;
+  row["integrated_mm3"] = one.in_mm && one.in_mm->integrated ? nb::cast(*one.in_mm->integrated)
+                                                             : nb::none();
+  for (std::size_t i = 0; i < result.percentiles.size(); ++i) {
+    row[("p" + number_text(result.percentiles[i])).c_str()] = region.grey->percentiles[i];
+  }
+  return row;
+}
+
+nb::list measure_file(const OpenFile& labels, const std::string& name, const OpenFile* grey,
+                      const std::string& grey_name, const std::vector<double>& percentiles,
+                      const std::vector<std::int64_t>& numbers,
+                      const std::vector<std::string>& names, const nb::dict& given) {
+  MeasureOptions options{.labels = name,
+                         .grey = grey == nullptr ? "" : grey_name,
+                         .percentiles = percentiles,
+                         .asked = {numbers, names}};
+  std::vector<NamedFile> files = {{name, &labels}};
+  if (grey != nullptr) files.push_back({grey_name, grey});
+  Work work(given);
+  const MeasureResult result = work.run(files, [&] { return measure(options, work.context()); });
+  nb::list rows;
+  for (const MeasuredRegion& one : result.regions) rows.append(region_row(one, result));
+  return rows;
+}
+
+nb::dict compare_files(const OpenFile& a, const OpenFile& b, double max_error,
+                       const nb::dict& given) {
+  Work work(given);
+  const Comparison found = work.run([&] {
+    const FileReader& first = a.reader();
+    const FileReader& second = b.reader();
+    if (max_error == 0 && first.voxel_digest() == second.voxel_digest()) {
+      Comparison grids = compare_grids(first.description(), second.description());
+      grids.is_by_digest = true;
+      return grids;
+    }
+    FilePlanes planes_a(a.shared_reader(), 0, work.context().thread_count());
+    FilePlanes planes_b(b.shared_reader(), 0, work.context().thread_count());
+    const double tolerance =
+        compared_tolerance(planes_a.description(), planes_b.description(), max_error);
+    work.context().require_memory(compare_memory_bytes(planes_a, planes_b), "the planes");
+    return compare_planes(planes_a, planes_b, tolerance, work.context().watcher());
+  });
+  nb::dict row;
+  row["equal"] = found.is_equal();
+  row["same_stored"] = found.is_same_stored();
+  row["same_shape"] = found.is_same_size;
+  row["same_dtype"] = found.is_same_type;
+  row["same_place"] = found.is_same_place;
+  row["shift_mm"] = found.shift_mm;
+  row["different_voxels"] = found.different;
+  row["max_difference"] = found.max_difference;
+  if (found.different > 0) {
+    row["first_different"] = nb::make_tuple(found.first.z, found.first.y, found.first.x);
+  } else {
+    row["first_different"] = nb::none();
+  }
+  return row;
+}
+
+SurfaceOptions surface_options(const std::string& name, const nb::dict& asked) {
+  SurfaceOptions options;
+  options.input = name;
+  options.isovalue = nb::cast<std::optional<double>>(asked["isovalue"]);
+  options.is_stored = nb::cast<bool>(asked["stored"]);
+  options.labels = {nb::cast<std::vector<std::int64_t>>(asked["labels"]),
+                    nb::cast<std::vector<std::string>>(asked["names"])};
+  options.level = nb::cast<int>(asked["level"]);
+  if (const auto seed = nb::cast<std::optional<std::array<double, 3>>>(asked["seed"])) {
+    options.seed = Point3{(*seed)[2], (*seed)[1], (*seed)[0]};
+  }
+  options.max_deviation = {nb::cast<double>(asked["max_deviation_mm"]), false};
+  if (const auto most = nb::cast<std::optional<double>>(asked["triangles"])) {
+    options.triangles = AskedTriangles{*most, false};
+  }
+  options.allows_faults = nb::cast<bool>(asked["allow_faults"]);
+  options.space = nb::cast<std::string>(asked["space"]) == "ras" ? MeshSpace::ras : MeshSpace::lps;
+  return options;
+}
+
+nb::dict surface_facts(const SurfaceResult& result) {
+  nb::dict facts;
+  facts["closed"] = result.check.is_closed();
+  facts["manifold"] = result.check.is_manifold();
+  facts["components"] = result.check.components;
+  facts["area_mm2"] = result.measures.area_mm2;
+  facts["volume_mm3"] = result.measures.volume_mm3;
+  facts["max_deviation_mm"] = result.max_deviation_mm;
+  facts["full_triangles"] = result.full_triangle_count;
+  return facts;
+}
+
+/// An array of rows of three, which keeps what it is of alive.
+template <class T, class Row>
+nb::object rows_of_three(std::vector<Row> rows) {
+  auto* const held = new std::vector<Row>(std::move(rows));
+  const nb::capsule owner(held,
+                          [](void* p) noexcept { delete static_cast<std::vector<Row>*>(p); });
+  T* const first = held->empty() ? nullptr : held->front().data();
+  return nb::cast(nb::ndarray<nb::numpy, T, nb::shape<-1, 3>>(first, {held->size(), 3}, owner));
+}
+
+/// (points x y z in mm, triangles, facts)
+nb::tuple surface_arrays(const OpenFile& file, const std::string& name, const nb::dict& asked,
+                         const nb::dict& given) {
+  const SurfaceOptions options = surface_options(name, asked);
+  Work work(given);
+  SurfaceMesh made =
+      work.run([&] { return surface_mesh(file.reader(), options, false, work.context()); });
+  for (MeshPoint& point : made.mesh.points) point = in_space(point, options.space);
+  return nb::make_tuple(rows_of_three<float>(std::move(made.mesh.points)),
+                        rows_of_three<std::uint32_t>(std::move(made.mesh.triangles)),
+                        surface_facts(made.result));
+}
+
+nb::dict surface_file(const OpenFile& file, const std::string& name, const std::string& path,
+                      bool overwrite, const nb::dict& asked, const nb::dict& given) {
+  SurfaceOptions options = surface_options(name, asked);
+  options.output = {path, overwrite};
+  Work work(given);
+  const SurfaceResult result =
+      work.run({{name, &file}}, [&] { return surface(options, work.context()); });
+  if (!result.is_written) {
+    throw Error(ErrorKind::invalid_argument,
+                "the surface is not closed or not manifold, and nothing was written", name)
+        .with_field("allows_faults");
+  }
+  nb::dict facts = surface_facts(result);
+  facts["points"] = result.point_count;
+  facts["triangles"] = result.triangle_count;
+  facts["file_bytes"] = result.file_bytes;
+  return facts;
+}
+
+}  // namespace
+
+void bind_measuring(nb::module_& module) {
+  module.def("measure", &measure_file, "labels"_a, "name"_a, "grey"_a.none(), "grey_name"_a,
+             "percentiles"_a, "numbers"_a, "names"_a, "work"_a);
+  module.def("compare", &compare_files, "a"_a, "b"_a, "max_error"_a, "work"_a);
+  module.def("surface", &surface_arrays, "file"_a, "name"_a, "asked"_a, "work"_a);
+  module.def("save_surface", &surface_file, "file"_a, "name"_a, "path"_a, "overwrite"_a,
+             "asked"_a, "work"_a);
+}
+
+}  // namespace octavo::python

@@ -1,0 +1,155 @@
+#include "remaking.h"
+
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <algorithm>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "octavo/core/error.h"
+#include "octavo/tasks/files/condense_volume.h"
+#include "octavo/tasks/files/export_zarr_image.h"
+#include "octavo/tasks/transform.h"
+#include "work.h"
+
+namespace octavo::python {
+
+namespace nb = nanobind;
+using namespace nb::literals;
+
+namespace {
+
+Index3 index_of_numbers(const std::vector<double>& zyx) {
+  return {static_cast<std::int64_t>(zyx[2]), static_cast<std::int64_t>(zyx[1]),
+          static_cast<std::int64_t>(zyx[0])};
+}
+
+/// name     of the step
+/// numbers  three along z, y, x of translations, shifts and axes of rotations, which have the
+///          degrees behind them; the axes of a mirror, 0 for x; a factor, below 1 of a coarser
+///          grid; 12 of an affine map, row by row
+TransformStep step_of(const std::string& name, const std::vector<double>& numbers,
+                      bool is_in_place, bool is_inverse) {
+  if (name == "translate") return TranslateStep{index_of_numbers(numbers)};
+  if (name == "translate_mm") return TranslateMmStep{{numbers[2], numbers[1], numbers[0]}};
+  if (name == "shift") return ShiftStep{index_of_numbers(numbers)};
+  if (name == "rotate") {
+    return RotateStep{{AxisRotation{{numbers[2], numbers[1], numbers[0]}, numbers[3]}},
+                      is_in_place};
+  }
+  if (name == "mirror") {
+    MirrorStep step{{}, is_in_place};
+    for (const double axis : numbers) step.axes.push_back(static_cast<int>(axis));
+    return step;
+  }
+  if (name == "scale") {
+    const double factor = numbers[0];
+    return ScaleStep{static_cast<std::int64_t>(factor < 1 ? 1 / factor : factor), factor >= 1,
+                     is_in_place};
+  }
+  Affine map;
+  for (std::size_t row = 0; row < 3; ++row) {
+    std::copy_n(numbers.begin() + static_cast<std::ptrdiff_t>(4 * row), 3,
+                map.linear.begin() + static_cast<std::ptrdiff_t>(3 * row));
+    map.offset[row] = numbers[4 * row + 3];
+  }
+  return AffineStep{map, is_inverse};
+}
+
+std::optional<Interpolation> interpolation_of(const std::optional<std::string>& name) {
+  if (!name) return {};
+  return *name == "nearest"  ? Interpolation::nearest
+         : *name == "linear" ? Interpolation::linear
+                             : Interpolation::cubic;
+}
+
+Preset preset_of(const nb::dict& asked) {
+  return nb::cast<std::string>(asked["preset"]) == "fast" ? Preset::fast : Preset::small;
+}
+
+nb::dict transform_file(const OpenFile& file, const std::string& name, const std::string& path,
+                        const nb::list& steps, const OpenFile* grid, const std::string& grid_name,
+                        const nb::dict& asked, const nb::dict& given) {
+  TransformOptions options;
+  options.input = name;
+  options.output = {path, nb::cast<bool>(asked["overwrite"])};
+  const bool is_in_place = nb::cast<bool>(asked["in_place"]);
+  const bool is_inverse = nb::cast<bool>(asked["inverse"]);
+  for (const nb::handle step : steps) {
+    const auto pair = nb::cast<nb::tuple>(step);
+    add_step(step_of(nb::cast<std::string>(pair[0]), nb::cast<std::vector<double>>(pair[1]),
+                     is_in_place, is_inverse),
+             options.steps);
+  }
+  options.grid_of = grid == nullptr ? "" : grid_name;
+  options.interpolation =
+      interpolation_of(nb::cast<std::optional<std::string>>(asked["interpolation"]));
+  options.fill = nb::cast<std::optional<double>>(asked["fill"]);
+  options.preset = preset_of(asked);
+  options.max_error = nb::cast<double>(asked["max_error"]);
+  std::vector<NamedFile> files = {{name, &file}};
+  if (grid != nullptr) files.push_back({grid_name, grid});
+  Work work(given);
+  const TransformResult result =
+      work.run(files, [&] { return transform(options, work.context()); });
+  nb::dict facts;
+  facts["operation"] = result.operation;
+  facts["summary"] = result.summary;
+  facts["file_bytes"] = result.file_bytes;
+  return facts;
+}
+
+void condense_file(const OpenFile& file, const std::string& name, const std::string& path,
+                   double flat, bool overwrite, const nb::dict& given) {
+  const CondenseVolumeOptions options{name, {path, overwrite}, flat};
+  Work work(given);
+  work.run({{name, &file}}, [&] { condense_volume(options, work.context()); });
+}
+
+ZarrCompression compression_of(const std::string& name) {
+  return name == "blosc"  ? ZarrCompression::blosc
+         : name == "zstd" ? ZarrCompression::zstd
+                          : ZarrCompression::none;
+}
+
+/// (levels, files, bytes)
+nb::tuple export_zarr_file(const OpenFile& file, const std::string& name, const std::string& path,
+                           const nb::dict& asked, const nb::dict& given) {
+  ZarrImageOptions options{.input = name,
+                           .output = {path, nb::cast<bool>(asked["overwrite"])},
+                           .level = nb::cast<int>(asked["level"]),
+                           .compression = compression_of(
+                               nb::cast<std::string>(asked["compression"])),
+                           .chunk_side = nb::cast<std::int64_t>(asked["chunk_side"]),
+                           .shard_chunks = nb::cast<std::int64_t>(asked["shard_chunks"])};
+  Work work(given);
+  const ZarrImageResult made =
+      work.run({{name, &file}}, [&] { return export_zarr_image(options, work.context()); });
+  return nb::make_tuple(made.written.levels, made.written.files, made.written.bytes);
+}
+
+/// The JSON under a key of the OME-Zarr image that a file is: of its group, or of the array of a
+/// level, whose chunks are its bricks, uncompressed.
+std::string zarr_text_of(const OpenFile& file, std::optional<int> level, const std::string& name) {
+  const FileReader& reader = file.reader();
+  const VolumeDescription& volume = reader.description();
+  if (!level) return ome_group_text(volume, reader.levels(), 0, name);
+  return zarr_array_text(volume.type, reader.levels().size(*level), ZarrGrid{});
+}
+
+}  // namespace
+
+void bind_remaking(nb::module_& module) {
+  module.def("transform", &transform_file, "file"_a, "name"_a, "path"_a, "steps"_a,
+             "grid"_a.none(), "grid_name"_a, "asked"_a, "work"_a);
+  module.def("condense", &condense_file, "file"_a, "name"_a, "path"_a, "flat"_a, "overwrite"_a,
+             "work"_a);
+  module.def("export_zarr", &export_zarr_file, "file"_a, "name"_a, "path"_a, "asked"_a, "work"_a);
+  module.def("zarr_text", &zarr_text_of, "file"_a, "level"_a.none(), "name"_a);
+}
+
+}  // namespace octavo::python

@@ -1,0 +1,57 @@
+// What tasks get beside their options, from Python: threads, memory, progress; and the files
+// that Python has open, which tasks know by their names.
+#pragma once
+
+#include <nanobind/nanobind.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "call.h"
+#include "octavo/file/storage/byte_source.h"
+#include "octavo/tasks/task_context.h"
+#include "reading.h"
+
+namespace octavo::python {
+
+/// A file and the name that a task knows it by.
+struct NamedFile {
+  std::string name;
+  const OpenFile* file = nullptr;
+};
+
+/// One call of a task.
+class Work {
+ public:
+  /// given  threads, max_memory, progress (a function or None)
+  explicit Work(const nanobind::dict& given);
+
+  const TaskContext& context() const { return context_; }
+
+  /// Runs `work` without the GIL, with the files of that call in the place of their names.
+  template <class Task>
+  decltype(auto) run(const std::vector<NamedFile>& files, Task&& task) {
+    const Inputs inputs(files);
+    return call_.run(std::forward<Task>(task));
+  }
+  template <class Task>
+  decltype(auto) run(Task&& task) {
+    return call_.run(std::forward<Task>(task));
+  }
+
+ private:
+  /// The files of a call while it lives.
+  class Inputs {
+   public:
+    explicit Inputs(const std::vector<NamedFile>& files);
+    ~Inputs();
+    Inputs(const Inputs&) = delete;
+    Inputs& operator=(const Inputs&) = delete;
+  };
+
+  Call call_;
+  TaskContext context_;
+};
+
+}  // namespace octavo::python

@@ -1,0 +1,100 @@
+"""What every task gets beside its options, and the arguments that tasks share."""
+
+import contextlib
+import math
+import numbers
+import operator
+
+import numpy as np
+
+from ._errors import ArgumentError
+
+MOST_THREADS = 1 << 10
+CONNECTIVITIES = (6, 18, 26)
+
+
+@contextlib.contextmanager
+def work_of(threads=0, max_memory=0, progress=None):
+    """The dictionary that tasks of the extension take."""
+    with _reporter(progress) as report:
+        yield dict(threads=whole_number(threads, "threads", 0, MOST_THREADS),
+                   max_memory=whole_number(max_memory, "max_memory", 0), progress=report)
+
+
+def connectivity_of(given):
+    """6, 18 or 26. Raises ArgumentError for anything else."""
+    if given not in CONNECTIVITIES or isinstance(given, bool):
+        raise ArgumentError(f"connectivity is 6 (faces), 18 (edges) or 26 (corners), not {given!r}")
+    return int(given)
+
+
+def asked_labels(labels):
+    """Labels by number and by name, from a number, a name or several of them."""
+    if labels is None:
+        return [], []
+    if isinstance(labels, (str, numbers.Integral)):
+        labels = [labels]
+    names = [label for label in labels if isinstance(label, str)]
+    return [whole_number(label, "a label", -(1 << 62)) for label in labels
+            if not isinstance(label, str)], names
+
+
+def number_of(given, name):
+    """A finite number as a float. Raises ArgumentError for anything else."""
+    try:
+        number = float(given)
+    except (TypeError, ValueError):
+        number = math.nan
+    if not math.isfinite(number):
+        raise ArgumentError(f"{name} is a number, not {given!r}")
+    return number
+
+
+def range_of(given, name="a range"):
+    """(low, high) as floats; None is an open end."""
+    try:
+        low, high = given
+        low = -math.inf if low is None else float(low)
+        high = math.inf if high is None else float(high)
+    except (TypeError, ValueError):
+        raise ArgumentError(f"{name} is (low, high), not {given!r}") from None
+    if not low <= high:
+        raise ArgumentError(f"{name} begins above its end: {given!r}")
+    return low, high
+
+
+def grid_affine(direction, spacing, origin):
+    """4 x 4: the index (z, y, x, 1) of a voxel to its center in the world, LPS x, y, z, mm."""
+    matrix = np.eye(4)
+    matrix[:3, :3] = np.array(direction).reshape(3, 3)[:, ::-1] * np.array(spacing)
+    matrix[:3, 3] = tuple(origin)[::-1]
+    return matrix
+
+
+def whole_number(given, name, lowest, highest=(1 << 63) - 1):
+    """`given` as an int. Raises ArgumentError for other things and other numbers."""
+    try:
+        number = operator.index(given)
+    except TypeError:
+        number = None
+    if number is None or not lowest <= number <= highest:
+        raise ArgumentError(f"{name} is a whole number from {lowest} to {highest}, not {given!r}")
+    return number
+
+
+@contextlib.contextmanager
+def _reporter(progress):
+    if progress is not True:
+        yield progress or None
+        return
+    try:
+        from tqdm.auto import tqdm
+    except ImportError:
+        raise ArgumentError("progress=True needs tqdm (pip install tqdm); a function "
+                            "progress(done, total, what) does without it") from None
+    with tqdm() as bar:
+        def report(done, total, what):
+            bar.total = total
+            bar.set_description(what, refresh=False)
+            bar.update(done - bar.n)
+        yield report

@@ -1,0 +1,367 @@
+"""OME-Zarr: a volume as a zarr store and as dask arrays, images written and read."""
+
+import asyncio
+import os
+import re
+
+import numpy as np
+
+from . import _octavo
+from ._building import build
+from ._errors import ArgumentError
+from ._tasks import _path
+from ._volume import RealView, View, Volume
+from ._work import whole_number, work_of
+
+_CHUNK = 64
+_KEY = re.compile(r"(\d+)/c/(\d+)/(\d+)/(\d+)")
+
+
+class ZarrFiles:
+    """The files of an OME-Zarr 0.5 image that a volume is, made when they are asked for.
+
+    Arrays are those of the levels; a chunk is a brick of 64^3 voxels, uncompressed. Any number of
+    threads may ask.
+    """
+
+    def __init__(self, volume):
+        self._volume = volume
+        self._name = os.path.basename(volume.name).partition(".")[0] or "octavo"
+
+    @property
+    def volume(self):
+        """That the files are of."""
+        return self._volume
+
+    def keys(self):
+        """The keys of all texts; those of chunks are left out."""
+        return ["zarr.json", *(f"{view.level}/zarr.json" for view in self._volume.levels)]
+
+    def get(self, key):
+        """The bytes of a file; None where there is none."""
+        if key == "zarr.json":
+            return self._text(None)
+        place, _, rest = key.partition("/")
+        if rest == "zarr.json" and place.isdigit() and int(place) < len(self._volume.levels):
+            return self._text(int(place))
+        chunk = _KEY.fullmatch(key)
+        return self._chunk(*map(int, chunk.groups())) if chunk else None
+
+    def _text(self, level):
+        return _octavo.zarr_text(self._volume._file._opened(), level, self._name).encode()
+
+    def _chunk(self, level, *place):
+        if level >= len(self._volume.levels):
+            return None
+        view = self._volume.levels[level]
+        start = [p * _CHUNK for p in place]
+        stop = [min(a + _CHUNK, n) for a, n in zip(start, view.shape)]
+        if any(a >= b for a, b in zip(start, stop)):
+            return None
+        chunk = np.zeros((_CHUNK,) * 3, view.dtype)
+        part = tuple(slice(0, b - a) for a, b in zip(start, stop))
+        view.read((start, stop), out=chunk[part])
+        return chunk.tobytes()
+
+
+def as_zarr(volume):
+    """A volume as a read-only zarr v3 store with the metadata of OME-Zarr 0.5.
+
+        group = zarr.open_group(octavo.as_zarr(v), mode="r")
+        group["0"][40:60, :, 128]        # arrays "0", "1", ... are the levels
+
+    Chunks are decoded when they are asked for.
+
+    Parameters
+    ----------
+    volume : Volume
+
+    Returns
+    -------
+    zarr.abc.store.Store
+
+    Raises
+    ------
+    octavo.ArgumentError
+        Where zarr 3 is not installed.
+    """
+    try:
+        from zarr.abc.store import OffsetByteRequest, RangeByteRequest, Store, SuffixByteRequest
+    except ImportError:
+        raise ArgumentError("as_zarr needs zarr 3 (pip install zarr)") from None
+
+    class OctavoStore(Store):
+        """Files of an image, read only."""
+
+        supports_writes = False
+        supports_deletes = False
+        supports_listing = True
+
+        def __init__(self, files):
+            super().__init__(read_only=True)
+            self._files = files
+
+        def __eq__(self, other):
+            return isinstance(other, OctavoStore) and other._files.volume is self._files.volume
+
+        def __reduce__(self):
+            return as_zarr, (self._files.volume,)
+
+        async def get(self, key, prototype, byte_range=None):
+            """The bytes under a key, or a range of them; None where there are none."""
+            held = await asyncio.to_thread(self._files.get, key)
+            if held is None:
+                return None
+            if isinstance(byte_range, RangeByteRequest):
+                held = held[byte_range.start:byte_range.end]
+            elif isinstance(byte_range, OffsetByteRequest):
+                held = held[byte_range.offset:]
+            elif isinstance(byte_range, SuffixByteRequest):
+                held = held[-byte_range.suffix:]
+            return prototype.buffer.from_bytes(held)
+
+        async def get_partial_values(self, prototype, key_ranges):
+            """As get, of several."""
+            return [await self.get(key, prototype, part) for key, part in key_ranges]
+
+        async def exists(self, key):
+            """Whether there is anything under a key."""
+            return await asyncio.to_thread(self._files.get, key) is not None
+
+        async def set(self, key, value):
+            """Raises: files are not changed."""
+            raise NotImplementedError("an .8vo file is read only")
+
+        async def delete(self, key):
+            """Raises: files are not changed."""
+            raise NotImplementedError("an .8vo file is read only")
+
+        async def list(self):
+            """The keys of all texts."""
+            for key in self._files.keys():
+                yield key
+
+        async def list_prefix(self, prefix):
+            """Those that begin so."""
+            for key in self._files.keys():
+                if key.startswith(prefix):
+                    yield key
+
+        async def list_dir(self, prefix):
+            """What stands in a folder."""
+            folder = prefix.strip("/")
+            if folder == "":
+                yield "zarr.json"
+                for view in self._files.volume.levels:
+                    yield str(view.level)
+            elif folder.isdigit():
+                yield "zarr.json"
+
+    if not isinstance(volume, Volume):
+        raise ArgumentError(f"give an open volume, not {type(volume).__name__}")
+    return OctavoStore(ZarrFiles(volume))
+
+
+def as_dask(volume, level=0, *, chunks=None):
+    """A level as a dask array, decoded where it is computed.
+
+    Parameters
+    ----------
+    volume : Volume, View or RealView
+        A volume's `level`; a view as it is.
+    chunks : int or tuple, optional
+        Those of the bricks where it is not given.
+
+    Returns
+    -------
+    dask.array.Array
+    """
+    try:
+        import dask.array
+    except ImportError:
+        raise ArgumentError("as_dask needs dask (pip install dask)") from None
+    if isinstance(volume, Volume):
+        level = whole_number(level, "level", 0, len(volume.levels) - 1)
+        view = volume.levels[level]
+    elif isinstance(volume, (View, RealView)):
+        view = volume
+    else:
+        raise ArgumentError(f"give a volume or a view of it, not {type(volume).__name__}")
+    return dask.array.from_array(view, chunks=chunks or view.chunks, asarray=False, fancy=False,
+                                 meta=np.empty((0, 0, 0), view.dtype))
+
+
+def export(volume, path, *, level=0, compression="zstd", chunk_side=64, shard_chunks=4,
+           overwrite=False, threads=0, max_memory=0, progress=None):
+    """Write a volume with all its levels as an OME-Zarr 0.5 image of sharded zarr v3 arrays.
+
+    Parameters
+    ----------
+    volume : Volume
+    path : str or os.PathLike
+        Ends in .ome.zarr or .zarr (a folder), or .ozx (one zip file).
+    level : int
+        The finest one that is written.
+    compression : {"zstd", "blosc", "none"}
+    chunk_side : int
+        Voxels, 16 to 256.
+    shard_chunks : int
+        Chunks along each side of a file, 1 to 16.
+
+    Returns
+    -------
+    dict
+        levels, files, bytes.
+
+    Raises
+    ------
+    octavo.ArgumentError, octavo.StorageError
+    """
+    path = _path(path)
+    if not path.rstrip("/").endswith((".zarr", ".ozx")):
+        raise ArgumentError(f"{path}: the name of an OME-Zarr image ends in .ome.zarr or .ozx; "
+                            "the program octavo writes other formats", path=path)
+    if compression not in ("zstd", "blosc", "none"):
+        raise ArgumentError(f'compression is "zstd", "blosc" or "none", not {compression!r}')
+    name, handle = volume._opened_file()
+    asked = dict(overwrite=bool(overwrite), level=whole_number(level, "level", 0, 63),
+                 compression=compression, chunk_side=whole_number(chunk_side, "chunk_side", 0),
+                 shard_chunks=whole_number(shard_chunks, "shard_chunks", 0))
+    with work_of(threads, max_memory, progress) as work:
+        levels, files, written = _octavo.export_zarr(handle, name, path, asked, work)
+    return dict(levels=levels, files=files, bytes=written)
+
+
+def from_ome_zarr(source, path, *, level=0, channel=None, time=None, **options):
+    """Build an .8vo file of an OME-Zarr image, 0.4 or 0.5.
+
+    Parameters
+    ----------
+    source : str, os.PathLike or zarr.Group
+        A folder, an .ozx file, or a URL that zarr opens.
+    path : str or os.PathLike
+        Ends in .8vo.
+    level : int
+        Of the image: its resolution that becomes level 0.
+    channel, time : int, optional
+        What is taken where there are several.
+    **options
+        Of `octavo.build`; what is not given is what the image says: the spacing in mm, and all
+        else of one that `export` wrote.
+
+    Returns
+    -------
+    Volume
+
+    Raises
+    ------
+    octavo.ArgumentError
+        For what is no such image, axes that are missing, and channels or times to choose from.
+    """
+    try:
+        import zarr
+    except ImportError:
+        raise ArgumentError("from_ome_zarr needs zarr 3 (pip install zarr)") from None
+    group = source if isinstance(source, zarr.Group) else _opened_group(zarr, source)
+    attributes = dict(group.attrs)
+    multiscales = attributes.get("ome", attributes).get("multiscales")
+    if not multiscales:
+        raise ArgumentError(f"{source}: is no OME-Zarr image: it has no multiscales")
+    image = multiscales[0]
+    axes = [axis["name"] if isinstance(axis, dict) else axis for axis in image["axes"]]
+    units = {axis["name"]: axis.get("unit") for axis in image["axes"] if isinstance(axis, dict)}
+    datasets = image["datasets"]
+    dataset = datasets[whole_number(level, "level", 0, len(datasets) - 1)]
+    array = group[dataset["path"]]
+    chosen = _Chosen(array, axes, {"c": channel, "t": time}, source)
+    facts = _facts_of_image(attributes, image, dataset, axes, units, level)
+    facts.update(options)
+    return build(chosen, path, **facts)
+
+
+_MM_PER = {"millimeter": 1.0, "micrometer": 1e-3, "nanometer": 1e-6, "angstrom": 1e-7,
+           "centimeter": 10.0, "meter": 1e3, "picometer": 1e-9}
+
+
+class _Chosen:
+    """The volume [z, y, x] of one channel and time of an array."""
+
+    def __init__(self, array, axes, asked, source):
+        if len(axes) != array.ndim or not {"z", "y", "x"} <= set(axes):
+            raise ArgumentError(f"{source}: its axes are {' '.join(axes)}; a volume has z, y and x")
+        picks = []
+        for axis, size in zip(axes, array.shape):
+            if axis in "zyx":
+                continue
+            number = asked.get(axis)
+            name = {"c": "channel", "t": "time"}.get(axis, axis)
+            if number is None and size > 1:
+                raise ArgumentError(f"{source}: has {size} of axis {axis}: give {name}=0 to "
+                                    f"{size - 1}")
+            picks.append(whole_number(number or 0, name, 0, size - 1))
+        self._array = array
+        self._axes = axes
+        self._picks = picks
+        order = [axis for axis in axes if axis in "zyx"]
+        self._turn = [order.index(axis) for axis in "zyx"]
+        self.shape = tuple(array.shape[axes.index(axis)] for axis in "zyx")
+        self.dtype = array.dtype
+        inner = getattr(array, "shards", None) or array.chunks
+        self.chunks = tuple(inner[axes.index(axis)] for axis in "zyx")
+
+    def __getitem__(self, planes):
+        picks = iter(self._picks)
+        key = tuple(planes if axis == "z" else slice(None) if axis in "yx" else next(picks)
+                    for axis in self._axes)
+        return np.asarray(self._array[key]).transpose(self._turn)
+
+
+def _opened_group(zarr, source):
+    place = os.fspath(source)
+    if place.endswith(".ozx"):
+        return zarr.open_group(zarr.storage.ZipStore(place, mode="r"), mode="r")
+    try:
+        return zarr.open_group(place, mode="r")
+    except Exception as error:
+        raise ArgumentError(f"{place}: {str(error).splitlines()[0] or 'is no zarr group'}",
+                            path=place) from None
+
+
+def _facts_of_image(attributes, image, dataset, axes, units, level):
+    """What `build` is told of an image."""
+    scale, translation = np.ones(len(axes)), np.zeros(len(axes))
+    for transforms in (dataset.get("coordinateTransformations", ()),
+                       image.get("coordinateTransformations", ())):
+        for one in transforms:
+            if one["type"] == "scale":
+                scale = scale * one["scale"]
+                translation = translation * one["scale"]
+            elif one["type"] == "translation":
+                translation = translation + one["translation"]
+    places = [axes.index(axis) for axis in "zyx"]
+    mm = np.array([_MM_PER.get(units.get(axis), np.nan) for axis in "zyx"])
+    facts = {}
+    if np.isfinite(mm).all():
+        facts["spacing"] = tuple(scale[places] * mm)
+        facts["origin"] = tuple(translation[places] * mm)
+    if "image-label" in attributes.get("ome", attributes):
+        facts["kind"] = "labels"
+    return {**facts, **_own_facts(attributes, translation[places] * np.nan_to_num(mm, nan=1.0))}
+
+
+def _own_facts(attributes, place):
+    """What an image that was written here says beside."""
+    own = attributes.get("octavo")
+    if not isinstance(own, dict) or "direction" not in own:
+        return {}
+    metadata = own.get("metadata", {})
+    direction = np.array(own["direction"], float).reshape(3, 3)
+    facts = dict(direction=direction, slope=own["slope"], intercept=own["intercept"],
+                 origin=tuple((direction @ place[::-1])[::-1]),
+                 kind="labels" if own.get("content") == "label map" else "grey")
+    if metadata.get("unit"):
+        facts["unit"] = metadata["unit"]
+    if isinstance(metadata.get("labels"), dict):
+        facts["label_names"] = {int(label): text["name"] if isinstance(text, dict) else text
+                                for label, text in metadata["labels"].items()}
+    return facts

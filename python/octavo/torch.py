@@ -1,0 +1,95 @@
+"""Patches of volumes for PyTorch."""
+
+import numpy as np
+import torch
+
+from ._errors import ArgumentError
+from ._volume import Volume
+from ._work import whole_number
+
+
+class PatchDataset(torch.utils.data.Dataset):
+    """Random patches of volumes, each read alone and decoded where it lies.
+
+    Item i is the same whatever worker reads it, and another one in another epoch (`set_epoch`).
+    Files are opened by each worker for itself.
+
+    Parameters
+    ----------
+    paths : sequence of path
+        Images; or pairs (image, label map) on one grid.
+    shape : (z, y, x)
+        Of a patch, in voxels of the level.
+    length : int
+        Patches of an epoch.
+    level : int
+    real : bool
+        Real values as float32; stored ones otherwise.
+    seed : int
+
+    Notes
+    -----
+    An item is a tensor [1, z, y, x]; of pairs a tuple of it and a tensor of int64 of the same
+    shape. A volume smaller than a patch is continued with its smallest value, and label 0.
+    """
+
+    def __init__(self, paths, shape, length, *, level=0, real=True, seed=0):
+        self._paths = [pair if isinstance(pair, (tuple, list)) else (pair,) for pair in paths]
+        if not self._paths:
+            raise ArgumentError("a data set has one file or more")
+        self._shape = tuple(whole_number(n, "a side of a patch", 1) for n in shape)
+        if len(self._shape) != 3:
+            raise ArgumentError("a patch has three sides, z, y, x")
+        self._length = whole_number(length, "length", 1)
+        self._level = level
+        self._real = real
+        self._seed = seed
+        self._epoch = 0
+        self._opened = {}
+
+    def set_epoch(self, epoch):
+        """Other patches from now on; to be called before workers start."""
+        self._epoch = whole_number(epoch, "epoch", 0)
+
+    def __len__(self):
+        return self._length
+
+    def __getitem__(self, index):
+        if not 0 <= index < self._length:
+            raise IndexError(index)
+        random = np.random.default_rng((self._seed, self._epoch, index))
+        case = self._paths[random.integers(len(self._paths))]
+        image = self._volume(case[0])
+        start = [int(random.integers(max(n - side, 0) + 1))
+                 for n, side in zip(image.levels[self._level].shape, self._shape)]
+        patch = self._patch(image, start, image.min)
+        if self._real:
+            patch = (patch.astype(np.float64) * image.slope + image.intercept).astype(np.float32)
+        tensor = torch.from_numpy(_known_to_torch(patch)[None])
+        if len(case) == 1:
+            return tensor
+        labels = self._patch(self._volume(case[1]), start, 0).astype(np.int64)
+        return tensor, torch.from_numpy(labels[None])
+
+    def __getstate__(self):
+        return {**self.__dict__, "_opened": {}}
+
+    def _volume(self, path):
+        if path not in self._opened:
+            self._opened[path] = Volume(path)
+        return self._opened[path]
+
+    def _patch(self, volume, start, outside):
+        view = volume.levels[self._level]
+        stop = [min(a + side, n) for a, side, n in zip(start, self._shape, view.shape)]
+        patch = np.full(self._shape, outside, view.dtype)
+        part = tuple(slice(0, b - a) for a, b in zip(start, stop))
+        # Loaders bring their own workers.
+        view.read((start, stop), out=patch[part], threads=1)
+        return patch
+
+
+def _known_to_torch(array):
+    """PyTorch has no unsigned integers above 8 bits everywhere."""
+    wider = {"uint16": np.int32, "uint32": np.int64}.get(array.dtype.name)
+    return array.astype(wider) if wider else array

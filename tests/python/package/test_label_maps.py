@@ -1,0 +1,400 @@
+"""Masks and label maps as octrees: against scipy, and against the program."""
+
+import json
+import pickle
+import threading
+
+import numpy as np
+import pytest
+
+import octavo
+
+ndimage = pytest.importorskip("scipy.ndimage")
+
+SPACING = (2.0, 0.5, 0.25)
+
+
+@pytest.fixture(scope="module")
+def grey():
+    random = np.random.default_rng(3)
+    noise = random.normal(0, 400, (70, 66, 81))
+    return ndimage.gaussian_filter(noise, 1.5).astype(np.int16)
+
+
+@pytest.fixture(scope="module")
+def scan(grey, tmp_path_factory):
+    path = tmp_path_factory.mktemp("masks") / "grey.8vo"
+    octavo.build(grey, path, spacing=SPACING, origin=(5, 6, 7), unit="HU", slope=2,
+                 intercept=-100).close()
+    return str(path)
+
+
+@pytest.fixture
+def volume(scan):
+    with octavo.open(scan) as volume:
+        yield volume
+
+
+@pytest.fixture
+def mask(volume):
+    return volume.threshold(-90, 60)
+
+
+@pytest.fixture(scope="module")
+def inside(grey):
+    real = grey.astype(float) * 2 - 100
+    return (real >= -90) & (real <= 60)
+
+
+def structure(connectivity):
+    return ndimage.generate_binary_structure(3, {6: 1, 18: 2, 26: 3}[connectivity])
+
+
+def test_a_threshold_is_that_of_numpy(mask, inside):
+    assert mask.is_mask and mask.dtype == np.uint8 and mask.shape == inside.shape
+    assert np.array_equal(mask.to_numpy(), inside)
+    assert mask.voxels == inside.sum() and mask.counts == {1: inside.sum()}
+    assert mask.spacing == SPACING and bool(mask)
+
+
+@pytest.mark.parametrize("key", [np.s_[...], np.s_[3], np.s_[-1, ..., 5], np.s_[10:40:3, ::-1, 7],
+                                 np.s_[1, 2, 3], np.s_[5:5], np.s_[69:2:-30, :, ::40]], ids=str)
+def test_an_index_chooses_what_numpy_does(mask, inside, key):
+    chosen, wanted = mask[key], inside[key].astype(np.uint8)
+    assert np.array_equal(chosen, wanted) and np.shape(chosen) == np.shape(wanted)
+
+
+def test_other_ranges_are_those_of_numpy(volume, grey):
+    assert np.array_equal(volume.threshold(high=3, stored=True)[...], grey <= 3)
+    two = volume.threshold(ranges=[(-300, -200), (0, None)])[...]
+    real = grey * 2.0 - 100
+    assert np.array_equal(two, ((real >= -300) & (real <= -200)) | (real >= 0))
+
+
+def test_set_operations_are_those_of_numpy(volume, mask, inside, grey):
+    other = volume.threshold(low=0, stored=True)
+    b = grey >= 0
+    for made, wanted in [(mask & other, inside & b), (mask | other, inside | b),
+                         (mask - other, inside & ~b), (mask ^ other, inside ^ b),
+                         (~mask, ~inside)]:
+        assert np.array_equal(made[...], wanted)
+    assert not mask - mask
+    assert mask == ~~mask and mask != other
+
+
+@pytest.mark.parametrize("connectivity", [6, 18, 26])
+def test_morphology_is_that_of_scipy(mask, inside, connectivity):
+    element = structure(connectivity)
+    eroded = ndimage.binary_erosion(inside, element, 2, border_value=1)
+    assert np.array_equal(mask.dilate(2, connectivity=connectivity)[...],
+                          ndimage.binary_dilation(inside, element, 2))
+    assert np.array_equal(mask.erode(2, connectivity=connectivity)[...], eroded)
+    assert np.array_equal(mask.open(2, connectivity=connectivity)[...],
+                          ndimage.binary_dilation(eroded, element, 2))
+    closed = ndimage.binary_erosion(ndimage.binary_dilation(inside, element, 2), element, 2,
+                                    border_value=1)
+    assert np.array_equal(mask.close(2, connectivity=connectivity)[...], closed)
+
+
+def test_a_ball_in_mm_is_that_of_scipy(mask, inside):
+    reached = ndimage.distance_transform_edt(~inside, SPACING) <= 1.1
+    assert np.array_equal(mask.dilate(mm=1.1)[...], reached)
+
+
+def test_filled_holes_are_those_of_scipy(mask, inside):
+    assert np.array_equal(mask.fill_holes()[...], ndimage.binary_fill_holes(inside))
+    assert np.array_equal(mask.fill_holes(connectivity=6)[...],
+                          ndimage.binary_fill_holes(inside, structure(26)))
+    assert mask.fill_holes(max_mm3=0) == mask
+
+
+@pytest.mark.parametrize("connectivity", [6, 18, 26])
+def test_components_are_those_of_scipy(mask, inside, connectivity):
+    found = mask.components(connectivity=connectivity)
+    labels, count = ndimage.label(inside, structure(connectivity))
+    voxels = found[...]
+    assert found.found == count == len(found.counts)
+    pairs = set(zip(labels[inside].tolist(), voxels[inside].tolist()))
+    assert len(pairs) == count and (voxels[~inside] == 0).all()
+    sizes = [row["voxels"] for row in found.table]
+    assert sizes == sorted(np.bincount(labels.ravel())[1:].tolist(), reverse=True)
+    assert sizes == [found.counts[label] for label in range(1, count + 1)]
+
+
+def test_the_largest_component_alone_is_a_mask(mask, inside):
+    largest = mask.components(keep_largest=1)
+    labels, _ = ndimage.label(inside)
+    sizes = np.bincount(labels.ravel())[1:]
+    assert np.array_equal(largest[...] > 0, labels == 1 + sizes.argmax())
+    assert (mask & largest) == mask.components(keep_largest=1).select(1)
+
+
+def test_files_are_those_of_the_program(run, scan, volume, tmp_path):
+    def program(*words):
+        out = tmp_path / f"{words[0]}.8vo"
+        done = run(*words, "-o", out)
+        assert done.returncode == 0, done.stderr
+        return out
+    first = program("threshold", scan, "--range", "-90:60")
+    filled = program("fill-holes", first)
+    grown = program("dilate", filled, "--mm", "1.1")
+    labels = program("components", grown, "--connectivity", "26")
+    mask = volume.threshold(-90, 60)
+    made = mask.fill_holes().dilate(mm=1.1).components(connectivity=26)
+    mask.save(tmp_path / "mask.8vo").close()
+    made.save(tmp_path / "made.8vo").close()
+    assert (tmp_path / "mask.8vo").read_bytes() == first.read_bytes()
+    assert (tmp_path / "made.8vo").read_bytes() == labels.read_bytes()
+
+
+def test_measures_are_those_of_the_program_and_of_numpy(run, scan, volume, tmp_path):
+    labels = volume.threshold(-90, 60).components(keep_largest=5)
+    labels.save(tmp_path / "labels.8vo").close()
+    rows = labels.measure(of=volume, percentiles=(50,))
+    done = run("measure", tmp_path / "labels.8vo", "--of", scan, "--percentile", 50, "--csv")
+    lines = [line.split(",") for line in done.stdout.splitlines()]
+    assert list(rows[0]) == lines[0]
+    for row, line in zip(rows, lines[1:]):
+        for value, text in zip(row.values(), line):
+            assert str(value) == text or float(value) == float(text)
+    real, held = volume[...] * 2.0 - 100, labels[...]
+    for row in rows:
+        inside = held == row["label"]
+        assert row["voxels"] == inside.sum()
+        assert row["mean"] == pytest.approx(real[inside].mean())
+        assert row["mm3"] == pytest.approx(inside.sum() * np.prod(SPACING))
+        z, y, x = (np.argwhere(inside).mean(0) * SPACING) + (5, 6, 7)
+        assert (row["centroid_z_mm"], row["centroid_y_mm"], row["centroid_x_mm"]) == (
+            pytest.approx(z), pytest.approx(y), pytest.approx(x))
+
+
+def test_label_maps_of_files_keep_their_labels_and_names(tmp_path):
+    voxels = np.zeros((20, 30, 40), np.uint16)
+    voxels[2:9, 3:20, 5:30] = 7
+    voxels[10:15, 3:20, 5:30] = 300
+    path = tmp_path / "labels.8vo"
+    octavo.build(voxels, path, kind="labels", label_names={7: "liver", 300: "spleen"}).close()
+    with octavo.open(path) as volume:
+        labels = volume.label_map()
+        assert labels.dtype == np.uint16 and np.array_equal(labels[...], voxels)
+        assert labels.label_names == {7: "liver", 300: "spleen"}
+        assert labels.counts == {7: (voxels == 7).sum(), 300: (voxels == 300).sum()}
+        assert np.array_equal(volume.mask()[...], voxels > 0)
+        assert np.array_equal(volume.mask("spleen")[...], voxels == 300)
+        assert np.array_equal(labels.select("liver")[...], voxels == 7)
+        with pytest.raises(octavo.ArgumentError, match="no label is called heart"):
+            labels.select("heart")
+        saved = labels.save(tmp_path / "again.8vo")
+        assert saved.voxels_sha256 == volume.voxels_sha256
+        rows = labels.agreement(volume.label_map([7]))
+        assert [(row["label"], row["dice"]) for row in rows] == [(7, 1.0), (300, 0.0)]
+
+
+def test_compare_tells_what_differs(volume, tmp_path):
+    same = volume.compare(volume)
+    assert same["equal"] and same["different_voxels"] == 0
+    voxels = volume[...].copy()
+    voxels[5, 6, 7] += 3
+    other = octavo.build(voxels, tmp_path / "other.8vo", spacing=SPACING, origin=(5, 6, 7),
+                         unit="HU", slope=2, intercept=-100)
+    found = volume.compare(other)
+    assert not found["equal"] and found["different_voxels"] == 1
+    assert found["first_different"] == (5, 6, 7) and found["max_difference"] in (3, 6)
+    assert volume.compare(other, max_error=6)["equal"]
+
+
+def test_a_surface_encloses_the_mask(mask):
+    solid = mask.components(keep_largest=1).fill_holes()
+    surface = solid.surface()
+    points, faces = surface.vertices, surface.faces
+    assert points.dtype == np.float32 and faces.dtype == np.uint32
+    assert surface.facts["closed"] and surface.facts["manifold"]
+    a, b, c = (points[faces[:, i]].astype(float) for i in range(3))
+    enclosed = np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6
+    assert enclosed == pytest.approx(surface.facts["volume_mm3"])
+    assert enclosed > 0
+    index = (points[:, ::-1] - (5, 6, 7)) / SPACING
+    assert (index >= -0.5001).all() and (index <= np.array(solid.shape) - 0.4999).all()
+    # Every point of a mask's surface lies half way between a voxel inside and one outside.
+    away = np.abs(index - np.round(index))
+    assert np.allclose(away.max(1), 0.5, atol=1e-3) and np.allclose(np.sort(away)[:, 1], 0,
+                                                                    atol=1e-3)
+
+
+def test_surfaces_in_files_are_those_of_the_program(run, scan, volume, tmp_path):
+    facts = volume.save_surface(tmp_path / "mine.stl", 60)
+    done = run("surface", scan, "--isovalue", "60", "--max-deviation", "0", "-o",
+               tmp_path / "theirs.stl")
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "mine.stl").read_bytes() == (tmp_path / "theirs.stl").read_bytes()
+    arrays = volume.surface(60)
+    assert len(arrays.faces) == facts["triangles"]
+    assert len(volume.surface(60, triangles=2000).faces) <= 2000
+
+
+def test_pictures_are_those_of_the_program(run, scan, volume, tmp_path):
+    from octavo import _notebook
+    picture = volume.slice("y", 20, window=(-200, 100))
+    assert picture.shape[2] == 3 and picture.dtype == np.uint8
+    done = run("slice", scan, "--axis", "y", "--index", "20", "--window=-50,300", "-o",
+               tmp_path / "slice.png")
+    assert done.returncode == 0, done.stderr
+    theirs = _pixels_of(tmp_path / "slice.png")
+    assert np.array_equal(picture, theirs)
+    assert np.array_equal(_pixels_of_bytes(_notebook.png_of(picture)), picture)
+    drawn = volume.threshold(-90, 60).render(size=(200, 160), view="front")
+    assert drawn.shape == (160, 200, 3) and drawn.std() > 10
+    around = volume.render("mip", size=(60, 50), turntable=3)
+    assert around.shape == (3, 50, 60, 3)
+    assert "<img" in volume._repr_html_() and "HU" in volume._repr_html_()
+
+
+def _pixels_of(path):
+    return _pixels_of_bytes(path.read_bytes())
+
+
+def _pixels_of_bytes(held):
+    """A PNG picture of 8 bits as pixels in three channels."""
+    import struct
+    import zlib
+    at, data = 8, b""
+    while at < len(held):
+        length, kind = struct.unpack(">I4s", held[at:at + 8])
+        body = held[at + 8:at + 8 + length]
+        if kind == b"IHDR":
+            width, height, _, color = struct.unpack(">IIBB", body[:10])
+        elif kind == b"IDAT":
+            data += body
+        at += 12 + length
+    channels = {0: 1, 2: 3}[color]
+    rows = np.frombuffer(zlib.decompress(data), np.uint8).reshape(height, 1 + width * channels)
+    pixels = np.zeros((height, width, channels), np.uint8)
+    for y, row in enumerate(rows):
+        given = row[1:].reshape(width, channels)
+        above = pixels[y - 1] if y else np.zeros((width, channels), np.uint8)
+        if row[0] == 0:
+            pixels[y] = given
+        elif row[0] == 1:
+            pixels[y] = np.add.accumulate(given, 0, dtype=np.uint8)
+        elif row[0] == 2:
+            pixels[y] = given + above
+        else:
+            pixels[y] = _predicted(row[0], given, above)
+    return np.broadcast_to(pixels, (height, width, 3)) if channels == 1 else pixels
+
+
+def _predicted(kind, given, above):
+    out = np.zeros_like(given)
+    for x in range(len(given)):
+        for c in range(given.shape[1]):
+            a = int(out[x - 1, c]) if x else 0
+            b = int(above[x, c])
+            d = int(above[x - 1, c]) if x else 0
+            if kind == 3:
+                guess = (a + b) // 2
+            else:
+                p = a + b - d
+                guess = min((abs(p - a), 0, a), (abs(p - b), 1, b), (abs(p - d), 2, d))[2]
+            out[x, c] = (int(given[x, c]) + guess) & 255
+    return out
+
+
+def test_transforms_are_those_of_numpy_and_the_program(run, scan, volume, tmp_path):
+    voxels = volume[...]
+    mirrored = volume.transform(tmp_path / "mirrored.8vo", mirror="x")
+    assert np.array_equal(mirrored[...], voxels[:, :, ::-1])
+    turned = volume.transform(tmp_path / "turned.8vo", rotate=("z", 90))
+    assert np.array_equal(turned[...], np.rot90(voxels, -1, (1, 2)))
+    both = volume.transform(tmp_path / "both.8vo", rotate=("x", 30), translate_mm=(1, 2, 3))
+    done = run("transform", scan, "--rotate", "x:30", "--translate-mm", "3,2,1", "-o",
+               tmp_path / "theirs.8vo")
+    assert done.returncode == 0, done.stderr
+    assert both.compare(octavo.open(tmp_path / "theirs.8vo"))["same_stored"]
+    onto = volume.threshold(60).transform(tmp_path / "onto.8vo", grid_of=mirrored)
+    assert onto.shape == mirrored.shape and onto.kind == "labels"
+    with pytest.raises(octavo.ArgumentError, match="no step is called turn"):
+        volume.transform(tmp_path / "none.8vo", turn=3)
+
+
+def test_condensed_volumes_are_those_of_the_program(run, scan, volume, tmp_path):
+    mine = volume.condense(tmp_path / "mine.8vo", 40)
+    assert run("condense", scan, "--flat", "40", "-o", tmp_path / "theirs.8vo").returncode == 0
+    assert mine.compare(octavo.open(tmp_path / "theirs.8vo"))["same_stored"]
+
+
+def test_tasks_work_on_bytes_and_on_closed_files_raise(scan):
+    with open(scan, "rb") as file:
+        volume = octavo.open(file.read())
+    mask = volume.threshold(0)
+    assert mask.measure(of=volume)[0]["voxels"] == mask.voxels
+    assert volume.surface(0, level=1).facts["closed"]
+    volume.close()
+    with pytest.raises(octavo.ArgumentError, match="is closed"):
+        volume.threshold(0)
+
+
+@pytest.mark.parametrize("call, text", [
+    (lambda v: v.threshold(), "needs a range"),
+    (lambda v: v.threshold(5, 1), "begins above its end"),
+    (lambda v: v.threshold("a"), "is .low, high."),
+    (lambda v: v.label_map(), "holds grey values"),
+    (lambda v: v.threshold(0).dilate(1, mm=2), "not both"),
+    (lambda v: v.threshold(0).dilate(connectivity=7), "connectivity is 6"),
+    (lambda v: v.threshold(0).dilate(-1), "voxels is a whole number"),
+    (lambda v: v.threshold(0).fill_holes(max_mm3="x"), "max_mm3 is a number"),
+    (lambda v: v.threshold(0).save("x.nii"), "ends in .8vo"),
+    (lambda v: v.threshold(0).select(0), "0 is the background"),
+    (lambda v: v.surface(), "needs an isovalue"),
+    (lambda v: v.surface(1e9), "no voxel has"),
+    (lambda v: v.render("photo"), "mode is one of"),
+    (lambda v: v.slice("w"), "axis is"),
+    (lambda v: v.measure(), "holds grey values, not labels"),
+    (lambda v: v.threshold(0).save_surface("x.xyz"), "a surface is written as"),
+])
+def test_what_makes_no_sense_is_rejected(volume, call, text):
+    with pytest.raises(octavo.ArgumentError, match=text):
+        call(volume)
+
+
+def test_masks_of_other_grids_do_not_go_together(volume, mask, tmp_path):
+    small = octavo.build(np.ones((4, 5, 6), bool), tmp_path / "small.8vo", spacing=SPACING)
+    with pytest.raises(octavo.ArgumentError, match="voxels"):
+        mask & small.mask()
+    moved = octavo.build(np.ones(mask.shape, bool), tmp_path / "moved.8vo", spacing=SPACING)
+    with pytest.raises(octavo.ArgumentError, match="lies up to"):
+        mask | moved.mask()
+    with pytest.raises(TypeError):
+        mask & 3
+
+
+def test_an_empty_mask_warns(volume):
+    with pytest.warns(UserWarning, match="the mask is empty"):
+        nothing = volume.threshold(1e6)
+    assert not nothing and nothing.components().table == [] and nothing.counts == {}
+
+
+def test_work_lets_other_threads_run_and_tells_progress(volume):
+    told = []
+    volume.threshold(0, progress=lambda done, total, what: told.append((done, total, what)))
+    assert told and told[-1][2] == "mask"
+
+    def stop(*_):
+        raise KeyboardInterrupt
+    with pytest.raises(KeyboardInterrupt):
+        volume.threshold(0, progress=stop)
+    masks = []
+    threads = [threading.Thread(target=lambda: masks.append(volume.threshold(0)))
+               for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert all(one == masks[0] for one in masks)
+
+
+def test_metadata_say_how_a_mask_was_made(mask):
+    assert "dilate" in json.dumps(mask.dilate(2).attrs)
+
+
+def test_a_volume_still_pickles(volume):
+    assert pickle.loads(pickle.dumps(volume)).threshold(0) == volume.threshold(0)

@@ -1,0 +1,240 @@
+"""OME-Zarr: keys without zarr, stores and images with what reads them, where it is installed."""
+
+import json
+import zipfile
+import zlib
+
+import numpy as np
+import pytest
+
+import octavo
+from octavo._zarr import ZarrFiles
+
+DIRECTION = np.array([[0.8, -0.6, 0], [0.6, 0.8, 0], [0, 0, -1.0]])
+
+
+def world_of(dataset, index):
+    """Where a voxel lies by the transforms of a dataset, z, y, x."""
+    scale, translation = dataset["coordinateTransformations"]
+    return np.array(index) * scale["scale"] + translation["translation"]
+
+
+def test_keys_give_the_texts_and_bricks_of_all_levels(volume, voxels):
+    files = ZarrFiles(volume)
+    group = json.loads(files.get("zarr.json"))
+    image = group["attributes"]["ome"]["multiscales"][0]
+    assert len(image["datasets"]) == len(volume.levels)
+    assert [axis["name"] for axis in image["axes"]] == ["z", "y", "x"]
+    for view in volume.levels:
+        array = json.loads(files.get(f"{view.level}/zarr.json"))
+        assert tuple(array["shape"]) == view.shape and array["data_type"] == view.dtype.name
+        chunk = np.frombuffer(files.get(f"{view.level}/c/0/0/0"), view.dtype).reshape(64, 64, 64)
+        part = tuple(min(64, n) for n in view.shape)
+        assert np.array_equal(chunk[:part[0], :part[1], :part[2]], view[:64, :64, :64])
+        at = world_of(image["datasets"][view.level], (0, 0, 0))
+        assert np.allclose(at, view.origin)
+    last = np.frombuffer(files.get("0/c/2/1/2"), volume.dtype).reshape(64, 64, 64)
+    assert np.array_equal(last[:2, :33, :22], voxels[128:, 64:, 128:])
+    for key in ("0/c/3/0/0", "99/zarr.json", "99/c/0/0/0", "0/c/0/0", "other", "0/c/-1/0/0"):
+        assert files.get(key) is None
+
+
+@pytest.mark.filterwarnings("ignore:.*OME-Zarr has no slope")
+@pytest.mark.parametrize("compression", ["none", "zstd", "blosc"])
+def test_the_program_and_the_package_write_the_same(run, volume, tmp_path, compression):
+    mine, theirs = tmp_path / "image.ome.zarr", tmp_path / "theirs" / "image.ome.zarr"
+    theirs.parent.mkdir()
+    made = octavo.export(volume, mine, compression=compression)
+    done = run("export", volume.name, "-o", theirs, "--compression", compression)
+    assert done.returncode == 0, done.stderr
+    files = sorted(path.relative_to(mine) for path in mine.rglob("*") if path.is_file())
+    assert files == sorted(p.relative_to(theirs) for p in theirs.rglob("*") if p.is_file())
+    assert made["files"] == len(files) and made["levels"] == len(volume.levels)
+    for file in files:
+        assert (mine / file).read_bytes() == (theirs / file).read_bytes()
+    with pytest.raises(octavo.StorageError, match="already exists"):
+        octavo.export(volume, mine)
+
+
+def test_shards_hold_what_their_index_says(volume, voxels, tmp_path):
+    with pytest.warns(UserWarning):
+        octavo.export(volume, tmp_path / "i.ome.zarr", compression="none", shard_chunks=2)
+    shard = (tmp_path / "i.ome.zarr/0/c/0/0/1").read_bytes()
+    index = np.frombuffer(shard[-4 - 8 * 16:-4], "<u8").reshape(2, 2, 2, 2)
+    held = {}
+    for z, y, x in np.ndindex(2, 2, 2):
+        offset, length = map(int, index[z, y, x])
+        if offset == 2 ** 64 - 1:
+            continue
+        held[z, y, x] = np.frombuffer(shard[offset:offset + length], "<i2").reshape(64, 64, 64)
+    # Two chunks along z and y, and the last 22 voxels along x.
+    assert set(held) == {(z, y, 0) for z in (0, 1) for y in (0, 1)}
+    assert np.array_equal(held[1, 1, 0][:, :33, :22], voxels[64:128, 64:, 128:])
+
+
+def test_a_zip_file_has_its_texts_first_and_is_whole(run, volume, tmp_path):
+    path = tmp_path / "image.ozx"
+    assert run("export", volume.name, "-o", path).returncode == 0
+    with zipfile.ZipFile(path) as archive:
+        assert archive.testzip() is None
+        names = archive.namelist()
+        texts = [name for name in names if name.endswith("zarr.json")]
+        assert names[0] == "zarr.json" and names[:len(texts)] == texts
+        assert json.loads(archive.comment)["ome"]["version"] == "0.5"
+        assert all(entry.compress_type == zipfile.ZIP_STORED for entry in archive.infolist())
+        first = archive.infolist()[0]
+        assert first.CRC == zlib.crc32(archive.read(first))
+
+
+def test_replacing_takes_images_alone(run, volume, tmp_path):
+    image, other = tmp_path / "image.zarr", tmp_path / "other.zarr"
+    assert run("export", volume.name, "-o", image, "--level", 2).returncode == 0
+    assert run("export", volume.name, "-o", image, "--level", 3, "--force").returncode == 0
+    levels = [path for path in image.iterdir() if path.is_dir()]
+    assert len(levels) == len(volume.levels) - 3
+    other.mkdir()
+    (other / "precious").write_text("kept")
+    done = run("export", volume.name, "-o", other, "--force")
+    assert done.returncode == 5 and "no zarr hierarchy" in done.stderr
+    assert (other / "precious").read_text() == "kept"
+    assert [path.name for path in tmp_path.iterdir() if path.name.startswith(".")] == []
+
+
+@pytest.mark.parametrize("words", [("--box", "0:4,0:4,0:4"), ("--real",), ("--level", "99")])
+def test_what_images_do_not_have_is_rejected(run, volume, tmp_path, words):
+    done = run("export", volume.name, "-o", tmp_path / "image.ome.zarr", *words)
+    assert done.returncode == 2, done.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.fixture(scope="module")
+def oblique(tmp_path_factory):
+    random = np.random.default_rng(5)
+    voxels = random.integers(-300, 300, (70, 40, 90)).cumsum(2).astype(np.int16)
+    path = tmp_path_factory.mktemp("oblique") / "oblique.8vo"
+    octavo.build(voxels, path, spacing=(3, 0.7, 0.5), origin=(-9, 40, 11.5), direction=DIRECTION,
+                 unit="HU", slope=0.5, intercept=-10).close()
+    return str(path)
+
+
+@pytest.fixture
+def zarr3():
+    zarr = pytest.importorskip("zarr", minversion="3")
+    return zarr
+
+
+@pytest.mark.filterwarnings("ignore:.*OME-Zarr has no slope")
+@pytest.mark.parametrize("name", ["image.ome.zarr", "image.ozx"])
+@pytest.mark.parametrize("compression", ["none", "zstd", "blosc"])
+def test_zarr_reads_images_and_they_come_back(zarr3, oblique, tmp_path, name, compression):
+    volume = octavo.open(oblique)
+    octavo.export(volume, tmp_path / name, compression=compression)
+    store = str(tmp_path / name)
+    if name.endswith(".ozx"):
+        store = zarr3.storage.ZipStore(store, mode="r")
+    group = zarr3.open_group(store, mode="r")
+    for view in volume.levels:
+        assert np.array_equal(group[str(view.level)][...], view[...])
+    back = octavo.from_ome_zarr(tmp_path / name, tmp_path / "back.8vo")
+    assert back.voxels_sha256 == volume.voxels_sha256
+    assert back.unit == volume.unit and back.slope == volume.slope
+    assert back.intercept == volume.intercept
+    assert np.allclose(back.affine, volume.affine, rtol=0, atol=1e-9)
+
+
+@pytest.mark.filterwarnings("ignore:.*OME-Zarr has no slope")
+def test_a_landmark_stays_where_it_is_on_three_levels(zarr3, volume, tmp_path):
+    octavo.export(volume, tmp_path / "image.ome.zarr")
+    group = zarr3.open_group(str(tmp_path / "image.ome.zarr"), mode="r")
+    datasets = group.attrs["ome"]["multiscales"][0]["datasets"]
+    landmark = np.array([90.25, 40.0, 33.0])
+    for view in volume.levels[:3]:
+        scale, translation = (np.array(one[one["type"]]) for one in
+                              datasets[view.level]["coordinateTransformations"])
+        at = (landmark - translation) / scale
+        world = view.affine @ [*at, 1]
+        assert np.abs((world[2::-1] - landmark) / volume.spacing).max() < 0.01
+
+
+def test_zarr_reads_a_volume_as_a_store(zarr3, volume, voxels):
+    group = zarr3.open_group(octavo.as_zarr(volume), mode="r")
+    assert np.array_equal(group["0"][50:90, 10:90:3, -7], voxels[50:90, 10:90:3, -7])
+    for view in volume.levels:
+        assert np.array_equal(group[str(view.level)][...], view[...])
+    assert sorted(group.array_keys(), key=int) == [str(v.level) for v in volume.levels]
+
+
+@pytest.mark.filterwarnings("ignore:.*OME-Zarr has no slope")
+def test_ome_zarr_models_accept_both(zarr3, volume, tmp_path):
+    image = pytest.importorskip("ome_zarr_models.v05").Image
+    octavo.export(volume, tmp_path / "image.ome.zarr")
+    for store in (octavo.as_zarr(volume), str(tmp_path / "image.ome.zarr")):
+        model = image.from_zarr(zarr3.open_group(store, mode="r"))
+        assert len(model.ome_attributes.multiscales[0].datasets) == len(volume.levels)
+
+
+@pytest.mark.filterwarnings("ignore:.*OME-Zarr has no slope")
+@pytest.mark.parametrize("compression", ["none", "zstd", "blosc"])
+def test_tensorstore_reads_every_level(oblique, tmp_path, compression):
+    tensorstore = pytest.importorskip("tensorstore")
+    volume = octavo.open(oblique)
+    octavo.export(volume, tmp_path / "image.ome.zarr", compression=compression)
+    for view in volume.levels:
+        array = tensorstore.open({"driver": "zarr3", "kvstore": {
+            "driver": "file", "path": str(tmp_path / "image.ome.zarr" / str(view.level))}}).result()
+        assert np.array_equal(array.read().result(), view[...])
+
+
+def test_labels_go_there_and_back(zarr3, tmp_path):
+    labels = np.zeros((30, 20, 70), np.uint8)
+    labels[3:9, 4:9, 5:60], labels[20:25] = 3, 9
+    volume = octavo.build(labels, tmp_path / "l.8vo", kind="labels", spacing=(1, 2, 3),
+                          label_names={3: "liver", 9: "spleen"})
+    octavo.export(volume, tmp_path / "l.ome.zarr")
+    group = zarr3.open_group(str(tmp_path / "l.ome.zarr"), mode="r")
+    assert {p["label-value"]: p["name"] for p in
+            group.attrs["ome"]["image-label"]["properties"]} == {3: "liver", 9: "spleen"}
+    back = octavo.from_ome_zarr(tmp_path / "l.ome.zarr", tmp_path / "back.8vo")
+    assert back.kind == "labels" and back.label_names == volume.label_names
+    assert back.voxels_sha256 == volume.voxels_sha256
+
+
+def test_channels_and_times_are_chosen(zarr3, tmp_path):
+    group = zarr3.open_group(str(tmp_path / "five.zarr"), mode="w", zarr_format=3)
+    voxels = np.random.default_rng(1).integers(0, 900, (2, 3, 8, 9, 10)).astype("u2")
+    group.create_array("s0", data=voxels)
+    group.attrs["ome"] = {"version": "0.5", "multiscales": [{
+        "axes": [{"name": n, "type": "space", "unit": "micrometer"} if n in "zyx" else {"name": n}
+                 for n in "tczyx"],
+        "datasets": [{"path": "s0", "coordinateTransformations": [
+            {"type": "scale", "scale": [1, 1, 4, 2, 1]}]}]}]}
+    with pytest.raises(octavo.ArgumentError, match="give time=0 to 1"):
+        octavo.from_ome_zarr(tmp_path / "five.zarr", tmp_path / "x.8vo")
+    made = octavo.from_ome_zarr(tmp_path / "five.zarr", tmp_path / "x.8vo", time=1, channel=2)
+    assert np.array_equal(made[...], voxels[1, 2])
+    assert made.spacing == pytest.approx((0.004, 0.002, 0.001))
+
+
+def test_dask_reads_levels(volume, voxels):
+    pytest.importorskip("dask.array")
+    array = octavo.as_dask(volume)
+    assert array.shape == voxels.shape and array.dtype == voxels.dtype
+    assert array.mean().compute() == pytest.approx(voxels.mean())
+    assert np.array_equal(octavo.as_dask(volume, 1)[3:9, ::2].compute(),
+                          volume.levels[1][3:9, ::2])
+    real = octavo.as_dask(volume.real)
+    assert real.dtype == np.float32 and np.array_equal(real[5].compute(), volume.real[5])
+
+
+def test_xarray_opens_files_by_its_engine(path, volume, voxels):
+    xarray = pytest.importorskip("xarray", minversion="2023.1")
+    from octavo.xarray import OctavoBackend
+    with xarray.open_dataset(path, engine=OctavoBackend) as dataset:
+        held = dataset["voxels"]
+        assert held.dims == ("z", "y", "x") and held.shape == voxels.shape
+        assert np.array_equal(held[3, ::5, 2:9].values, voxels[3, ::5, 2:9])
+        at = held.sel(z=90, y=40, x=33, method="nearest")
+        index = np.round((np.array([90, 40, 33]) - volume.origin) / volume.spacing).astype(int)
+        assert at.values == voxels[tuple(index)]
+    with xarray.open_dataset(path, engine=OctavoBackend, level=1, real=True) as dataset:
+        assert np.array_equal(dataset["voxels"].values, volume.real.levels[1][...])
