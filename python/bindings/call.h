@@ -45,6 +45,9 @@ class Call final : public Progress {
   /// True from when a signal handler or `on_progress` raised on.
   bool is_cancelled() const override;
 
+  /// Throws what Python code raised, where nothing has thrown it yet: at the very end of the work.
+  void throw_kept();
+
   /// Runs `work`, which calls Python, with the GIL. What it raises ends this call: it is kept for
   /// run() and thrown as Error{cancelled}.
   template <class Work>
@@ -54,7 +57,6 @@ class Call final : public Progress {
   using Clock = std::chrono::steady_clock;
 
   void keep_failure() const noexcept;
-  void throw_kept();
   [[noreturn]] static void throw_cancelled();
   void tell();
 

@@ -5,14 +5,18 @@
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/string_view.h>
+#include <nanobind/stl/vector.h>
 
 #include <cmath>
 #include <cstring>
+#include <mutex>
 #include <span>
+#include <vector>
 
 #include "call.h"
 #include "octavo/core/sha256.h"
 #include "octavo/file/parallel_read.h"
+#include "octavo/file/storage/sparse_source.h"
 #include "octavo/file/storage/storage.h"
 #include "octavo/file/verify.h"
 
@@ -23,15 +27,61 @@ using namespace nb::literals;
 
 namespace {
 
-/// Bytes that a Python function gives, on whatever thread they are asked for.
+/// Bytes that Python functions give, on whatever thread they are asked for: some at a time, and
+/// where there is a function for that, all ranges of a read in one call.
 class PythonBytes final : public ByteSource {
  public:
-  PythonBytes(nb::object read_at, std::uint64_t size, std::string name)
-      : read_at_(std::move(read_at)), size_(size), name_(std::move(name)) {}
+  /// fetch  (offsets, lengths) -> bytes of each; or None
+  PythonBytes(nb::object read_at, nb::object fetch, std::uint64_t size, std::string name)
+      : read_at_(std::move(read_at)),
+        fetch_(std::move(fetch)),
+        has_fetch_(!fetch_.is_none()),
+        size_(size),
+        name_(std::move(name)) {}
 
   ~PythonBytes() override {
     const nb::gil_scoped_acquire acquire;
     read_at_.reset();
+    fetch_.reset();
+  }
+
+  std::uint64_t fetched_bytes_kept() const override {
+    return has_fetch_ ? std::uint64_t{64} << 20 : 0;
+  }
+
+  std::vector<ByteRange> missing(std::span<const ByteRange> ranges) const override {
+    if (!has_fetch_) return {};
+    const std::lock_guard guard(lock_);
+    return kept_.missing(ranges);
+  }
+
+  void forget() {
+    const std::lock_guard guard(lock_);
+    kept_.shrink_to(0);
+  }
+
+  void fetch(std::span<const ByteRange> ranges) const override {
+    const std::vector<ByteRange> wanted = missing(ranges);
+    if (wanted.empty()) return;
+    std::vector<std::uint64_t> offsets;
+    std::vector<std::uint64_t> lengths;
+    for (const ByteRange& range : wanted) {
+      offsets.push_back(range.offset);
+      lengths.push_back(range.length);
+    }
+    called(offsets.front(), [&] {
+      const auto brought = nb::cast<nb::list>(fetch_(offsets, lengths));
+      const std::lock_guard guard(lock_);
+      for (std::size_t i = 0; i < wanted.size(); ++i) {
+        const auto bytes = nb::cast<nb::bytes>(brought[i]);
+        if (bytes.size() != lengths[i]) {
+          throw Error(ErrorKind::truncated, "ends early", name_, offsets[i] + bytes.size());
+        }
+        kept_.put(offsets[i],
+                  {reinterpret_cast<const std::uint8_t*>(bytes.c_str()), bytes.size()});
+      }
+      kept_.shrink_to(fetched_bytes_kept());
+    });
   }
 
   std::uint64_t size() const override { return size_; }
@@ -41,13 +91,27 @@ class PythonBytes final : public ByteSource {
     if (offset > size_ || out.size() > size_ - offset) {
       throw Error(ErrorKind::truncated, "ends early", name_, offset);
     }
-    const nb::gil_scoped_acquire acquire;
-    try {
+    if (has_fetch_) {
+      const std::lock_guard guard(lock_);
+      if (kept_.read(offset, out)) return;
+    }
+    called(offset, [&] {
       const auto bytes = nb::cast<nb::bytes>(read_at_(offset, out.size()));
       if (bytes.size() != out.size()) {
         throw Error(ErrorKind::truncated, "ends early", name_, offset + bytes.size());
       }
       std::memcpy(out.data(), bytes.data(), out.size());
+    });
+  }
+
+ private:
+  /// Runs `work` with the GIL; what Python raises becomes an Error, or ends the call of this
+  /// thread.
+  template <class Work>
+  void called(std::uint64_t offset, Work&& work) const {
+    const nb::gil_scoped_acquire acquire;
+    try {
+      work();
     } catch (const nb::python_error& error) {
       // Ctrl-C and the like are no failure of the file.
       if (!error.matches(PyExc_Exception)) {
@@ -58,10 +122,13 @@ class PythonBytes final : public ByteSource {
     }
   }
 
- private:
   nb::object read_at_;
+  nb::object fetch_;
+  bool has_fetch_;
   std::uint64_t size_;
   std::string name_;
+  mutable std::mutex lock_;  // of kept_
+  mutable SparseBytes kept_;
 };
 
 const CallWatcher& watcher() {
@@ -184,9 +251,12 @@ OpenFile::OpenFile(const std::string& path, std::uint64_t cache_bytes) {
   });
 }
 
-OpenFile::OpenFile(nb::object read_at, std::uint64_t size, const std::string& name,
-                   std::uint64_t cache_bytes) {
-  source_ = std::make_shared<PythonBytes>(std::move(read_at), size, name);
+OpenFile::OpenFile(nb::object read_at, nb::object fetch, std::uint64_t size,
+                   const std::string& name, std::uint64_t cache_bytes) {
+  const auto source =
+      std::make_shared<PythonBytes>(std::move(read_at), std::move(fetch), size, name);
+  forget_ = [source] { source->forget(); };
+  source_ = source;
   Call call;
   call.run([&] { reader_ = FileReader::open(source_, options_with(cache_bytes)); });
 }
@@ -194,9 +264,10 @@ OpenFile::OpenFile(nb::object read_at, std::uint64_t size, const std::string& na
 void bind_reading(nb::module_& module) {
   nb::class_<OpenFile>(module, "OpenFile")
       .def(nb::init<const std::string&, std::uint64_t>(), "path"_a, "cache_bytes"_a)
-      .def(nb::init<nb::object, std::uint64_t, const std::string&, std::uint64_t>(), "read_at"_a,
-           "size"_a, "name"_a, "cache_bytes"_a)
+      .def(nb::init<nb::object, nb::object, std::uint64_t, const std::string&, std::uint64_t>(),
+           "read_at"_a, "fetch"_a.none(), "size"_a, "name"_a, "cache_bytes"_a)
       .def("facts", &facts_of)
+      .def("forget", &OpenFile::forget)
       .def("read", &read_box, "start"_a, "stop"_a, "level"_a, "out"_a, "threads"_a)
       .def("read_brick_ranges", &read_brick_ranges, "low"_a, "high"_a);
 }

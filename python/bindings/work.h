@@ -6,6 +6,8 @@
 
 #include <memory>
 #include <string>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "call.h"
@@ -31,13 +33,20 @@ class Work {
 
   /// Runs `work` without the GIL, with the files of that call in the place of their names.
   template <class Task>
-  decltype(auto) run(const std::vector<NamedFile>& files, Task&& task) {
+  auto run(const std::vector<NamedFile>& files, Task&& task) {
     const Inputs inputs(files);
-    return call_.run(std::forward<Task>(task));
+    return run(std::forward<Task>(task));
   }
   template <class Task>
-  decltype(auto) run(Task&& task) {
-    return call_.run(std::forward<Task>(task));
+  auto run(Task&& task) {
+    if constexpr (std::is_void_v<decltype(task())>) {
+      call_.run(std::forward<Task>(task));
+      call_.throw_kept();
+    } else {
+      auto result = call_.run(std::forward<Task>(task));
+      call_.throw_kept();
+      return result;
+    }
   }
 
  private:

@@ -62,8 +62,8 @@ class _Bytes:
 
     def open(self, cache_bytes):
         held = self._held
-        return _octavo.OpenFile(lambda at, length: held[at:at + length], len(held), self.name,
-                                cache_bytes)
+        return _octavo.OpenFile(lambda at, length: held[at:at + length], None, len(held),
+                                self.name, cache_bytes)
 
 
 class _Url:
@@ -111,7 +111,16 @@ class _Url:
                 raise OSError(self._words_of(error)) from None
 
         self._blocks = _Blocks(fetch, size, self._BLOCK, self._BLOCKS_KEPT)
-        return _octavo.OpenFile(self._blocks.read, size, self.name, cache_bytes)
+
+        def fetch_all(offsets, lengths):
+            ends = [offset + length for offset, length in zip(offsets, lengths)]
+            try:
+                return list(map(bytes, files.cat_ranges([path] * len(ends), offsets, ends,
+                                                        on_error="raise")))
+            except Exception as error:
+                raise OSError(self._words_of(error)) from None
+
+        return _octavo.OpenFile(self._blocks.read, fetch_all, size, self.name, cache_bytes)
 
     def _options(self):
         if not self._url.startswith(("http://", "https://")):

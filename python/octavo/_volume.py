@@ -463,6 +463,7 @@ class _File:
                         1 if self._only_thread else int(threads))
         except CorruptError:
             self._source.forget()
+            handle.forget()
             raise
 
     def read_brick_ranges(self, low, high):

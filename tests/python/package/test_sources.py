@@ -212,7 +212,7 @@ def test_what_interrupts_a_fetch_is_what_is_raised(path):
             raise KeyboardInterrupt
         return held[at:at + length]
 
-    file = _octavo.OpenFile(read_at, len(held), "a", 1 << 20)
+    file = _octavo.OpenFile(read_at, None, len(held), "a", 1 << 20)
     is_over.append(True)
     with pytest.raises(KeyboardInterrupt):
         file.read((0, 0, 0), (5, 5, 5), 0, np.empty((5, 5, 5), np.int16), 1)
@@ -294,3 +294,41 @@ def test_a_thousand_openings_leave_nothing_behind(path):
     many()
     assert len(os.listdir("/proc/self/fd")) == files
     assert resident_bytes() - memory < 8 << 20
+
+
+def test_a_read_is_few_calls_of_the_file_system(path, voxels):
+    fsspec = pytest.importorskip("fsspec")
+    from fsspec.implementations.memory import MemoryFileSystem
+
+    class Counted(MemoryFileSystem):
+        protocol = "counted"
+        calls = []
+
+        @classmethod
+        def _strip_protocol(cls, path):
+            return super()._strip_protocol(path.replace("counted://", "memory://"))
+
+        def cat_ranges(self, paths, starts, ends, **kwargs):
+            self.calls.append(len(paths))
+            return super().cat_ranges(paths, starts, ends, **kwargs)
+
+        def cat_file(self, path, start=None, end=None, **kwargs):
+            self.calls.append("one")
+            return super().cat_file(path, start=start, end=end, **kwargs)
+
+    fsspec.register_implementation("counted", Counted, clobber=True)
+    files = fsspec.filesystem("counted")
+    with open(path, "rb") as file:
+        files.pipe("/scan.8vo", file.read())
+    volume = octavo.open("counted://scan.8vo", cache_bytes=0)
+    first = True
+    for key in (np.s_[64], np.s_[:, 50], np.s_[3:20, 40:60, 90:100]):
+        Counted.calls.clear()
+        assert np.array_equal(volume[key], voxels[key])
+        # MemoryFileSystem brings each range of a call by cat_file; a model of bricks that is not
+        # known yet is a call of its own.
+        calls = [call for call in Counted.calls if call != "one"]
+        assert first <= len(calls) <= 2 and len(Counted.calls) == len(calls) + sum(calls)
+        first = False
+        Counted.calls.clear()
+        assert np.array_equal(volume[key], voxels[key]) and Counted.calls == []
