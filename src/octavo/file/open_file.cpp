@@ -96,7 +96,9 @@ void OpenFile::read_tail(const ReaderOptions& options) {
   const ByteRange range = tail_of(header_, options);
   const std::uint64_t start = range.offset;
   const bool has_pages = start == header_.pages.offset;
-  if (source_->fetched_bytes_kept() > 0) source_->fetch(tail_to_fetch(*source_, range, options));
+  // A tail that is not kept would be sent twice.
+  const std::vector<ByteRange> ahead = tail_to_fetch(*source_, range, options);
+  if (total_bytes(ahead) <= source_->fetched_bytes_kept()) source_->fetch(ahead);
   const Bytes tail = read_bytes(start, range.length);
   const auto part = [&](const Section& section) {
     return ByteSpan(tail).subspan(section.offset - start, section.length);
