@@ -354,7 +354,11 @@ FoundPose find_pose(std::span<const Point3> points, const PoseTarget& target, bo
   poses = improved(solver, std::move(poses), {target.fine, 1500, std::max(3 * voxel, radius / 40),
                                               20}, 3, progress);
   poses = improved(solver, std::move(poses), {target.fine, 3000, 1.5 * voxel, 25}, 1, progress);
-  const PoseSolver::Stage last{target.fine, points.size(), 0.7 * voxel, 25};
+  // As rough as the surfaces are: all that is near has to count alike.
+  FoundPose rough;
+  measure_residuals(points, solver, poses.front(), target, rough);
+  const double cut = std::clamp(3 * rough.mean_mm, 0.7 * voxel, 3 * voxel);
+  const PoseSolver::Stage last{target.fine, points.size(), cut, 25};
   poses = improved(solver, std::move(poses), last, 1, progress);
 
   const Pose& best = poses.front();
