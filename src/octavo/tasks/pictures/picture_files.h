@@ -23,7 +23,7 @@ using PictureListener = std::function<void(const Picture&)>;
 class PictureFiles {
  public:
   /// on_picture  where it is set takes all pictures, and no file is written
-  PictureFiles(const TaskContext& context, PictureListener on_picture)
+  explicit PictureFiles(const TaskContext& context, PictureListener on_picture = {})
       : context_(context), on_picture_(std::move(on_picture)) {}
 
   /// Throws Error{cancelled}, and what writing throws
