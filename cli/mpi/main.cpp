@@ -65,6 +65,7 @@ int run_mpi_program(std::vector<std::string> words) {
   try {
     add_mpi_build(app, context);
     add_mpi_codes(app, context);
+    add_mpi_render(app, context);
     add_completion(app, context);
     add_manual(app, context);
     if (words.empty()) {

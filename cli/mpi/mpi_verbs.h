@@ -25,6 +25,8 @@ struct RankArguments {
 };
 
 void add_rank_options(Verb verb, RankArguments& arguments);
+/// Those alone that say when a job ends whose ranks are not heard of.
+void add_waiting_options(Verb verb, RankArguments& arguments);
 GatherPlan gather_plan(const RankArguments& arguments);
 
 /// Starts MPI, runs `work` at this rank, and ends all of them where it fails: the sentence of the
@@ -36,5 +38,6 @@ std::vector<std::string> with_report_format(std::vector<std::string> words);
 
 void add_mpi_build(CLI::App& app, Context& context);
 void add_mpi_codes(CLI::App& app, Context& context);
+void add_mpi_render(CLI::App& app, Context& context);
 
 }  // namespace octavo::cli

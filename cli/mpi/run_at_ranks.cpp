@@ -169,6 +169,10 @@ void add_rank_options(Verb verb, RankArguments& arguments) {
                   "(default) or json")
       ->type_name("[FORMAT]")
       ->check(one_of({"text", "json"}));
+  add_waiting_options(verb, arguments);
+}
+
+void add_waiting_options(Verb verb, RankArguments& arguments) {
   verb.add_option("--silent-limit", arguments.silent_s,
                   "End the job where a rank has not been heard of for so many seconds")
       ->type_name("SECONDS")

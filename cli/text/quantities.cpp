@@ -115,13 +115,13 @@ std::string box_text(const Box& box) {
                      box.hi.z);
 }
 
-AskedBox parse_box(const std::string& text) {
-  const auto parts = three_parts(text, "--box", "x0:x1,y0:y1,z0:z1");
+AskedBox parse_box(const std::string& text, const std::string& what) {
+  const auto parts = three_parts(text, what, "x0:x1,y0:y1,z0:z1");
   AskedBox box;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto ends = split_range(parts[axis], "--box");
-    if (!ends[0].empty()) box.lo[axis] = parse_integer(ends[0], "--box");
-    if (!ends[1].empty()) box.hi[axis] = parse_integer(ends[1], "--box");
+    const auto ends = split_range(parts[axis], what);
+    if (!ends[0].empty()) box.lo[axis] = parse_integer(ends[0], what);
+    if (!ends[1].empty()) box.hi[axis] = parse_integer(ends[1], what);
   }
   return box;
 }

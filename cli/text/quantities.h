@@ -53,7 +53,8 @@ Point3 parse_spacing(const std::string& text, const std::string& what);
 std::string box_text(const Box& box);
 
 /// A half-open box of samples, "x0:x1,y0:y1,z0:z1"; a side left empty is the end of the volume.
-AskedBox parse_box(const std::string& text);
+/// Throws Error{invalid_argument} naming `what`.
+AskedBox parse_box(const std::string& text, const std::string& what = "--box");
 
 /// A box in millimeters (LPS world space).
 BoxMm parse_box_mm(const std::string& text);

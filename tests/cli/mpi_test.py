@@ -20,6 +20,7 @@ import tempfile
 import time
 
 import cli_test
+import render_test
 
 OCTAVO_MPI = ""
 SIZE = (512, 512, 268)  # of uint16: four groups of 64 planes and one of 12
@@ -197,7 +198,8 @@ class PagesOfRanks(cli_test.InFolder):
         self.told("manual", "-o", "pages")
         self.assertEqual(sorted(path.name for path in (self.folder / "pages").iterdir()),
                          sorted(["octavo-mpi.1"] + [f"octavo-mpi-{verb}.1" for verb in
-                                                    ("build", "codes", "completion", "manual")]))
+                                                    ("build", "codes", "completion", "manual",
+                                                     "render")]))
         page = self.told("manual", "build")
         self.assertIn("\\fB\\-\\-silent\\-limit\\fR", page)
         for section in ("SYNOPSIS\n\\fBoctavo\\-mpi build\\fR", "EXAMPLES\n", "EXIT STATUS\n"):
@@ -240,6 +242,36 @@ class CodesByRanks(ByRanks):
         report = json.loads(job.communicate()[0])["report"]
         self.assertEqual(sum(share["planes"] for share in report["shares"]), size[2])
         self.assertGreater(report["codes_sent"], 0)
+
+
+class PicturesByRanks(ByRanks):
+    def test_pictures_are_those_of_one_process(self):
+        self.expect(0, "phantom", "--size", "140,130,100", "--noise", "5", "-o", "head.mhd")
+        self.expect(0, "build", "head.mhd", "--preset", "fast", "-q", "-o", "head.8vo")
+        view = ("--azimuth", "150", "--size", "160x120", "--transfer", "bone")
+        self.expect(0, "render", "head.8vo", "--mode", "volume", *view, "-o", "one.png")
+        for ranks in (1, 3):
+            job = self.start(ranks, "render", "head.8vo", *view, "--force", "--json", "-o",
+                             "ranks.png")
+            out, error = job.communicate()
+            self.assertEqual(job.returncode, 0, error)
+            report = json.loads(out)
+            self.assertEqual(report["ranks"], ranks)
+            self.assertGreater(report["fps"], 0)
+            one, parts = ([channel for row in render_test.read_png(self.folder / name)
+                           for pixel in row for channel in pixel]
+                          for name in ("one.png", "ranks.png"))
+            self.assertGreater(max(one), 100)
+            self.assertLessEqual(max(abs(a - b) for a, b in zip(one, parts)), 1)
+
+    def test_what_ranks_do_not_draw_is_rejected(self):
+        self.expect(0, "phantom", "--size", "20,20,20", "-o", "head.mhd")
+        self.expect(0, "build", "head.mhd", "-q", "-o", "head.8vo")
+        job = self.start(2, "render", "head.8vo", "--mode", "cubes", "-o", "cubes.png")
+        _, error = job.communicate()
+        self.assertEqual(job.returncode, 2, error)
+        self.assertIn("ranks draw modes volume", error)
+        self.assertFalse((self.folder / "cubes.png").exists())
 
 
 class LostRanks(ByRanks):

@@ -211,6 +211,26 @@ class Pictures(cli_test.InFolder):
         told = self.expect(0, "shell", "m.8vo").stdout
         self.assertIn("leaves lie at the surface", told)
 
+    def test_rays_share_their_picture_with_meshes_and_marks(self):
+        (self.folder / "plate.obj").write_text(
+            "v 0 0 20\nv 39 0 20\nv 39 35 20\nv 0 35 20\nf 1 2 3 4\n")
+        rays = ("--mode", "volume", "--direction", "front-top", "--size", "64")
+        _, without = self.render("a.png", "v.8vo", *rays)
+        _, plate = self.render("b.png", "v.8vo", *rays, "--mesh", "plate.obj=#ff0000:1")
+        self.assertNotEqual(plate, without)
+        self.assertIn(True, [red > 120 and green < 60 for row in plate for red, green, _ in row])
+        _, mark = self.render("c.png", "v.8vo", *rays, "--mark", "20,18,40=knob")
+        self.assertNotEqual(mark, without)
+        report, _ = self.render("d.png", "v.8vo", *rays, "--time-budget", "1000")
+        self.assertTrue(report["is_complete"])
+        self.assertEqual(report["passes"][-1]["level"], report["level"])
+
+    def test_an_animation_is_one_file(self):
+        self.expect(0, "render", "v.8vo", "--range", "40:", "--size", "64", "--turntable", "3",
+                    "--grow", "-o", "turn.apng", "-q")
+        self.assertEqual((self.folder / "turn.apng").read_bytes().count(b"fcTL"), 3)
+        self.assertFalse((self.folder / "turn-000.png").exists())
+
     def test_errors_name_the_reason_and_leave_nothing(self):
         self.expect(0, "threshold", "v.8vo", "--range", "7:", "-o", "l.8vo", "-q")
         before = self.files()
@@ -227,6 +247,16 @@ class Pictures(cli_test.InFolder):
             (2, ["0 to 39"], ["v.8vo", "--range", "7:", "--cut", "x<40"]),
             (2, ["no voxel"], ["v.8vo", "--range", "7:", "--cut", "x<4", "--cut", "x>9"]),
             (2, ["level"], ["v.8vo", "--range", "7:", "--level", "77"]),
+            (2, ["z = 0:99"], ["v.8vo", "--range", "7:", "--cut", "0:4,0:4,0:99"]),
+            (2, ["--cut", "x0:x1"], ["v.8vo", "--range", "7:", "--cut", "0:4"]),
+            (2, ["--mode volume or iso"], ["v.8vo", "--range", "7:", "--mesh", "m.ply"]),
+            (2, [".stl, .ply or .obj", "--mesh"],
+             ["v.8vo", "--mode", "volume", "--mesh", "v.raw=red:0.5"]),
+            (5, ["m.ply"], ["v.8vo", "--mode", "volume", "--mesh", "m.ply"]),
+            (2, ["--mark"], ["v.8vo", "--mode", "volume", "--mark", "1,2"]),
+            (2, ["--turntable"], ["v.8vo", "--mode", "volume", "--grow"]),
+            (2, ["--time-budget"], ["v.8vo", "--range", "7:", "--time-budget", "3"]),
+            (2, ["--shadows"], ["v.8vo", "--mode", "mip", "--shadows"]),
             (6, ["zoom"], ["v.8vo", "--range", "7:", "--zoom", "1e12"]),
             (5, ["missing.8vo"], ["missing.8vo"]),
         ]:

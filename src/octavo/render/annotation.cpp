@@ -225,6 +225,13 @@ void Annotator::color_bar(Corner corner, std::span<const Color> colors,
   small_.draw(picture_, text_x(ends[0]), y + bar - small_.cap_height(), ends[0], colors_);
 }
 
+void Annotator::text_beside(double x, double y, std::string_view text) {
+  if (!has_room()) return;
+  const double half = static_cast<double>(small_.cap_height()) / 2;
+  small_.draw(picture_, area_.x + std::lround(x + 2 * half), area_.y + std::lround(y - half), text,
+              colors_);
+}
+
 void Annotator::axes(const std::array<ViewAxis, 3>& axes) {
   if (!has_room()) return;
   const auto arm = 3.2 * static_cast<double>(small_.cap_height());

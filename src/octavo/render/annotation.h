@@ -76,6 +76,9 @@ class Annotator {
   void color_bar(Corner corner, std::span<const Color> colors,
                  const std::array<std::string, 2>& ends);
 
+  /// Writes a line of text to the right of a place, pixels; outside the picture it is cropped.
+  void text_beside(double x, double y, std::string_view text);
+
   /// Draws three axes from one point at the lower right, with their names at their ends.
   void axes(const std::array<ViewAxis, 3>& axes);
 

@@ -22,6 +22,13 @@ double seconds_since(RayClock::time_point start) {
   return std::chrono::duration<double>(RayClock::now() - start).count();
 }
 
+bool is_in_picture(const RayField& field, std::size_t number, std::size_t ray) {
+  const std::int64_t left = static_cast<std::int64_t>(number) % field.tile_columns() * kRayTileSide;
+  const std::int64_t top = static_cast<std::int64_t>(number) / field.tile_columns() * kRayTileSide;
+  return left + static_cast<std::int64_t>(kTileOrder.column[ray]) < field.width &&
+         top + static_cast<std::int64_t>(kTileOrder.row[ray]) < field.height;
+}
+
 void start_tile(RayTile& tile, const RayFrame& frame, const RayField& field, std::size_t number) {
   const std::int64_t left = static_cast<std::int64_t>(number) % field.tile_columns() * kRayTileSide;
   const std::int64_t top = static_cast<std::int64_t>(number) / field.tile_columns() * kRayTileSide;
@@ -29,14 +36,19 @@ void start_tile(RayTile& tile, const RayFrame& frame, const RayField& field, std
                               static_cast<double>(field.width) / 2);
   tile.v = static_cast<float>(static_cast<double>(top) + 0.5 -
                               static_cast<double>(field.height) / 2);
-  tile.waits_for.fill(-1);
   if (frame.mode == RayMode::extreme) {
     tile.gathered.fill(-std::numeric_limits<float>::infinity());
   }
+}
+
+/// Sets the rays that are not done to the begin of a region.
+void enter_region(RayTile& tile, const RayFrame& frame, const RayField& field,
+                  std::size_t number) {
+  tile.waits_for.fill(-1);
   for (std::size_t i = 0; i < kTileRays; ++i) {
-    const bool is_outside = left + static_cast<std::int64_t>(kTileOrder.column[i]) >= field.width ||
-                            top + static_cast<std::int64_t>(kTileOrder.row[i]) >= field.height;
-    if (is_outside) tile.k[i] = kRayDone;
+    const bool is_full = (frame.mode == RayMode::volume && tile.gathered[i] >= frame.enough) ||
+                         (frame.mode == RayMode::iso && tile.gathered[i] > 0);
+    tile.k[i] = is_full || !is_in_picture(field, number, i) ? kRayDone : 0;
   }
 }
 
@@ -74,6 +86,42 @@ std::vector<std::int32_t> awaited(const RayField& field, const RayFrame& frame,
   return all;
 }
 
+struct RayFollowing {
+  FollowRays follow;
+  const Progress& watcher;
+};
+
+void cross_region(RayBricks& bricks, RayFrame& frame, RayField& field,
+                  const std::vector<std::unique_ptr<RayStops>>& stops, const RayFollowing& how) {
+  std::vector<std::size_t> waiting(field.tiles.size());
+  for (std::size_t i = 0; i < waiting.size(); ++i) {
+    enter_region(field.tiles[i], frame, field, i);
+    waiting[i] = i;
+  }
+  while (true) {
+    // Follow.
+    const RayClock::time_point began = RayClock::now();
+    frame.bricks = bricks.tables();
+    std::atomic<std::int64_t> samples = 0;
+    tbb::parallel_for(std::size_t{0}, waiting.size(), [&](std::size_t i) {
+      if (how.watcher.is_cancelled()) return;
+      const std::size_t number = waiting[i];
+      RayTile& tile = field.tiles[number];
+      samples += stops[number] ? follow_through_layers(frame, tile, field.layers[number],
+                                                       *stops[number], how.follow)
+                               : how.follow(frame, tile);
+    });
+    if (how.watcher.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
+    field.samples += samples;
+    field.cast_seconds += seconds_since(began);
+
+    // Load what is waited for.
+    std::erase_if(waiting, [&](std::size_t i) { return !is_waiting(field.tiles[i]); });
+    if (waiting.empty()) return;
+    bricks.load(awaited(field, frame, bricks, waiting));
+  }
+}
+
 }  // namespace
 
 std::uint64_t ray_field_bytes(std::int64_t width, std::int64_t height) {
@@ -85,41 +133,29 @@ std::uint64_t ray_field_bytes(std::int64_t width, std::int64_t height) {
 
 RayField cast_rays(RayBricks& bricks, RayFrame frame, std::int64_t width, std::int64_t height,
                    FollowRays follow, const Progress& watcher) {
+  const RayRegion whole{frame.low, frame.high, frame.low, frame.high};
+  return cast_rays(bricks, frame, {&whole, 1}, width, height, follow, watcher);
+}
+
+RayField cast_rays(RayBricks& bricks, RayFrame frame, std::span<const RayRegion> regions,
+                   std::int64_t width, std::int64_t height, FollowRays follow,
+                   const Progress& watcher) {
   RayField field;
   field.width = width;
   field.height = height;
   field.tiles.resize(ray_field_bytes(width, height) / sizeof(RayTile));
-  std::vector<std::size_t> waiting(field.tiles.size());
-  for (std::size_t i = 0; i < waiting.size(); ++i) {
-    start_tile(field.tiles[i], frame, field, i);
-    waiting[i] = i;
-  }
-
+  for (std::size_t i = 0; i < field.tiles.size(); ++i) start_tile(field.tiles[i], frame, field, i);
   if (frame.meshes) field.layers = frame.meshes->layers(frame, width, height, watcher);
   const auto stops = make_stops(field);
-
-  while (true) {
-    // Follow.
-    const RayClock::time_point began = RayClock::now();
-    frame.bricks = bricks.tables();
-    std::atomic<std::int64_t> samples = 0;
-    tbb::parallel_for(std::size_t{0}, waiting.size(), [&](std::size_t i) {
-      if (watcher.is_cancelled()) return;
-      const std::size_t number = waiting[i];
-      RayTile& tile = field.tiles[number];
-      samples += stops[number] ? follow_through_layers(frame, tile, field.layers[number],
-                                                       *stops[number], follow)
-                               : follow(frame, tile);
-    });
-    if (watcher.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
-    field.samples += samples;
-    field.cast_seconds += seconds_since(began);
-
-    // Load what is waited for.
-    std::erase_if(waiting, [&](std::size_t i) { return !is_waiting(field.tiles[i]); });
-    if (waiting.empty()) return field;
-    bricks.load(awaited(field, frame, bricks, waiting));
+  for (std::size_t i = 0; i < regions.size(); ++i) {
+    frame.low = regions[i].low;
+    frame.high = regions[i].high;
+    frame.whole_low = regions[i].whole_low;
+    frame.whole_high = regions[i].whole_high;
+    frame.is_last_region = i + 1 == regions.size();
+    cross_region(bricks, frame, field, stops, {follow, watcher});
   }
+  return field;
 }
 
 }  // namespace octavo

@@ -3,17 +3,21 @@
 //     each tile      follow its rays until each is done or waits for a brick that is not in memory
 //     all together   load bricks that rays wait for, the nearest first; again, until none waits
 //
+// Where they cross several regions they do so with one after the other.
+//
 // A brick that no ray comes to is never read: not what is empty, not what lies behind what is
 // opaque.
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "octavo/core/progress.h"
 #include "octavo/render/rays/ray_bricks.h"
 #include "octavo/render/rays/ray_job.h"
 #include "octavo/render/rays/ray_layers.h"
+#include "octavo/render/rays/ray_regions.h"
 
 namespace octavo {
 
@@ -25,6 +29,7 @@ struct RayField {
   std::vector<TileLayers> layers;  ///< of the frame's meshes, by tile; none without meshes
   std::int64_t samples = 0;    ///< taken
   double cast_seconds = 0;     ///< following rays
+  std::int64_t loaded_elsewhere = 0;  ///< bricks of other ranks
 
   std::int64_t tile_columns() const { return (width + kRayTileSide - 1) / kRayTileSide; }
 
@@ -43,6 +48,12 @@ std::uint64_t ray_field_bytes(std::int64_t width, std::int64_t height);
 /// Memory  ray_field_bytes, besides bricks and what meshes take
 RayField cast_rays(RayBricks& bricks, RayFrame frame, std::int64_t width, std::int64_t height,
                    FollowRays follow, const Progress& watcher);
+
+/// The same through regions in place of the frame's box.
+/// regions  in the order of front_to_back
+RayField cast_rays(RayBricks& bricks, RayFrame frame, std::span<const RayRegion> regions,
+                   std::int64_t width, std::int64_t height, FollowRays follow,
+                   const Progress& watcher);
 
 template <class Visit>
 void RayField::for_each_pixel(Visit&& visit) const {

@@ -99,12 +99,26 @@ struct RayLight {
   float soft_gradient = 0;
 };
 
+/// Which share of the light comes to places in a grid, by cells of a coarser one; between their
+/// middles it runs straight.
+struct ShadeTable {
+  const std::uint8_t* pairs = nullptr;  ///< of the light all around and of the lamp's; or none
+  std::int32_t row = 0;    ///< pairs from a row to the next
+  std::int32_t plane = 0;  ///< from a plane to the next
+  /// cell = place * scale + offset, 0 .. highest; the next one is read besides
+  std::array<float, 3> scale{};
+  std::array<float, 3> offset{};
+  std::array<float, 3> highest{};
+  std::array<std::int32_t, 3> last_cell{};
+};
+
 /// One picture.
 struct RayFrame {
   RayMode mode = RayMode::volume;
   BrickTables bricks;
   ColorTable table;
   RayLight light;
+  ShadeTable shade;
   /// origin = corner + u * across + v * down, (u, v) being the place of a pixel's middle from the
   /// middle of the picture; direction in the same way, to be divided by its length in pixels where
   /// there is an eye.
@@ -118,12 +132,17 @@ struct RayFrame {
   float step_pixels = 1;
   std::array<float, 3> low{};   ///< what rays cross, in samples
   std::array<float, 3> high{};
+  /// The box that it is a part of. Behind faces that it does not share with it others go on with
+  /// the ray: a step begins or ends there as if there were no face, and belongs to where it begins.
+  std::array<float, 3> whole_low{};
+  std::array<float, 3> whole_high{};
   /// gradient in the axes of the picture = matrix * gradient in samples; rows one after the other
   std::array<float, 9> gradient{};
   float sign = 1;        ///< extreme, iso: of values
   float isovalue = 0;    ///< times the sign
   float enough = 0.995f; ///< opacity at which a ray ends
   const RayMeshes* meshes = nullptr;  ///< in the same picture; or none
+  bool is_last_region = true;  ///< what lies behind what rays cross is nothing but layers
   float margin = 0;      ///< that a ray stays before the end of what it skips, in samples
 };
 
@@ -139,8 +158,10 @@ inline constexpr float kBehindStop = 0.5f;
 inline constexpr float kSmallestStep = 1e-9f;
 /// Light where no side of a surface is known.
 inline constexpr float kFlatLight = 0.75f;
-/// Steps that weigh less have that light.
-inline constexpr float kUnlitWeight = 1.0f / 1024;
+/// What part of it comes from all around.
+inline constexpr float kFlatAmbient = 0.25f;
+/// Steps of less opacity have that light.
+inline constexpr float kUnlitOpacity = 1.0f / 1024;
 /// A highlight is the cosine squared so many times.
 inline constexpr int kShineSquares = 5;
 /// Parts of a step in which its length counts: 1 << it.

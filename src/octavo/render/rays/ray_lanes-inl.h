@@ -122,13 +122,56 @@ HWY_INLINE Gradients gradient_at(const BrickTables& b, const Corners& c) {
   return {{x, y, z}};
 }
 
+/// Shares of the light.
+struct PacketShade {
+  Reals ambient;
+  Reals direct;
+};
+
+HWY_INLINE PacketShade row_shade(const ShadeTable& t, Wholes pair, Reals share) {
+  const Wholes all = hn::GatherOffset(kWhole, reinterpret_cast<const std::int32_t*>(t.pairs),
+                                      hn::ShiftLeft<1>(pair));
+  const auto byte = [&](Wholes shifted) HWY_ATTR {
+    return hn::ConvertTo(kRays, hn::And(shifted, whole(255)));
+  };
+  return {mixed(byte(all), byte(hn::ShiftRight<16>(all)), share),
+          mixed(byte(hn::ShiftRight<8>(all)), byte(hn::ShiftRight<24>(all)), share)};
+}
+
+HWY_INLINE PacketShade mixed_shade(const PacketShade& a, const PacketShade& b, Reals share) {
+  return {mixed(a.ambient, b.ambient, share), mixed(a.direct, b.direct, share)};
+}
+
+HWY_INLINE PacketShade shade_at(const ShadeTable& t, const Reals* place) {
+  if (t.pairs == nullptr) return {real(1), real(1)};
+  Wholes cell[3];
+  Reals share[3];
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const Reals moved =
+        hn::Add(hn::Mul(place[axis], real(t.scale[axis])), real(t.offset[axis]));
+    const Reals at = hn::Min(hn::Max(moved, hn::Zero(kRays)), real(t.highest[axis]));
+    cell[axis] = hn::Min(hn::ConvertTo(kWhole, at), whole(t.last_cell[axis]));
+    share[axis] = hn::Sub(at, hn::ConvertTo(kRays, cell[axis]));
+  }
+  const auto row = [&](std::int32_t y, std::int32_t z) HWY_ATTR {
+    const Wholes plane = hn::Mul(hn::Add(cell[2], whole(z)), whole(t.plane));
+    const Wholes line = hn::Mul(hn::Add(cell[1], whole(y)), whole(t.row));
+    return row_shade(t, hn::Add(hn::Add(plane, line), cell[0]), share[0]);
+  };
+  const PacketShade near = mixed_shade(row(0, 0), row(1, 0), share[1]);
+  const PacketShade far = mixed_shade(row(0, 1), row(1, 1), share[1]);
+  const PacketShade all = mixed_shade(near, far, share[2]);
+  return {hn::Mul(all.ambient, real(1 / 255.0f)), hn::Mul(all.direct, real(1 / 255.0f))};
+}
+
 struct PacketLight {
   Reals light;
   Reals highlight;
   Reals slope;  // length of the gradient
 };
 
-HWY_INLINE PacketLight light_on(const RayFrame& f, const Gradients& gradient) {
+HWY_INLINE PacketLight light_on(const RayFrame& f, const Gradients& gradient,
+                                const PacketShade& shade) {
   const RayLight& light = f.light;
   const auto dot = [](const Reals* a, const float* b) HWY_ATTR {
     return hn::Add(hn::Add(hn::Mul(a[0], real(b[0])), hn::Mul(a[1], real(b[1]))),
@@ -148,12 +191,16 @@ HWY_INLINE PacketLight light_on(const RayFrame& f, const Gradients& gradient) {
   const Reals strength = hn::Div(
       length, hn::Add(hn::Add(length, real(light.soft_gradient)), real(kSmallestStep)));
   const Reals lit =
-      hn::Add(real(light.ambient), hn::Mul(real(light.diffuse), along(light.toward_light)));
+      hn::Add(hn::Mul(real(light.ambient), shade.ambient),
+              hn::Mul(hn::Mul(real(light.diffuse), along(light.toward_light)), shade.direct));
   Reals shine = along(light.halfway);
   for (int i = 0; i < kShineSquares; ++i) shine = hn::Mul(shine, shine);
-  const Reals flat = real(kFlatLight);
-  return {hn::Add(flat, hn::Mul(hn::Sub(lit, flat), strength)),
-          hn::Mul(hn::Mul(real(light.specular), shine), strength), length};
+  const Reals flat = hn::Mul(
+      real(kFlatLight), hn::Add(hn::Mul(real(kFlatAmbient), shade.ambient),
+                                hn::Mul(real(1 - kFlatAmbient), shade.direct)));
+  const Reals shone = hn::Mul(hn::Mul(real(light.specular), shine), strength);
+  return {hn::Add(flat, hn::Mul(hn::Sub(lit, flat), strength)), hn::Mul(shone, shade.direct),
+          length};
 }
 
 HWY_INLINE Wholes entries_of(const ColorTable& table, Reals value) {

@@ -75,6 +75,8 @@ class LayerFollower {
     const std::uint32_t end = layers_.begins[ray + 1];
     const bool is_done = tile_.k[ray] >= kRayDone;
     if (next == end) return false;
+    // Rays go on in the next region, which may lie before the layer.
+    if (is_done && !frame_.is_last_region) return false;
     const float here = stops_.stop[ray];
     while (next < end && (is_done || layers_.layers[next].k <= here) &&
            tile_.gathered[ray] < frame_.enough) {

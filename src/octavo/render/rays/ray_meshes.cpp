@@ -459,6 +459,13 @@ class MeshTiles {
 
 }  // namespace
 
+std::optional<std::array<double, 2>> place_in_picture(const Geometry& geometry,
+                                                      const RayFrame& frame, const Point3& world) {
+  const HomogeneousPoint place = MeshCamera(geometry, frame).place_of(world);
+  if (!(place.at[0] > kNearestShare)) return std::nullopt;
+  return std::array<double, 2>{place.at[1] / place.at[0], place.at[2] / place.at[0]};
+}
+
 RayMeshes::RayMeshes(std::vector<RayMesh> meshes, const Options& options)
     : meshes_(std::move(meshes)), options_(options) {
   std::uint64_t triangles = 0;

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -28,6 +29,12 @@ struct RayMesh {
 
 /// Where a surface turns by more than the angle of this cosine it has an edge, and no smooth light.
 inline constexpr double kSharpCosine = 0.7;
+
+/// Where a place in world space is seen, in pixels from the middle of the picture; nothing where it
+/// lies behind the eye.
+/// geometry  of the grid whose samples rays cross
+std::optional<std::array<double, 2>> place_in_picture(const Geometry& geometry,
+                                                      const RayFrame& frame, const Point3& world);
 
 /// The surfaces of a picture.
 class RayMeshes {

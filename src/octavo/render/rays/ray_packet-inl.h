@@ -124,16 +124,47 @@ class Packet {
     enter_ = hn::Zero(kRays);
     leave_ = real(kRayDone);
     enter_axis_ = whole(2);
+    RayMask is_inner_begin = hn::FirstN(kRays, 0);
+    RayMask is_inner_end = is_inner_begin;
+    Reals end = real(kRayDone);
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const Reals low = hn::Div(hn::Sub(real(f_.low[axis]), origin_[axis]), step_[axis]);
-      const Reals high = hn::Div(hn::Sub(real(f_.high[axis]), origin_[axis]), step_[axis]);
+      const auto at = [&](float face) HWY_ATTR {
+        return hn::Div(hn::Sub(real(face), origin_[axis]), step_[axis]);
+      };
+      const Reals low = at(f_.low[axis]);
+      const Reals high = at(f_.high[axis]);
+      const RayMask rises = hn::Gt(step_[axis], hn::Zero(kRays));
+      const bool is_inner_low = f_.low[axis] > f_.whole_low[axis];
+      const bool is_inner_high = f_.high[axis] < f_.whole_high[axis];
+      const auto is_inner = [&](bool where_rising, bool where_falling) HWY_ATTR {
+        return hn::Or(hn::And(rises, all_or_none(where_rising)),
+                      hn::AndNot(rises, all_or_none(where_falling)));
+      };
       const Reals first = hn::Min(low, high);
+      const Reals last = hn::Max(low, high);
       const RayMask is_later = hn::Gt(first, enter_);
+      is_inner_begin = hn::Or(
+          hn::And(is_later, is_inner(is_inner_low, is_inner_high)),
+          hn::AndNot(is_later, is_inner_begin));
       enter_ = hn::IfThenElse(is_later, first, enter_);
       enter_axis_ = hn::IfThenElse(of_wholes(is_later), whole(static_cast<std::int32_t>(axis)),
                                    enter_axis_);
-      leave_ = hn::Min(leave_, hn::Max(low, high));
+      const RayMask is_sooner = hn::Lt(last, leave_);
+      is_inner_end = hn::Or(
+          hn::And(is_sooner, is_inner(is_inner_high, is_inner_low)),
+          hn::AndNot(is_sooner, is_inner_end));
+      leave_ = hn::Min(leave_, last);
+      end = hn::Min(end, hn::Max(at(f_.whole_low[axis]), at(f_.whole_high[axis])));
     }
+    const RayMask is_beside = hn::Gt(enter_, leave_);
+    enter_ = hn::IfThenElse(is_inner_begin, hn::Ceil(enter_), enter_);
+    leave_ = hn::IfThenElse(is_inner_end, hn::Min(hn::Ceil(leave_), end), leave_);
+    enter_ = hn::IfThenZeroElse(is_beside, enter_);
+    leave_ = hn::IfThenElse(is_beside, real(-1), leave_);
+  }
+
+  HWY_INLINE static RayMask all_or_none(bool all) {
+    return hn::FirstN(kRays, all ? hn::Lanes(kRays) : 0);
   }
 
   HWY_INLINE RayMask before_end() const {
@@ -330,19 +361,21 @@ class Packet {
     Reals next = hn::IfThenElse(hn::Lt(to, leave_), to, real(kRayDone));
     if (hn::AllFalse(kRays, seen)) return next;
     const Reals middle = hn::Mul(hn::Add(from, to), real(0.5f));
-    composite(seen, opacity, entry, near_corners(middle, before_, corner.at));
+    composite(seen, opacity, entry, middle, near_corners(middle, before_, corner.at));
     const RayMask is_enough = hn::And(seen, hn::Ge(gathered_, real(f_.enough)));
     return hn::IfThenElse(is_enough, real(kRayDone), next);
   }
 
-  HWY_INLINE void composite(RayMask seen, Reals opacity, Wholes entry, const Corners& middle) {
+  HWY_INLINE void composite(RayMask seen, Reals opacity, Wholes entry, Reals k,
+                            const Corners& middle) {
     const ColorTable& table = f_.table;
     Reals weight = hn::IfThenElseZero(seen, hn::Mul(opacity, hn::Sub(real(1), gathered_)));
     PacketLight light{real(kFlatLight), hn::Zero(kRays), hn::Zero(kRays)};
     const bool has_slope = table.gradient_rise > 0;
-    const RayMask is_lit = has_slope ? seen : hn::Gt(weight, real(kUnlitWeight));
+    const RayMask is_lit = has_slope ? seen : hn::And(seen, hn::Gt(opacity, real(kUnlitOpacity)));
     if (!hn::AllFalse(kRays, is_lit)) {
-      const PacketLight full = light_on(f_, gradient_at<kIsWide>(f_.bricks, middle));
+      const PacketLight full =
+          light_on(f_, gradient_at<kIsWide>(f_.bricks, middle), shade_around(k));
       light = {hn::IfThenElse(is_lit, full.light, light.light),
                hn::IfThenElseZero(is_lit, full.highlight), full.slope};
     }
@@ -363,6 +396,12 @@ class Packet {
     add(hn::ShiftRight<8>(color), green_);
     add(hn::ShiftRight<16>(color), blue_);
     gathered_ = hn::Add(gathered_, weight);
+  }
+
+  HWY_INLINE PacketShade shade_around(Reals k) const {
+    Reals place[3];
+    place_at(k, place);
+    return shade_at(f_.shade, place);
   }
 
   /// The corners of places that lie less than a step from those in the cells `cell`.
@@ -412,7 +451,7 @@ class Packet {
       const Reals face = hn::IfThenElseZero(of_reals(is_axis), real(kCutGradient));
       gradient.along[axis] = hn::IfThenElse(is_cut, face, gradient.along[axis]);
     }
-    const PacketLight light = light_on(f_, gradient);
+    const PacketLight light = light_on(f_, gradient, shade_around(inside));
     red_ = hn::IfThenElse(lanes, light.light, red_);
     green_ = hn::IfThenElse(lanes, light.highlight, green_);
     blue_ = hn::IfThenElse(lanes, inside, blue_);

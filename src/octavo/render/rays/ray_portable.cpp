@@ -64,16 +64,32 @@ PortableRay on_planes(PortableRay ray) {
 
 RaySpan span_of(const RayFrame& f, const PortableRay& ray) {
   RaySpan span{0, kRayDone, 2};
+  bool is_inner_begin = false;
+  bool is_inner_end = false;
+  float end = kRayDone;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const float low = (f.low[axis] - ray.origin[axis]) / ray.step[axis];
-    const float high = (f.high[axis] - ray.origin[axis]) / ray.step[axis];
+    const auto at = [&](float face) { return (face - ray.origin[axis]) / ray.step[axis]; };
+    const float low = at(f.low[axis]);
+    const float high = at(f.high[axis]);
+    const bool rises = ray.step[axis] > 0;
+    const bool is_inner_low = f.low[axis] > f.whole_low[axis];
+    const bool is_inner_high = f.high[axis] < f.whole_high[axis];
     const float first = std::min(low, high);
+    const float last = std::max(low, high);
     if (first > span.enter) {
       span.enter = first;
       span.axis = axis;
+      is_inner_begin = rises ? is_inner_low : is_inner_high;
     }
-    span.leave = std::min(span.leave, std::max(low, high));
+    if (last < span.leave) {
+      span.leave = last;
+      is_inner_end = rises ? is_inner_high : is_inner_low;
+    }
+    end = std::min(end, std::max(at(f.whole_low[axis]), at(f.whole_high[axis])));
   }
+  if (span.enter > span.leave) return {0, -1, span.axis};
+  if (is_inner_begin) span.enter = std::ceil(span.enter);
+  if (is_inner_end) span.leave = std::min(std::ceil(span.leave), end);
   return span;
 }
 
@@ -140,7 +156,41 @@ struct PortableLight {
   float slope = 0;  // length of the gradient
 };
 
-PortableLight light_on(const RayFrame& f, const RayPlace& gradient) {
+/// Shares of the light.
+struct PortableShade {
+  float ambient = 1;
+  float direct = 1;
+};
+
+PortableShade row_shade(const ShadeTable& t, std::int32_t pair, float share) {
+  const auto at = [&](std::int32_t byte) { return static_cast<float>(t.pairs[2 * pair + byte]); };
+  return {ray_mixed(at(0), at(2), share), ray_mixed(at(1), at(3), share)};
+}
+
+PortableShade mixed_shade(const PortableShade& a, const PortableShade& b, float share) {
+  return {ray_mixed(a.ambient, b.ambient, share), ray_mixed(a.direct, b.direct, share)};
+}
+
+PortableShade shade_at(const ShadeTable& t, const RayPlace& place) {
+  if (t.pairs == nullptr) return {};
+  std::array<std::int32_t, 3> cell;
+  RayPlace share;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const float at =
+        std::min(std::max(place[axis] * t.scale[axis] + t.offset[axis], 0.0f), t.highest[axis]);
+    cell[axis] = std::min(static_cast<std::int32_t>(at), t.last_cell[axis]);
+    share[axis] = at - static_cast<float>(cell[axis]);
+  }
+  const auto row = [&](std::int32_t y, std::int32_t z) {
+    return row_shade(t, (cell[2] + z) * t.plane + (cell[1] + y) * t.row + cell[0], share[0]);
+  };
+  const PortableShade near = mixed_shade(row(0, 0), row(1, 0), share[1]);
+  const PortableShade far = mixed_shade(row(0, 1), row(1, 1), share[1]);
+  const PortableShade all = mixed_shade(near, far, share[2]);
+  return {all.ambient * (1 / 255.0f), all.direct * (1 / 255.0f)};
+}
+
+PortableLight light_on(const RayFrame& f, const RayPlace& gradient, const PortableShade& shade) {
   const RayLight& light = f.light;
   RayPlace seen;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -156,10 +206,13 @@ PortableLight light_on(const RayFrame& f, const RayPlace& gradient) {
     return std::max(sum * scale, 0.0f);
   };
   const float strength = length / (length + light.soft_gradient + kSmallestStep);
-  const float lit = light.ambient + light.diffuse * along(light.toward_light);
+  const float lit = light.ambient * shade.ambient +
+                    light.diffuse * along(light.toward_light) * shade.direct;
+  const float flat = kFlatLight * (kFlatAmbient * shade.ambient +
+                                   (1 - kFlatAmbient) * shade.direct);
   float shine = along(light.halfway);
   for (int i = 0; i < kShineSquares; ++i) shine = shine * shine;
-  return {kFlatLight + (lit - kFlatLight) * strength, light.specular * shine * strength,
+  return {flat + (lit - flat) * strength, light.specular * shine * strength * shade.direct,
           length};
 }
 
@@ -378,18 +431,19 @@ class PortableFollower {
         opacity_of_part(f_.table.opacities[front * ColorTable::kSide + back], to - from);
     if (opacity > 0) {
       composite(opacity, f_.table.colors[front * ColorTable::kSide + back],
-                near_corner((from + to) * 0.5f, before, corner));
+                (from + to) * 0.5f, near_corner((from + to) * 0.5f, before, corner));
       if (tile_.gathered[number_] >= f_.enough) return kRayDone;
     }
     return to < span_.leave ? to : kRayDone;
   }
 
-  void composite(float opacity, std::uint32_t color, const SampleCorner& middle) {
+  void composite(float opacity, std::uint32_t color, float k, const SampleCorner& middle) {
     float weight = opacity * (1 - tile_.gathered[number_]);
     PortableLight light{kFlatLight, 0, 0};
     const bool has_slope = f_.table.gradient_rise > 0;
-    if (has_slope || weight > kUnlitWeight) {
-      light = light_on(f_, gradient_at<kIsWide>(f_.bricks, middle));
+    if (has_slope || opacity > kUnlitOpacity) {
+      light = light_on(f_, gradient_at<kIsWide>(f_.bricks, middle),
+                       shade_at(f_.shade, place_at(k)));
     }
     if (has_slope) {
       const float rise = (light.slope - f_.table.gradient_begin) * f_.table.gradient_rise;
@@ -426,7 +480,8 @@ class PortableFollower {
       gradient = {};
       gradient[span_.axis] = kCutGradient;
     }
-    const PortableLight light = light_on(f_, gradient);
+    const PortableLight light =
+        light_on(f_, gradient, shade_at(f_.shade, place_at(inside)));
     tile_.red[number_] = light.light;
     tile_.green[number_] = light.highlight;
     tile_.blue[number_] = inside;

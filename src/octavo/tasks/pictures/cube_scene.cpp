@@ -17,6 +17,7 @@
 #include "octavo/render/label_color.h"
 #include "octavo/tasks/masks.h"
 #include "octavo/tasks/pictures/render_scene.h"
+#include "octavo/tasks/pictures/scene_light.h"
 
 namespace octavo {
 
@@ -77,6 +78,32 @@ class CubeScene final : public RenderScene {
     });
   }
 
+  /// Cuts boxes out, in samples of the level.
+  void remove(const std::vector<Box>& boxes) {
+    context_.on_threads([&] {
+      for (ScenePart& part : parts_) {
+        for (const Box& box : boxes) {
+          part.tree =
+              combine(part.tree, box_mask(part.tree.size(), box), SetOperation::subtract);
+        }
+      }
+    });
+  }
+
+  void grow_to(std::int64_t planes) override {
+    // What ends by itself has no face there.
+    kept_.hi.z = planes < shown_.hi.z ? planes : whole_end_;
+    context_.on_threads([&] {
+      for (std::size_t i = 0; i < parts_.size(); ++i) {
+        MaskTree cut =
+            combine(grown_[i], box_mask(grown_[i].size(), kept_), SetOperation::intersect);
+        if (!whole_.empty()) whole_[i] = cut;
+        parts_[i].tree =
+            options_.mode == RenderMode::surface ? shell(cut) : std::move(cut);
+      }
+    });
+  }
+
   /// Counts the leaves, and drops the hidden ones where only the surface is drawn.
   void finish() {
     const auto start = std::chrono::steady_clock::now();
@@ -85,6 +112,10 @@ class CubeScene final : public RenderScene {
     for (ScenePart& part : parts_) {
       counts_.leaves += leaf_count(part.tree);
       part.voxels = part.tree.voxel_count();
+    }
+    whole_end_ = kept_.hi.z;
+    if (options_.is_growing) {
+      for (const ScenePart& part : parts_) grown_.push_back(part.tree);
     }
     counts_.drawn = counts_.leaves;
     if (options_.mode != RenderMode::surface) return;
@@ -161,11 +192,13 @@ class CubeScene final : public RenderScene {
   std::shared_ptr<const FileReader> reader_;
   std::vector<ScenePart> parts_;
   std::vector<MaskTree> whole_;  // with the hidden leaves, where those are dropped
+  std::vector<MaskTree> grown_;  // before they are cut to what has grown
   const RenderOptions& options_;
   const TaskContext& context_;
   bool is_smooth_;
   Box kept_;
   Box shown_;
+  std::int64_t whole_end_ = 0;  // of what is kept, along z
   RenderCounts counts_;
 };
 
@@ -250,6 +283,7 @@ void require_cube_scene(const FileReader& reader, const RenderOptions& options) 
   }
   labels_of(options.labels, volume.metadata.facts().labels, options.input);
   kept_box(options.cuts, reader, options.level.value_or(0));
+  removed_boxes(options, reader);
 }
 
 std::unique_ptr<RenderScene> make_cube_scene(const std::shared_ptr<const FileReader>& reader,
@@ -264,6 +298,7 @@ std::unique_ptr<RenderScene> make_cube_scene(const std::shared_ptr<const FileRea
   auto scene = std::make_unique<CubeScene>(reader, std::move(parts), options, context);
   const bool held_voxels = !scene->is_empty();
   if (kept != whole) scene->cut(kept);
+  scene->remove(removed_boxes(options, *reader));
   scene->finish();
   if (scene->counts().leaves == 0) {
     context.warn(options.input + (held_voxels
@@ -271,6 +306,16 @@ std::unique_ptr<RenderScene> make_cube_scene(const std::shared_ptr<const FileRea
                                       : ": no voxel is drawn; the picture is empty"));
   }
   return scene;
+}
+
+std::vector<Box> removed_boxes(const RenderOptions& options, const FileReader& reader) {
+  const Levels& levels = reader.levels();
+  std::vector<Box> removed;
+  for (const AskedBox& asked : options.removed) {
+    const Box box = box_within(asked, levels.size(0));
+    removed.push_back(box_at_level(box, levels, options.level.value_or(0)));
+  }
+  return removed;
 }
 
 Box kept_box(const std::vector<AskedCut>& cuts, const FileReader& reader, int level) {

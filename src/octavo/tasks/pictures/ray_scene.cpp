@@ -16,6 +16,8 @@
 #include "octavo/render/rays/ray_picture.h"
 #include "octavo/tasks/files/finite_voxels.h"
 #include "octavo/tasks/pictures/render_scene.h"
+#include "octavo/tasks/pictures/scene_light.h"
+#include "octavo/tasks/pictures/scene_meshes.h"
 #include "octavo/tasks/pictures/transfer_file.h"
 #include "octavo/tasks/volume_facts.h"
 
@@ -38,16 +40,28 @@ RayMode ray_mode_of(RenderMode mode) {
   }
 }
 
-/// Half of the memory limit is the reader's, the rest that of rays and bricks.
-RayBricks::Options brick_options(const RenderOptions& asked, const TaskContext& context) {
+/// Lists of layers where there are meshes: a share of the memory limit.
+constexpr std::uint64_t kLayerShare = 8;
+
+/// Half of the memory limit is the reader's, the rest that of rays, meshes and bricks.
+RayBricks::Options brick_options(const RenderOptions& asked, const SceneMeshes& meshes,
+                                 const TaskContext& context) {
   RayBricks::Options options;
   if (context.max_memory_bytes != 0) {
     const std::uint64_t left = context.max_memory_bytes / 2;
-    const std::uint64_t of_rays = ray_field_bytes(asked.width, asked.height);
-    options.memory_bytes = std::min(options.memory_bytes, left - std::min(left, of_rays));
+    std::uint64_t taken = ray_field_bytes(asked.width, asked.height) + meshes.memory_bytes();
+    if (!meshes.is_empty()) taken += context.max_memory_bytes / kLayerShare;
+    options.memory_bytes = std::min(options.memory_bytes, left - std::min(left, taken));
   }
   return options;
 }
+
+/// Of one that lies inside an isosurface: 1/20 of the light comes through.
+constexpr double kExtinctionOfCell = 3;
+/// Where light is shaded more of it comes from all around.
+constexpr float kShadedAmbient = 0.42f;
+constexpr float kShadedDiffuse = 0.72f;
+constexpr int kLegendColors = 64;
 
 /// More steps than rays of the largest volumes take.
 constexpr double kMostRaySteps = 1 << 18;
@@ -67,33 +81,43 @@ double ray_step_mm(const Point3& spacing, const Size3& size) {
 class RayScene final : public RenderScene {
  public:
   RayScene(const std::shared_ptr<const FileReader>& reader, const RenderOptions& options,
-           const TaskContext& context)
-      : reader_(reader),
+           const TaskContext& context, const CastField& cast)
+      : cast_(cast),
+        reader_(reader),
         asked_(options),
         context_(context),
         mode_(ray_mode_of(options.mode)),
         level_(options.level.value_or(0)),
         shown_(kept_box(options.cuts, *reader, level_)),
+        grown_(shown_),
+        removed_(removed_boxes(options, *reader)),
+        geometry_(reader->levels().geometry(reader->description().geometry, level_)),
         has_values_(has_finite_voxels(*reader)),
+        meshes_(options, geometry_, shown_, context),
         source_(reader, level_),
-        bricks_(source_, brick_options(options, context)) {
+        bricks_(source_, brick_options(options, meshes_, context)) {
     const VolumeDescription& volume = reader_->description();
+    if (without_boxes(shown_, removed_).empty()) {
+      throw Error(ErrorKind::invalid_argument, "the cuts leave no voxel of the volume")
+          .with_field("cuts");
+    }
     rescale_ = volume.rescale;
     if (rescale_.slope == 0) {
       throw Error(ErrorKind::invalid_argument,
                   "the volume's rescale slope is 0: all its voxels have one real value",
                   options.input);
     }
-    const Point3 spacing = reader_->levels().geometry(volume.geometry, level_).spacing_mm;
-    step_mm_ = ray_step_mm(spacing, reader_->levels().size(level_));
+    step_mm_ = ray_step_mm(geometry_.spacing_mm, reader_->levels().size(level_));
     const bool is_lowest = asked_.mode == RenderMode::minip;
     sign_ = (rescale_.slope < 0) != is_lowest ? -1.0f : 1.0f;
     if (asked_.transfer || mode_ == RayMode::volume) choose_transfer();
     if (mode_ == RayMode::iso) choose_isovalue();
     set_bounds();
+    if (asked_.has_ambient_shade || asked_.has_shadows) make_light();
   }
 
   Box shown() const override { return shown_; }
+  void grow_to(std::int64_t planes) override { grown_.hi.z = planes; }
 
   Picture draw(const View& view, const Color& background) override {
     RayFrame frame;
@@ -109,11 +133,21 @@ class RayScene final : public RenderScene {
     const double colored = table_ ? table_->colored_width() : 0;
     frame.light.soft_gradient = static_cast<float>(kSoftShare * colored);
 
+    const RayMeshes surfaces(meshes_.meshes(), {geometry_, view, layer_bytes()});
+    if (!meshes_.is_empty()) frame.meshes = &surfaces;
     RayField field;
     context_.on_threads([&] {
-      field = cast_rays(bricks_, frame, view.width, view.height, follow_rays_function(),
-                        context_.watcher());
+      if (light_) set_shade(frame, view);
+      const RayRegion grown = region_of(grown_);
+      frame.low = grown.low;
+      frame.high = grown.high;
+      field = cast_ ? cast_(bricks_, frame, regions(frame), view.width, view.height)
+                    : cast_rays(bricks_, frame, regions(frame), view.width, view.height,
+                                follow_rays_function(), context_.watcher());
     });
+    loaded_elsewhere_ += field.loaded_elsewhere;
+    if (field.tiles.empty()) return {};
+    set_texts(frame, view);
     rays_.samples += field.samples;
     rays_.frame_seconds += field.cast_seconds;
     ++pictures_;
@@ -135,27 +169,55 @@ class RayScene final : public RenderScene {
   }
 
   std::vector<LegendRow> legend() const override {
-    if (mode_ == RayMode::volume) return {};
+    std::vector<LegendRow> rows = meshes_.legend();
     const std::string unit = unit_of(reader_->description());
     if (mode_ == RayMode::iso) {
       const Color color = asked_.transfer ? transfer_.color_at(*asked_.isovalue)
                                           : RayLook().surface;
-      return {{color, "\u2265 " + with_unit(*asked_.isovalue, unit)}};
-    }
-    std::vector<LegendRow> rows;
-    for (const int end : {1, -1}) {
-      const std::uint8_t grey = end > 0 ? 255 : 0;
-      rows.push_back({{grey, grey, grey},
-                      with_unit(window_->center + end * window_->width / 2, unit)});
+      rows.push_back({color, "\u2265 " + with_unit(*asked_.isovalue, unit)});
+    } else if (mode_ != RayMode::volume) {
+      for (const int end : {1, -1}) {
+        const std::uint8_t grey = end > 0 ? 255 : 0;
+        rows.push_back({{grey, grey, grey},
+                        with_unit(window_->center + end * window_->width / 2, unit)});
+      }
     }
     return rows;
   }
 
+  /// Colors over the background, the most opaque as they are.
+  std::optional<ColorLegend> color_legend() const override {
+    if (mode_ != RayMode::volume) return std::nullopt;
+    const double low = transfer_.points.front().value;
+    const double high = transfer_.points.back().value;
+    if (!(low < high)) return std::nullopt;
+    double most = 0;
+    for (const TransferPoint& point : transfer_.points) most = std::max(most, point.opacity);
+    ColorLegend legend;
+    for (int i = 0; i < kLegendColors; ++i) {
+      const double value = low + (high - low) * (i + 0.5) / kLegendColors;
+      const double share = most > 0 ? std::sqrt(transfer_.opacity_at(value) / most) : 0;
+      const Color color = transfer_.color_at(value);
+      Color mixed;
+      for (std::size_t c = 0; c < 3; ++c) {
+        const double behind = asked_.background[c];
+        mixed[c] = static_cast<std::uint8_t>(std::lround(behind + (color[c] - behind) * share));
+      }
+      legend.colors.push_back(mixed);
+    }
+    const std::string unit = unit_of(reader_->description());
+    legend.ends = {number_text(std::round(low)), with_unit(std::round(high), unit)};
+    return legend;
+  }
+
+  std::vector<PlacedText> texts() const override { return texts_; }
+
   RenderCounts counts() const override {
     RenderCounts counts;
-    counts.decoded_bricks = bricks_.loaded_count();
+    counts.decoded_bricks = bricks_.loaded_count() + loaded_elsewhere_;
     counts.window = window_;
     counts.rays = rays_;
+    counts.rays.pictures = pictures_;
     if (pictures_ > 0) {
       counts.rays.samples /= pictures_;
       counts.rays.frame_seconds /= static_cast<double>(pictures_);
@@ -184,16 +246,86 @@ class RayScene final : public RenderScene {
       const double high = rescale_.to_real(stored.center + stored.width / 2);
       transfer_ = in_real_values(transfer_, {(low + high) / 2, std::abs(high - low)});
     }
-    const Point3& spacing = volume.geometry.spacing_mm;
-    const double finest = *std::min_element(spacing.begin(), spacing.end());
     table_.emplace(transfer_, rescale_, bricks_.scale(), bricks_.range(),
-                   step_mm_ / transfer_.layer_mm.value_or(finest));
+                   step_mm_ / transfer_.layer_mm.value_or(finest_mm()));
     if (transfer_.gradient) {
       const double pooled_per_step = bricks_.scale().scale / std::abs(rescale_.slope) * step_mm_;
       const GradientRamp& ramp = *transfer_.gradient;
       gradient_begin_ = static_cast<float>(ramp.low * pooled_per_step);
       gradient_rise_ = static_cast<float>(1 / ((ramp.high - ramp.low) * pooled_per_step));
     }
+  }
+
+  std::uint64_t layer_bytes() const {
+    return context_.max_memory_bytes != 0 ? context_.max_memory_bytes / kLayerShare
+                                          : std::uint64_t{1} << 30;
+  }
+
+  std::vector<RayRegion> regions(const RayFrame& frame) const {
+    std::vector<RayRegion> regions;
+    for (const Box& box : without_boxes(grown_, removed_)) regions.push_back(region_of(box));
+    return front_to_back(std::move(regions), frame);
+  }
+
+  void make_light() {
+    SceneMatter matter;
+    matter.kept = kept_box(asked_.cuts, *reader_, 0);
+    for (const AskedBox& box : asked_.removed) {
+      matter.removed.push_back(box_within(box, reader_->levels().size(0)));
+    }
+    if (mode_ == RayMode::iso) {
+      const double isovalue = *asked_.isovalue;
+      matter.has_gradient = true;
+      matter.extinction = [isovalue](double value, double gradient, double side) {
+        // How much of the cell lies inside, by how far the surface is.
+        const double ahead = gradient > 0 ? (value - isovalue) / (gradient * side)
+                                          : value >= isovalue ? 1.0 : -1.0;
+        return std::clamp(0.5 + ahead, 0.0, 1.0) * kExtinctionOfCell / side;
+      };
+    } else {
+      const double layer = transfer_.layer_mm.value_or(finest_mm());
+      matter.has_gradient = transfer_.gradient.has_value();
+      matter.extinction = [this, layer](double value, double gradient, double) {
+        double opacity = transfer_.opacity_at(value);
+        if (const auto& ramp = transfer_.gradient) {
+          opacity *= std::clamp((gradient - ramp->low) / (ramp->high - ramp->low), 0.0, 1.0);
+        }
+        return -std::log1p(-std::min(opacity, 0.9999)) / layer;
+      };
+    }
+    light_ = scene_light(*reader_, level_, matter, context_);
+  }
+
+  /// On the threads of the context.
+  void set_shade(RayFrame& frame, const View& view) {
+    if (asked_.has_shadows) {
+      Point3 toward{};
+      for (std::size_t i = 0; i < 3; ++i) {
+        const auto& lamp = frame.light.toward_light;
+        toward[i] = static_cast<double>(lamp[0]) * view.right[i] +
+                    static_cast<double>(lamp[1]) * view.up[i] +
+                    static_cast<double>(lamp[2]) * view.toward[i];
+      }
+      light_->set_lamp(toward, context_.watcher());
+    }
+    frame.light.ambient = kShadedAmbient;
+    frame.light.diffuse = kShadedDiffuse;
+    frame.shade = light_->table(geometry_, asked_.has_ambient_shade);
+  }
+
+  void set_texts(const RayFrame& frame, const View& view) {
+    texts_.clear();
+    for (const AskedMark& mark : asked_.marks) {
+      const auto place = place_in_picture(geometry_, frame, mark.at_mm);
+      if (!place || mark.text.empty()) continue;
+      texts_.push_back({(*place)[0] + static_cast<double>(view.width) / 2,
+                        (*place)[1] + static_cast<double>(view.height) / 2, mark.text});
+    }
+  }
+
+  double finest_mm() const {
+    const Point3& spacing = reader_->description().geometry.spacing_mm;
+    return *std::min_element(spacing.begin(), spacing.end());
   }
 
   void choose_isovalue() {
@@ -262,13 +394,18 @@ class RayScene final : public RenderScene {
     }
   }
 
+  CastField cast_;
   std::shared_ptr<const FileReader> reader_;
   const RenderOptions& asked_;
   const TaskContext& context_;
   RayMode mode_;
   int level_;
   Box shown_;
+  Box grown_;  // what of it is drawn now
+  std::vector<Box> removed_;
+  Geometry geometry_;
   bool has_values_;  // false: every voxel is NaN or infinite, and none is seen
+  SceneMeshes meshes_;
   FileSamples source_;
   RayBricks bricks_;
   Rescale rescale_;
@@ -279,9 +416,12 @@ class RayScene final : public RenderScene {
   std::optional<TransferTable> table_;
   float gradient_begin_ = 0;
   float gradient_rise_ = 0;
+  std::unique_ptr<RayShade> light_;
+  std::vector<PlacedText> texts_;
   std::optional<Window> window_;  // real values
   RayCounts rays_;
   std::int64_t pictures_ = 0;
+  std::int64_t loaded_elsewhere_ = 0;
   bool is_nothing_told_ = false;
 };
 
@@ -304,13 +444,14 @@ int ray_level(const Levels& levels, const Geometry& geometry, double pixel_mm) {
 
 std::unique_ptr<RenderScene> make_ray_scene(const std::shared_ptr<const FileReader>& reader,
                                             const RenderOptions& options,
-                                            const TaskContext& context) {
+                                            const TaskContext& context,
+                                            const CastField& cast) {
   if (reader->description().kind == VolumeKind::labels) {
     throw Error(ErrorKind::invalid_argument, "rays are of grey values, and this is a label map",
                 options.input)
         .with_field("mode");
   }
-  return std::make_unique<RayScene>(reader, options, context);
+  return std::make_unique<RayScene>(reader, options, context, cast);
 }
 
 }  // namespace octavo

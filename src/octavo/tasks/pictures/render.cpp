@@ -3,16 +3,22 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <memory>
+#include <optional>
+#include <span>
+#include <utility>
 
 #include "octavo/core/error.h"
 #include "octavo/core/place_known.h"
 #include "octavo/core/text.h"
 #include "octavo/render/cubes/relief_picture.h"
+#include "octavo/render/enlarged.h"
 #include "octavo/render/rays/ray_caster.h"
 #include "octavo/tasks/inputs.h"
+#include "octavo/tasks/pictures/animation_file.h"
 #include "octavo/tasks/pictures/render_scene.h"
 #include "octavo/tasks/value_ranges.h"
 #include "octavo/tasks/volume_facts.h"
@@ -52,6 +58,41 @@ void check_ray_options(const RenderOptions& options) {
   if (options.angle_degrees && !is_ray_mode(options.mode)) {
     reject_render("perspective is of modes volume, mip, minip, mean and iso", "angle_degrees");
   }
+  if ((!options.meshes.empty() || !options.marks.empty()) && !is_ray_mode(options.mode)) {
+    reject_render("meshes and marks are of modes volume, mip, minip, mean and iso",
+                  "meshes.mode");
+  }
+  for (const AskedMesh& mesh : options.meshes) {
+    if (!(mesh.opacity >= 0 && mesh.opacity <= 1)) {
+      reject_render("the opacity of a mesh is 0 to 1", "meshes.format");
+    }
+  }
+  const bool has_light = options.mode == RenderMode::volume || is_iso;
+  if ((options.has_ambient_shade || options.has_shadows) && !has_light) {
+    reject_render("ambient shade and shadows are of modes volume and iso", "light.mode");
+  }
+}
+
+/// Options that say how pictures follow each other.
+void check_series(const RenderOptions& options) {
+  if (options.turntable < 0) reject_render("a turntable has at least one picture", "turntable");
+  const bool is_animated = is_animation(options.output.path);
+  if (is_animated && options.turntable < 1) {
+    reject_render("an animation is of the pictures of a turntable", "turntable.missing");
+  }
+  if (options.is_growing && options.turntable < 1) {
+    reject_render("what grows does so in the pictures of a turntable", "turntable.missing");
+  }
+  if (options.fps < 1 || options.fps > 100) {
+    reject_render("an animation has 1 to 100 fps", "fps");
+  }
+  const bool is_in_passes = options.time_budget_s || options.is_progressive;
+  if (is_in_passes && (!is_ray_mode(options.mode) || options.turntable > 0)) {
+    reject_render("coarse levels come first in one picture of rays", "passes");
+  }
+  if (options.time_budget_s && !(*options.time_budget_s > 0)) {
+    reject_render("a time budget is above 0 seconds", "time_budget_s");
+  }
 }
 
 /// Options that rays do not have.
@@ -73,8 +114,8 @@ void check_rays(const RenderOptions& options) {
 
 /// Options that contradict each other, whatever the volume.
 void check_render(const RenderOptions& options) {
-  if (!options.on_picture) require_png(options.output.path);
-  if (options.turntable < 0) reject_render("a turntable has at least one picture", "turntable");
+  if (!options.on_picture && !is_animation(options.output.path)) require_png(options.output.path);
+  check_series(options);
   check_ray_options(options);
   if (is_ray_mode(options.mode)) {
     check_rays(options);
@@ -83,6 +124,9 @@ void check_render(const RenderOptions& options) {
     if (options.shade) reject_render("transparency has no shades", "shade");
     if (!options.labels.is_empty()) {
       reject_render("transparency is of grey values, not of labels", "labels.mode");
+    }
+    if (!options.removed.empty()) {
+      reject_render("transparency has no boxes cut out", "cuts.mode");
     }
     if (options.is_average && options.window)
       reject_render("a window is of sums, not of averages", "window");
@@ -124,7 +168,7 @@ Viewpoint viewpoint_of(const AskedView& asked, const Geometry& geometry) {
 
 /// The name of the output, or for a turntable with a number before the ending.
 std::vector<std::string> picture_paths(const RenderOptions& options) {
-  if (options.turntable == 0) return {options.output.path};
+  if (options.turntable == 0 || is_animation(options.output.path)) return {options.output.path};
   if (options.on_picture) {
     return std::vector<std::string>(static_cast<std::size_t>(options.turntable));
   }
@@ -173,11 +217,20 @@ RenderOptions with_level(const RenderOptions& asked, const FileReader& reader) {
 }
 
 std::unique_ptr<RenderScene> make_scene(const std::shared_ptr<const FileReader>& reader,
-                                        const RenderOptions& options, const TaskContext& context) {
+                                        const RenderOptions& options, const TaskContext& context,
+                                        Communicator* ranks) {
   if (options.mode == RenderMode::transparency) {
     return make_transparency_scene(reader, options, context);
   }
-  if (is_ray_mode(options.mode)) return make_ray_scene(reader, options, context);
+  CastField cast;
+  if (ranks != nullptr) {
+    cast = [ranks, &context](RayBricks& bricks, const RayFrame& frame,
+                             std::span<const RayRegion> regions, std::int64_t width,
+                             std::int64_t height) {
+      return cast_by_ranks(bricks, frame, regions, width, height, *ranks, context);
+    };
+  }
+  if (is_ray_mode(options.mode)) return make_ray_scene(reader, options, context, cast);
   return make_cube_scene(reader, options, context);
 }
 
@@ -193,7 +246,13 @@ void annotate(Picture& picture, const View& view, const RenderScene& scene,
     if (is_of_patient && is_seen_from_a_side(view)) writing.sides(edge_letters(view));
     else writing.axes(is_of_patient ? patient_axes(view) : grid_axes(view));
   }
-  if (options.has_legend) writing.legend(Corner::top_left, scene.legend());
+  if (options.has_legend) {
+    writing.legend(Corner::top_left, scene.legend());
+    if (const auto bar = scene.color_legend()) {
+      writing.color_bar(Corner::top_left, bar->colors, bar->ends);
+    }
+  }
+  for (const PlacedText& text : scene.texts()) writing.text_beside(text.x, text.y, text.text);
 }
 
 /// The pictures of a series, on one scale.
@@ -215,22 +274,45 @@ class Series {
     }
   }
 
-  View view(std::size_t number) const {
-    return make_view(geometry_, reader_.levels().size(*options_.level), scene_.shown(),
-                     viewpoints_[number], frame_);
-  }
+  View view(std::size_t number) const { return view_in(number, frame_); }
 
   /// A picture with all that is written on it; adds the time for drawing it.
-  Picture draw(std::size_t number, double& seconds) const {
+  /// shrink  2: one pixel is drawn for 2 x 2
+  Picture draw(std::size_t number, double& seconds, int shrink = 1) const {
     const View seen = view(number);
     const Clock::time_point start = Clock::now();
-    Picture picture = scene_.draw(seen, options_.background);
+    if (options_.is_growing) grow(number);
+    Picture picture;
+    if (shrink == 1) {
+      picture = scene_.draw(seen, options_.background);
+    } else {
+      ViewFrame small = frame_;
+      small.width = (frame_.width + 1) / shrink;
+      small.height = (frame_.height + 1) / shrink;
+      small.pixel_mm = *frame_.pixel_mm * shrink;
+      picture = enlarged(scene_.draw(view_in(number, small), options_.background), frame_.width,
+                         frame_.height, shrink);
+    }
     seconds += std::chrono::duration<double>(Clock::now() - start).count();
-    annotate(picture, seen, scene_, options_, reader_.description());
+    if (picture.width > 0) annotate(picture, seen, scene_, options_, reader_.description());
     return picture;
   }
 
  private:
+  View view_in(std::size_t number, const ViewFrame& frame) const {
+    return make_view(geometry_, reader_.levels().size(*options_.level), scene_.shown(),
+                     viewpoints_[number], frame);
+  }
+
+  void grow(std::size_t number) const {
+    const Box shown = scene_.shown();
+    const auto planes = static_cast<double>(shown.hi.z - shown.lo.z);
+    const double share =
+        static_cast<double>(number + 1) / static_cast<double>(viewpoints_.size());
+    const auto grown = static_cast<std::int64_t>(std::ceil(planes * share - 1e-9));
+    scene_.grow_to(shown.lo.z + std::max<std::int64_t>(grown, 1));
+  }
+
   RenderScene& scene_;
   const FileReader& reader_;
   const RenderOptions& options_;
@@ -238,6 +320,145 @@ class Series {
   Geometry geometry_;
   std::vector<Viewpoint> viewpoints_;
 };
+
+/// What a picture is like.
+void describe(const View& view, const RenderScene& scene, int level, RenderResult& result) {
+  result.level = level;
+  result.width = view.width;
+  result.height = view.height;
+  result.pixel_mm = view.pixel_mm;
+  result.toward = view.toward;
+  result.counts = scene.counts();
+}
+
+double seconds_from(const Clock::time_point& start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+void note_unknown_place(const VolumeDescription& volume, const RenderOptions& options,
+                        const TaskContext& context) {
+  if (is_place_known(volume) || (options.view.steps && options.turntable == 0)) return;
+  context.note(options.input +
+               ": does not say how the patient lies; x is taken to run to the "
+               "left, y to the back and z to the head");
+}
+
+/// ranks  or none; only the first one has pictures
+void draw_all(const std::shared_ptr<const FileReader>& reader, const RenderOptions& options,
+              const Clock::time_point& opened, const TaskContext& context, Communicator* ranks,
+              RenderResult& result) {
+  const auto scene = make_scene(reader, options, context, ranks);
+  note_unknown_place(reader->description(), options, context);
+  const bool writes = ranks == nullptr || ranks->is_first();
+  const std::size_t count = static_cast<std::size_t>(std::max(options.turntable, 1));
+  const Series series(*scene, *reader, options, count);
+  PictureFiles files(context, options.on_picture);
+  std::optional<AnimationFile> animation;
+  if (writes && is_animation(options.output.path)) {
+    animation.emplace(options.output.path, static_cast<std::uint32_t>(count), options.fps,
+                      context);
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    const Picture picture = series.draw(i, result.seconds);
+    if (i == 0) result.first_seconds = seconds_from(opened);
+    if (animation) animation->add(picture);
+    else if (writes) files.add(result.outputs[i], picture);
+  }
+  if (animation) animation->publish(options.output.overwrite);
+  else files.publish(options.output.overwrite);
+  describe(series.view(0), *scene, *options.level, result);
+}
+
+/// A watcher that stops the work once its time is over, after it was given one.
+class TimedProgress final : public Progress {
+ public:
+  explicit TimedProgress(Progress& watched) : watched_(watched) {}
+
+  void set_end(const Clock::time_point& end) {
+    end_ = end;
+    has_end_ = true;
+  }
+  bool is_over() const { return has_end_ && Clock::now() > end_; }
+  bool is_stopped() const { return watched_.is_cancelled(); }
+
+  void begin(std::string_view what, std::int64_t total, std::string_view unit) override {
+    watched_.begin(what, total, unit);
+  }
+  void advance(std::int64_t units) override { watched_.advance(units); }
+  void end() override { watched_.end(); }
+  bool is_cancelled() const override { return is_stopped() || is_over(); }
+
+ private:
+  Progress& watched_;
+  Clock::time_point end_;
+  std::atomic<bool> has_end_ = false;
+};
+
+/// Coarse levels first: the first picture has voxels of up to 2^kCoarseLevels pixels, and one ray
+/// for 2 x 2 of these.
+constexpr int kCoarseLevels = 3;
+
+void draw_in_passes(const RenderOptions& asked,
+                    const std::shared_ptr<const FileReader>& opened_reader,
+                    const RenderOptions& options, const Clock::time_point& opened,
+                    const TaskContext& context, RenderResult& result) {
+  TimedProgress watch(context.watcher());
+  TaskContext timed = context;
+  timed.progress = &watch;
+  // Of time that is limited bricks have to stop as well.
+  const auto reader = asked.time_budget_s
+                          ? std::shared_ptr<const FileReader>(open_volume(asked.input, timed))
+                          : opened_reader;
+  const int finest = *options.level;
+  const int coarsest = std::min(finest + kCoarseLevels, reader->levels().count() - 1);
+  Picture last;
+  bool has_name = options.output.overwrite;
+  for (int pass = coarsest + 1; pass >= finest; --pass) {
+    RenderOptions of_pass = options;
+    of_pass.level = std::min(pass, coarsest);
+    const int shrink = pass > coarsest ? 2 : 1;
+    Picture picture;
+    try {
+      const auto scene = make_ray_scene(reader, of_pass, timed);
+      if (result.passes.empty()) note_unknown_place(reader->description(), options, context);
+      const Series series(*scene, *reader, of_pass, 1);
+      picture = series.draw(0, result.seconds, shrink);
+      describe(series.view(0), *scene, *of_pass.level, result);
+    } catch (const Error& error) {
+      const bool is_over = error.kind() == ErrorKind::cancelled && !watch.is_stopped();
+      if (!is_over || result.passes.empty()) throw;
+      result.is_complete = false;
+      break;
+    }
+    result.passes.push_back({*of_pass.level, shrink, seconds_from(opened)});
+    if (result.passes.size() == 1) {
+      result.first_seconds = result.passes.front().seconds;
+      if (asked.time_budget_s) {
+        watch.set_end(opened + std::chrono::duration_cast<Clock::duration>(
+                                   std::chrono::duration<double>(*asked.time_budget_s)));
+      }
+    }
+    last = std::move(picture);
+    if (!options.is_progressive) continue;
+    PictureFiles files(context, options.on_picture);
+    files.add(options.output.path, last);
+    files.publish(has_name);
+    has_name = true;
+  }
+  if (!options.is_progressive) {
+    PictureFiles files(context, options.on_picture);
+    files.add(options.output.path, last);
+    files.publish(has_name);
+  }
+  if (!result.is_complete) {
+    const RenderPass& reached = result.passes.back();
+    context.note(fmt::format("the time budget of {} s ended at level {}{}; level {} is what the "
+                             "picture can show",
+                             number_text(*asked.time_budget_s), reached.level,
+                             reached.shrink > 1 ? ", one ray for 4 pixels" : "", finest),
+                 "time_budget_s");
+  }
+}
 
 }  // namespace
 
@@ -258,7 +479,10 @@ std::string look_text(const AskedLook& look, const VolumeDescription& volume) {
   return unit.empty() ? text : text + " " + unit;
 }
 
-RenderResult render(const RenderOptions& asked, const TaskContext& context) {
+namespace {
+
+RenderResult render_for(const RenderOptions& asked, const TaskContext& context,
+                        Communicator* ranks) {
   check_render(asked);
   const std::vector<std::string> paths = picture_paths(asked);
   check_picture(asked, context);
@@ -275,41 +499,39 @@ RenderResult render(const RenderOptions& asked, const TaskContext& context) {
   const bool is_of_masks =
       options.mode == RenderMode::cubes || options.mode == RenderMode::surface;
   if (is_of_masks) require_cube_scene(*reader, options);
+  const bool writes = ranks == nullptr || ranks->is_first();
   for (const std::string& path : paths) {
-    if (options.on_picture) break;
+    if (!writes || options.on_picture) break;
     require_free({path, options.output.overwrite});
     require_no_input(path, {options.input});
   }
 
-  const auto scene = make_scene(reader, options, context);
-  if (!is_place_known(volume) && (!options.view.steps || options.turntable > 0)) {
-    context.note(options.input +
-                 ": does not say how the patient lies; x is taken to run to the "
-                 "left, y to the back and z to the head");
-  }
-  const Series series(*scene, *reader, options, paths.size());
   RenderResult result;
-  PictureFiles files(context, options.on_picture);
-  for (std::size_t i = 0; i < paths.size(); ++i) {
-    const Picture picture = series.draw(i, result.seconds);
-    if (i == 0) {
-      result.first_seconds = std::chrono::duration<double>(Clock::now() - opened).count();
-    }
-    files.add(paths[i], picture);
-  }
-  files.publish(options.output.overwrite);
-
-  const View first = series.view(0);
   result.volume = volume;
   result.outputs = paths;
   result.shade = shade_of(options);
-  result.level = level;
-  result.width = first.width;
-  result.height = first.height;
-  result.pixel_mm = first.pixel_mm;
-  result.toward = first.toward;
-  result.counts = scene->counts();
+  const bool is_in_passes = options.time_budget_s || options.is_progressive;
+  if (is_in_passes) draw_in_passes(asked, reader, options, opened, context, result);
+  else draw_all(reader, options, opened, context, ranks, result);
   return result;
+}
+
+}  // namespace
+
+RenderResult render(const RenderOptions& options, const TaskContext& context) {
+  return render_for(options, context, nullptr);
+}
+
+RenderResult render_by_ranks(const RenderOptions& options, Communicator& ranks,
+                             const TaskContext& context) {
+  if (!is_ray_mode(options.mode)) {
+    reject_render("ranks draw modes volume, mip, minip, mean and iso", "ranks.mode");
+  }
+  if (!options.meshes.empty() || !options.marks.empty() || options.time_budget_s ||
+      options.is_progressive) {
+    reject_render("ranks draw no meshes, marks and coarse pictures", "ranks.options");
+  }
+  return render_for(options, context, &ranks);
 }
 
 }  // namespace octavo

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "octavo/core/volume.h"
+#include "octavo/dist/communicator.h"
 #include "octavo/render/picture.h"
 #include "octavo/render/transparency/transparency.h"
 #include "octavo/render/view.h"
@@ -16,6 +17,7 @@
 #include "octavo/tasks/pictures/picture_files.h"
 #include "octavo/tasks/task_context.h"
 #include "octavo/tasks/value_ranges.h"
+#include "octavo/tasks/volume_parts.h"
 
 namespace octavo {
 
@@ -51,6 +53,20 @@ struct AskedCut {
   std::int64_t index = 0;
 };
 
+/// A surface of a file, STL, PLY or OBJ, among the rays.
+struct AskedMesh {
+  std::string path;
+  std::optional<Color> color;  ///< default: one for each
+  double opacity = 1;          ///< 0 .. 1
+};
+
+/// A place among the rays, and what is written beside it.
+struct AskedMark {
+  Point3 at_mm{};  ///< world space
+  std::string text;
+  std::optional<Color> color;
+};
+
 /// Where the viewer stands: angles before steps before a side.
 struct AskedView {
   std::string side{kUsualViewpoint};  ///< as find_viewpoint knows it
@@ -66,7 +82,9 @@ struct AskedView {
 
 struct RenderOptions {
   std::string input;  ///< an .8vo file or a URL of one
-  Output output;      ///< ends in .png; a turntable writes NAME-000.png and so on
+  /// Ends in .png; a turntable writes NAME-000.png and so on, or one animation where it ends in
+  /// .apng.
+  Output output;
   PictureListener on_picture = {};  ///< takes the pictures in place of the output
   RenderMode mode = RenderMode::cubes;
   std::optional<RenderShade> shade;  ///< default: flat cubes, smooth surfaces
@@ -75,11 +93,14 @@ struct RenderOptions {
   std::vector<std::string> tissues;  ///< names of tissue_names()
   AskedLabels labels;                ///< of a label map; they add up with the ranges
   std::vector<AskedCut> cuts;
+  std::vector<AskedBox> removed;  ///< boxes of level 0 that are cut out; not of transparency
   AskedView view;
   std::int64_t width = 1024;
   std::int64_t height = 1024;
   double zoom = 1;
   int turntable = 0;  ///< pictures once around the patient; 0: one picture
+  bool is_growing = false;  ///< picture i of N shows the first i / N of the planes along z
+  int fps = 12;             ///< of an animation
   Color background{0, 0, 0};
   std::optional<double> fade;    ///< how much darker the farthest is than the nearest, 0 .. 1
   bool is_average = false;       ///< of mode transparency: in place of the sum
@@ -88,6 +109,14 @@ struct RenderOptions {
   std::optional<std::string> transfer;   ///< of volume, and the color of iso: a preset, or a file
   std::optional<double> isovalue;        ///< of iso: a real value
   std::optional<double> angle_degrees;   ///< of rays that begin in an eye: from top to bottom
+  std::vector<AskedMesh> meshes;         ///< of rays
+  std::vector<AskedMark> marks;          ///< of rays
+  bool has_ambient_shade = false;        ///< of volume and iso: hollows are darker
+  bool has_shadows = false;              ///< of volume and iso
+  /// Of one picture of rays: coarse levels first, and the finest that is drawn in so many seconds.
+  std::optional<double> time_budget_s;
+  /// Of one picture of rays: coarse levels first, each in place of the one before.
+  bool is_progressive = false;
   bool has_scale_bar = true;
   bool has_sides = true;
   bool has_legend = true;
@@ -95,8 +124,16 @@ struct RenderOptions {
 
 /// What rays did, for one picture where it says so.
 struct RayCounts {
+  std::int64_t pictures = 0;
   std::int64_t samples = 0;  ///< taken for a picture
   double frame_seconds = 0;  ///< for following the rays of a picture
+};
+
+/// One of the pictures that were drawn one in place of the other.
+struct RenderPass {
+  int level = 0;
+  int shrink = 1;      ///< 2: one ray for 2 x 2 pixels
+  double seconds = 0;  ///< since the file was opened
 };
 
 /// What was drawn.
@@ -129,6 +166,8 @@ struct RenderResult {
   RenderCounts counts;
   double seconds = 0;        ///< for drawing all pictures
   double first_seconds = 0;  ///< from the opening of the file until the first one is drawn
+  std::vector<RenderPass> passes;  ///< with a time budget or progressive; the last is what is seen
+  bool is_complete = true;         ///< the last pass is of the level that was asked for
 };
 
 /// Draws all pictures and gives them their names when the last is complete. Warns of pictures
@@ -140,5 +179,12 @@ struct RenderResult {
 ///         33 of rays; for smooth shades
 ///         3 bytes per pixel and 10 KiB per column and thread, where that is more
 RenderResult render(const RenderOptions& options, const TaskContext& context);
+
+/// Collective: pictures of rays by all ranks of a job, whose first one writes them. They are those
+/// of render, but for roundings.
+/// Throws  as render and Communicator; Error{invalid_argument} for other modes, meshes, marks and
+///         passes
+RenderResult render_by_ranks(const RenderOptions& options, Communicator& ranks,
+                             const TaskContext& context);
 
 }  // namespace octavo

@@ -64,6 +64,11 @@ class TransparencyScene final : public RenderScene {
     return options_.kept.value_or(box_of(reader_->levels().size(options_.level)));
   }
 
+  void grow_to(std::int64_t planes) override {
+    if (!options_.kept) options_.kept = shown();
+    options_.kept->hi.z = planes;
+  }
+
   Viewpoint seen_from(const Viewpoint& viewpoint) const override {
     const Geometry geometry = level_geometry();
     const auto [steps, degrees] = nearest_lines(geometry, viewpoint.toward);

@@ -73,6 +73,9 @@ struct RaySetup {
   double angle_degrees = 0;
   std::optional<Box> shown;
   std::vector<RayMesh> meshes;
+  std::vector<RayRegion> regions;  ///< in place of `shown`, in any order
+  bool keeps_order = false;        ///< of regions
+  ShadeTable shade;
 };
 
 struct CastScene {
@@ -102,6 +105,7 @@ CastScene cast_scene(const RayVolume<T>& volume, const RaySetup& setup) {
   set_camera(frame, {scene.view, shown, setup.angle_degrees, step_mm, setup.frame.zoom});
   const TransferTable table(setup.transfer, {}, bricks.scale(), bricks.range(), 1);
   frame.table = table.table();
+  frame.shade = setup.shade;
   frame.table.gradient_begin = setup.gradient_begin;
   frame.table.gradient_rise = setup.gradient_rise;
   bricks.set_bounds([&](float lowest, float highest) {
@@ -117,8 +121,13 @@ CastScene cast_scene(const RayVolume<T>& volume, const RaySetup& setup) {
   NoProgress silent;
   tbb::task_arena arena(setup.threads);
   arena.execute([&] {
-    scene.field = cast_rays(bricks, frame, scene.view.width, scene.view.height, setup.follow,
-                            silent);
+    const RayRegion whole{frame.low, frame.high, frame.low, frame.high};
+    const std::vector<RayRegion> regions =
+        setup.regions.empty() ? std::vector{whole}
+        : setup.keeps_order   ? setup.regions
+                              : front_to_back(setup.regions, frame);
+    scene.field = cast_rays(bricks, frame, regions, scene.view.width, scene.view.height,
+                            setup.follow, silent);
   });
   scene.loaded = bricks.loaded_count();
   return scene;

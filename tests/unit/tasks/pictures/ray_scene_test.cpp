@@ -170,7 +170,112 @@ TEST_F(RayScenes, PerspectiveAndTransferFilesChangeThePicture) {
   EXPECT_NE(draw(RenderMode::volume).pixels, other.pixels);
 }
 
+TEST_F(RayScenes, AMeshIsSeenAmongTheRaysAndShadesDarkenThem) {
+  std::ofstream(folder_.file("plate.obj"))
+      << "v 0 0 60\nv 149 0 60\nv 149 139 60\nv 0 139 60\nf 1 2 3 4\n";
+  for (const RenderMode mode : {RenderMode::volume, RenderMode::mip, RenderMode::iso}) {
+    options_.meshes.clear();
+    const Picture without = draw(mode);
+    options_.meshes = {{folder_.file("plate.obj"), Color{255, 0, 0}, 1}};
+    EXPECT_NE(draw(mode).pixels, without.pixels) << static_cast<int>(mode);
+  }
+  options_.meshes.clear();
+  options_.level = 2;
+  for (const RenderMode mode : {RenderMode::volume, RenderMode::iso}) {
+    options_.has_ambient_shade = options_.has_shadows = false;
+    const Picture bright = draw(mode);
+    options_.has_shadows = true;
+    const Picture shadows = draw(mode);
+    options_.has_ambient_shade = true;
+    EXPECT_NE(shadows.pixels, bright.pixels);
+    EXPECT_NE(draw(mode).pixels, shadows.pixels);
+  }
+}
+
+TEST_F(RayScenes, ABoxThatIsCutOutIsNotSeen) {
+  options_.view.side = "front";
+  const Picture whole = draw(RenderMode::iso);
+  AskedBox box;
+  options_.removed = {box};
+  expect_rejected("the cuts leave no voxel", [](auto& o) { o.isovalue.reset(); });
+  box.lo[0] = 60;  // all from there on
+  options_.removed = {box};
+  const Picture cut = draw(RenderMode::iso);
+  options_.removed.clear();
+  EXPECT_NE(cut.pixels, whole.pixels);
+  const auto seen_in = [](const Picture& picture, std::int64_t x) {
+    return testing::pixel(picture, x, 50) != kBlack;
+  };
+  EXPECT_TRUE(seen_in(whole, 60));
+  EXPECT_FALSE(seen_in(cut, 60));
+  EXPECT_TRUE(seen_in(cut, 30));
+}
+
+TEST_F(RayScenes, CoarseLevelsComeFirstAndATimeBudgetEndsThem) {
+  options_.width = options_.height = 300;
+  const Picture whole = draw(RenderMode::volume);
+  ASSERT_EQ(result_.level, 0);
+  EXPECT_TRUE(result_.passes.empty());
+  options_.is_progressive = true;
+  EXPECT_EQ(draw(RenderMode::volume).pixels, whole.pixels);
+  ASSERT_GE(result_.passes.size(), 3u);
+  EXPECT_EQ(result_.passes.front().shrink, 2);
+  EXPECT_GT(result_.passes.front().level, 1);
+  EXPECT_EQ(result_.passes.back().level, 0);
+  EXPECT_TRUE(result_.is_complete);
+  options_.is_progressive = false;
+  options_.time_budget_s = 1e-9;
+  const Picture first = draw(RenderMode::volume);
+  EXPECT_EQ(first.width, whole.width);
+  EXPECT_FALSE(result_.is_complete);
+  ASSERT_EQ(result_.passes.size(), 1u);
+  EXPECT_EQ(result_.level, result_.passes[0].level);
+  options_.time_budget_s = 1e6;
+  EXPECT_EQ(draw(RenderMode::volume).pixels, whole.pixels);
+  EXPECT_TRUE(result_.is_complete);
+}
+
+TEST_F(RayScenes, ATurntableGrowsToTheWhole) {
+  options_.mode = RenderMode::iso;
+  options_.isovalue = 400;
+  const auto picture = [&](const std::string& path) {
+    const std::string bytes = testing::bytes_of_file(path);
+    return testing::read_png(Bytes(bytes.begin(), bytes.end()));
+  };
+  options_.turntable = 3;
+  render(options_, context_);
+  const Picture whole = picture(folder_.file("p-002.png"));
+  const Picture first = picture(folder_.file("p-000.png"));
+  options_.is_growing = true;
+  render(options_, context_);
+  EXPECT_EQ(picture(folder_.file("p-002.png")).pixels, whole.pixels);
+  EXPECT_NE(picture(folder_.file("p-000.png")).pixels, first.pixels);
+  options_.output.path = folder_.file("p.apng");
+  const RenderResult animation = render(options_, context_);
+  EXPECT_EQ(animation.outputs, std::vector<std::string>{folder_.file("p.apng")});
+  EXPECT_EQ(picture(folder_.file("p.apng")).width, options_.width);
+}
+
 TEST_F(RayScenes, WhatDoesNotGoTogetherIsRejected) {
+  expect_rejected("meshes and marks are of", [](auto& o) {
+    o.mode = RenderMode::cubes;
+    o.marks = {{{0, 0, 0}, "here", std::nullopt}};
+  });
+  expect_rejected("shadows are of modes volume and iso", [](auto& o) {
+    o.mode = RenderMode::mip;
+    o.has_shadows = true;
+  });
+  expect_rejected("in the pictures of a turntable", [](auto& o) { o.is_growing = true; });
+  expect_rejected("of the pictures of a turntable", [](auto& o) { o.output.path = "p.apng"; });
+  expect_rejected("in one picture of rays", [](auto& o) {
+    o.turntable = 3;
+    o.time_budget_s = 3;
+  });
+  expect_rejected("above 0 seconds", [](auto& o) { o.time_budget_s = 0; });
+  expect_rejected("has no boxes cut out", [](auto& o) {
+    o.mode = RenderMode::transparency;
+    o.removed = {AskedBox()};
+  });
   expect_rejected("mode iso needs a value", [](auto& o) { o.mode = RenderMode::iso; });
   expect_rejected("is of mode iso", [](auto& o) { o.isovalue = 3; });
   expect_rejected("of modes volume and iso", [](auto& o) {

@@ -92,6 +92,32 @@ class RenderTask : public ::testing::Test {
   TaskContext context_;
 };
 
+TEST_F(RenderTask, CubesGrowPlaneByPlaneAndBoxesAreCutOut) {
+  for (const RenderMode mode : {RenderMode::cubes, RenderMode::surface}) {
+    options_.mode = mode;
+    options_.turntable = 2;
+    options_.is_growing = false;
+    render(options_, context_);
+    const Picture whole = picture(folder_.file("p-001.png"));
+    const Picture first = picture(folder_.file("p-000.png"));
+    options_.is_growing = true;
+    render(options_, context_);
+    EXPECT_EQ(picture(folder_.file("p-001.png")).pixels, whole.pixels);
+    EXPECT_NE(picture(folder_.file("p-000.png")).pixels, first.pixels);
+    options_.turntable = 0;
+    options_.is_growing = false;
+    const std::int64_t leaves = render(options_, context_).counts.leaves;
+    AskedBox corner;
+    corner.hi[0] = corner.hi[1] = 8;
+    options_.removed = {corner};
+    EXPECT_NE(render(options_, context_).counts.leaves, leaves);
+    corner.hi[0] = 8000;
+    options_.removed = {corner};
+    EXPECT_EQ(kind_of(options_), ErrorKind::invalid_argument);
+    options_.removed.clear();
+  }
+}
+
 TEST_F(RenderTask, CubesHaveThreeShadesAndASurfaceIsSmooth) {
   options_.fade = 0;
   const RenderResult cubes = render(options_, context_);

@@ -1,0 +1,78 @@
+// octavo-mpi render: pictures of rays by all ranks.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "common/failure.h"
+#include "common/options.h"
+#include "common/render_arguments.h"
+#include "mpi/mpi_verbs.h"
+
+namespace octavo::cli {
+
+namespace {
+
+constexpr VerbText kMpiRenderText = {
+    "render", "Draw grey values by rays, seen from a side, by all ranks.",
+    "Modes volume, mip, minip, mean and iso of octavo render, with its options but for --mesh,\n"
+    "--mark, --time-budget and --progressive. Each rank owns whole nodes of the octree and reads\n"
+    "what its rays come to in them; colors and opacities are then composited in the order of the\n"
+    "octants, each rank its share of the picture. The picture is that of one machine within a\n"
+    "level of grey of 255.\n\n"
+    "Examples:\n"
+    "  mpirun -n 4 octavo-mpi render head.8vo --mode volume --transfer skin -o head.png\n"
+    "  mpirun -n 64 octavo-mpi render scan.8vo --mode iso --isovalue 90 --turntable 36 "
+    "-o turn.apng"};
+
+struct MpiRenderArguments {
+  RenderArguments render;
+  RankArguments ranks;
+};
+
+void print_render_of_ranks(const RenderResult& result, const Communicator& ranks,
+                           const Context& context) {
+  const RenderCounts& counts = result.counts;
+  const auto pictures = static_cast<double>(std::max(counts.rays.pictures, std::int64_t{1}));
+  const double fps = result.seconds > 0 ? pictures / result.seconds : 0;
+  if (context.json) {
+    print_json({{"outputs", result.outputs},
+                {"ranks", ranks.size()},
+                {"level", result.level},
+                {"size", {result.width, result.height}},
+                {"samples", counts.rays.samples},
+                {"bricks_decoded", counts.decoded_bricks},
+                {"first_seconds", result.first_seconds},
+                {"seconds", result.seconds},
+                {"fps", fps},
+                {"warnings", context.warnings}});
+  } else if (!context.quiet) {
+    print(fmt::format("{}: {} x {} pixels, level {}, by {} ranks, {:.2f} fps\n",
+                      result.outputs.front(), result.width, result.height, result.level,
+                      ranks.size(), fps));
+  }
+}
+
+int run_mpi_render(const MpiRenderArguments& arguments, Context& context) {
+  const RenderOptions options = render_options(arguments.render, context);
+  return run_at_ranks(arguments.ranks, context,
+                      [&](Communicator& ranks, const TaskContext& task) {
+                        const RenderResult result = render_by_ranks(options, ranks, task);
+                        if (ranks.is_first()) print_render_of_ranks(result, ranks, context);
+                        return kExitDone;
+                      });
+}
+
+}  // namespace
+
+void add_mpi_render(CLI::App& app, Context& context) {
+  const auto arguments = std::make_shared<MpiRenderArguments>();
+  arguments->render.mode = "volume";
+  Verb verb = add_verb(app, context, kMpiRenderText,
+                       [arguments, &context] { return run_mpi_render(*arguments, context); });
+  add_render_options(verb, arguments->render);
+  add_waiting_options(verb, arguments->ranks);
+}
+
+}  // namespace octavo::cli

@@ -1,0 +1,196 @@
+#include "octavo/tasks/pictures/rank_rays.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "octavo/core/error.h"
+#include "octavo/render/rays/octree_nodes.h"
+
+namespace octavo {
+
+namespace {
+
+/// What a tile of one run of nodes has gathered; as ranks send it.
+struct SentTile {
+  std::uint64_t run = 0;   // its place in the order
+  std::uint64_t tile = 0;  // of the picture
+  std::array<float, kTileRays> red;
+  std::array<float, kTileRays> green;
+  std::array<float, kTileRays> blue;
+  std::array<float, kTileRays> gathered;
+};
+
+bool is_anything_gathered(const RayTile& tile, RayMode mode) {
+  return std::any_of(tile.gathered.begin(), tile.gathered.end(), [&](float gathered) {
+    return mode == RayMode::extreme ? std::isfinite(gathered) : gathered > 0;
+  });
+}
+
+SentTile sent_tile(const RayTile& tile, std::size_t run, std::size_t number) {
+  return {run, number, tile.red, tile.green, tile.blue, tile.gathered};
+}
+
+/// What share of what lies behind is seen. One machine would have ended the ray somewhere between
+/// what is enough and all: this ends it in the middle.
+float share_behind(float gathered, float behind, const RayFrame& frame) {
+  if (gathered >= frame.enough) return 0;
+  const float share = 1 - gathered;
+  const float most = 0.5f * (1 + frame.enough) - gathered;
+  return share * behind > most ? most / behind : share;
+}
+
+/// What lies behind what a tile has gathered already.
+void composite_behind(const SentTile& behind, const RayFrame& frame, RayTile& tile) {
+  for (std::size_t i = 0; i < kTileRays; ++i) {
+    float& gathered = tile.gathered[i];
+    if (frame.mode == RayMode::extreme) {
+      gathered = std::max(gathered, behind.gathered[i]);
+      continue;
+    }
+    float share = 1;
+    if (frame.mode == RayMode::volume) share = share_behind(gathered, behind.gathered[i], frame);
+    if (frame.mode == RayMode::iso) share = gathered > 0 ? 0 : 1;
+    tile.red[i] += share * behind.red[i];
+    tile.green[i] += share * behind.green[i];
+    tile.blue[i] += share * behind.blue[i];
+    gathered += share * behind.gathered[i];
+  }
+}
+
+void append_tile(Bytes& out, const SentTile& tile) {
+  const auto* const bytes = reinterpret_cast<const std::uint8_t*>(&tile);
+  out.insert(out.end(), bytes, bytes + sizeof tile);
+}
+
+std::vector<SentTile> tiles_of(ByteSpan bytes) {
+  if (bytes.size() % sizeof(SentTile) != 0) {
+    throw Error(ErrorKind::io, "a rank sent a part of a tile");
+  }
+  std::vector<SentTile> tiles(bytes.size() / sizeof(SentTile));
+  if (!tiles.empty()) std::memcpy(tiles.data(), bytes.data(), bytes.size());
+  return tiles;
+}
+
+/// Collective: what each rank has for each other one. Pairs speak in turns, so that none waits for
+/// another that waits.
+std::vector<Bytes> exchanged(std::vector<Bytes> outgoing, Communicator& ranks) {
+  const int size = ranks.size();
+  std::vector<Bytes> incoming(outgoing.size());
+  incoming[static_cast<std::size_t>(ranks.rank())] =
+      std::move(outgoing[static_cast<std::size_t>(ranks.rank())]);
+  for (int round = 1; round < 2 * size; ++round) {
+    const int other = ranks.rank() ^ round;
+    if (other >= size) continue;
+    const auto at = static_cast<std::size_t>(other);
+    if (ranks.rank() < other) ranks.send(other, outgoing[at]);
+    incoming[at] = ranks.receive(other);
+    if (ranks.rank() > other) ranks.send(other, outgoing[at]);
+    outgoing[at].clear();
+  }
+  return incoming;
+}
+
+/// Runs of nodes that follow each other in the order and are this rank's.
+struct NodeRun {
+  std::size_t place = 0;
+  std::vector<RayRegion> regions;
+};
+
+std::vector<NodeRun> own_runs(const RayFrame& frame, std::span<const RayRegion> regions,
+                              const Communicator& ranks) {
+  const BrickTables& tables = frame.bricks;
+  const Size3 grid{tables.grid[0], tables.grid[1], tables.grid[2]};
+  std::vector<bool> is_seen(static_cast<std::size_t>(grid.voxel_count()));
+  for (std::size_t i = 0; i < is_seen.size(); ++i) {
+    is_seen[i] = frame.mode == RayMode::extreme || tables.brick_bounds[i] > 0;
+  }
+  const std::int64_t side = std::int64_t{1} << tables.shift;
+  const std::vector<OctreeNode> nodes =
+      nodes_in_order(share_octree(grid, is_seen, ranks.size()), frame, side);
+  std::vector<NodeRun> runs;
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    if (nodes[i].rank != ranks.rank()) continue;
+    const bool continues = i > 0 && nodes[i - 1].rank == ranks.rank();
+    if (!continues) runs.push_back({i, {}});
+    for (const RayRegion& region : regions_in(nodes[i], regions, side)) {
+      runs.back().regions.push_back(region);
+    }
+  }
+  std::erase_if(runs, [](const NodeRun& run) { return run.regions.empty(); });
+  return runs;
+}
+
+void start_field(RayField& field, std::int64_t width, std::int64_t height, RayMode mode) {
+  field.width = width;
+  field.height = height;
+  field.tiles.resize(ray_field_bytes(width, height) / sizeof(RayTile));
+  if (mode != RayMode::extreme) return;
+  for (RayTile& tile : field.tiles) {
+    tile.gathered.fill(-std::numeric_limits<float>::infinity());
+  }
+}
+
+}  // namespace
+
+RayField cast_by_ranks(RayBricks& bricks, const RayFrame& frame,
+                       std::span<const RayRegion> regions, std::int64_t width,
+                       std::int64_t height, Communicator& ranks, const TaskContext& context) {
+  // Own nodes, and what each rank is to composite of them.
+  const auto count = static_cast<std::size_t>(ranks.size());
+  const std::int64_t loaded_before = bricks.loaded_count();
+  std::vector<Bytes> outgoing(count);
+  RayField result;
+  for (const NodeRun& run : own_runs(frame, regions, ranks)) {
+    const RayField field = cast_rays(bricks, frame, run.regions, width, height,
+                                     follow_rays_function(), context.watcher());
+    for (std::size_t i = 0; i < field.tiles.size(); ++i) {
+      if (!is_anything_gathered(field.tiles[i], frame.mode)) continue;
+      append_tile(outgoing[i % count], sent_tile(field.tiles[i], run.place, i));
+    }
+    result.samples += field.samples;
+    result.cast_seconds += field.cast_seconds;
+  }
+  const auto loaded = static_cast<std::uint64_t>(bricks.loaded_count() - loaded_before);
+  const std::uint64_t done[] = {static_cast<std::uint64_t>(result.samples), loaded};
+  const RankSums sums = ranks.sum_before(done);
+
+  // Tiles in order.
+  std::vector<SentTile> tiles;
+  for (const Bytes& bytes : exchanged(std::move(outgoing), ranks)) {
+    for (const SentTile& tile : tiles_of(bytes)) tiles.push_back(tile);
+  }
+  std::sort(tiles.begin(), tiles.end(), [](const SentTile& a, const SentTile& b) {
+    return a.tile != b.tile ? a.tile < b.tile : a.run < b.run;
+  });
+  RayField composed;
+  start_field(composed, width, height, frame.mode);
+  Bytes finished;
+  for (std::size_t i = 0; i < tiles.size(); ++i) {
+    RayTile& tile = composed.tiles.at(tiles[i].tile);
+    composite_behind(tiles[i], frame, tile);
+    const bool is_last = i + 1 == tiles.size() || tiles[i + 1].tile != tiles[i].tile;
+    if (is_last) append_tile(finished, sent_tile(tile, 0, tiles[i].tile));
+  }
+
+  // The picture.
+  const std::vector<Bytes> all = ranks.collect(finished);
+  result.width = width;
+  result.height = height;
+  if (!ranks.is_first()) return result;
+  start_field(result, width, height, frame.mode);
+  for (const Bytes& bytes : all) {
+    for (const SentTile& tile : tiles_of(bytes)) {
+      composite_behind(tile, frame, result.tiles.at(tile.tile));
+    }
+  }
+  result.samples = static_cast<std::int64_t>(sums.all[0]);
+  result.loaded_elsewhere = static_cast<std::int64_t>(sums.all[1] - loaded);
+  return result;
+}
+
+}  // namespace octavo

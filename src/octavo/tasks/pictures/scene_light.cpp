@@ -1,0 +1,106 @@
+#include "octavo/tasks/pictures/scene_light.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+namespace octavo {
+
+namespace {
+
+constexpr std::int64_t kMostShadeSamples = std::int64_t{1} << 20;
+constexpr std::uint64_t kBytesPerShadeSample = 20;
+
+/// The real values of a whole level; what is no number is 0.
+std::vector<float> real_values(const FileReader& reader, int level) {
+  const Size3& size = reader.levels().size(level);
+  const auto count = static_cast<std::size_t>(size.voxel_count());
+  std::vector<float> values(count);
+  const Rescale& rescale = reader.description().rescale;
+  with_voxel_type(reader.description().type, [&](auto id) {
+    using T = typename decltype(id)::type;
+    std::vector<T> stored(count);
+    reader.read(box_of(size), level, stored.data());
+    for (std::size_t i = 0; i < count; ++i) {
+      const double value = rescale.to_real(static_cast<double>(stored[i]));
+      values[i] = std::isfinite(value) ? static_cast<float>(value) : 0.0f;
+    }
+  });
+  return values;
+}
+
+/// Length of the gradient at a sample, by differences of its neighbors.
+double gradient_of(const std::vector<float>& values, const Size3& size, const Point3& spacing,
+                   const Index3& at) {
+  const std::array<std::int64_t, 3> strides{1, size.x, size.x * size.y};
+  const std::int64_t here = (at.z * size.y + at.y) * size.x + at.x;
+  double squared = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto i = static_cast<std::size_t>(axis);
+    const std::int64_t below = at[axis] > 0 ? strides[i] : 0;
+    const std::int64_t above = at[axis] + 1 < size[axis] ? strides[i] : 0;
+    const std::int64_t apart = (below + above) / strides[i];
+    if (apart == 0) continue;
+    const double difference = static_cast<double>(values[static_cast<std::size_t>(here + above)]) -
+                              static_cast<double>(values[static_cast<std::size_t>(here - below)]);
+    squared += std::pow(difference / (static_cast<double>(apart) * spacing[i]), 2);
+  }
+  return std::sqrt(squared);
+}
+
+}  // namespace
+
+Box box_at_level(const Box& box, const Levels& levels, int level) {
+  Box at;
+  for (int axis = 0; axis < 3; ++axis) {
+    const int halvings = levels.halving_count(level, axis);
+    const std::int64_t half = (std::int64_t{1} << halvings) / 2;
+    at.lo[axis] = (box.lo[axis] + half) >> halvings;
+    at.hi[axis] = (box.hi[axis] + half) >> halvings;
+  }
+  return intersection(at, box_of(levels.size(level)));
+}
+
+std::unique_ptr<RayShade> scene_light(const FileReader& reader, int level,
+                                      const SceneMatter& matter, const TaskContext& context) {
+  const Levels& levels = reader.levels();
+  while (level + 1 < levels.count() && levels.size(level).voxel_count() > kMostShadeSamples) {
+    ++level;
+  }
+  ExtinctionGrid grid;
+  grid.size = levels.size(level);
+  grid.geometry = levels.geometry(reader.description().geometry, level);
+  context.require_memory(
+      kBytesPerShadeSample * static_cast<std::uint64_t>(grid.size.voxel_count()),
+      "the light in the volume");
+  const std::vector<float> values = real_values(reader, level);
+
+  // Extinctions of what is shown.
+  const Box kept = box_at_level(matter.kept, levels, level);
+  std::vector<Box> removed;
+  for (const Box& box : matter.removed) removed.push_back(box_at_level(box, levels, level));
+  grid.per_mm.resize(values.size());
+  const Point3& spacing = grid.geometry.spacing_mm;
+  const double side = *std::max_element(spacing.begin(), spacing.end());
+  std::size_t i = 0;
+  visit_cells(box_of(grid.size), {1, 1, 1}, [&](const Index3& at) {
+    const bool is_shown =
+        kept.contains(at) && std::none_of(removed.begin(), removed.end(),
+                                          [&](const Box& box) { return box.contains(at); });
+    if (is_shown) {
+      const double gradient =
+          matter.has_gradient ? gradient_of(values, grid.size, spacing, at) : 0;
+      grid.per_mm[i] = static_cast<float>(
+          matter.extinction(static_cast<double>(values[i]), gradient, side));
+    }
+    ++i;
+    return true;
+  });
+  std::unique_ptr<RayShade> light;
+  context.on_threads(
+      [&] { light = std::make_unique<RayShade>(std::move(grid), context.watcher()); });
+  return light;
+}
+
+}  // namespace octavo

@@ -1,0 +1,32 @@
+// The light that comes through a volume, out of a coarse level of its file.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "octavo/file/reader.h"
+#include "octavo/render/rays/ray_shade.h"
+#include "octavo/tasks/task_context.h"
+
+namespace octavo {
+
+/// What light has to come through.
+struct SceneMatter {
+  /// Extinction per mm of a real value with a gradient, in values per mm, in a cell of a side.
+  std::function<double(double value, double gradient, double side_mm)> extinction;
+  bool has_gradient = false;   ///< otherwise gradients are 0
+  Box kept;                    ///< voxels of level 0; what lies around them lets all light through
+  std::vector<Box> removed;    ///< and what lies in these
+};
+
+/// The coarsest level from `level` on that has at most 2^20 samples looks at itself.
+/// Throws  what the reader throws, Error{cancelled}, Error{limit_exceeded}
+/// Memory  20 bytes per sample of that level
+std::unique_ptr<RayShade> scene_light(const FileReader& reader, int level,
+                                      const SceneMatter& matter, const TaskContext& context);
+
+/// A box of voxels of level 0 in samples of another one.
+Box box_at_level(const Box& box, const Levels& levels, int level);
+
+}  // namespace octavo

@@ -1,0 +1,174 @@
+#include "octavo/render/rays/ray_regions.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "unit/render/rays/ray_scenes.h"
+
+namespace octavo {
+namespace {
+
+using testing::CastScene;
+using testing::cast_scene;
+using testing::noisy_ball;
+using testing::RaySetup;
+
+Box random_box(std::mt19937& random, std::int64_t side) {
+  std::uniform_int_distribution<std::int64_t> place(0, side);
+  Box box;
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::int64_t a = place(random);
+    const std::int64_t b = place(random);
+    box.lo[axis] = std::min(a, b);
+    box.hi[axis] = std::max(a, b);
+  }
+  return box;
+}
+
+TEST(RayRegions, WhatIsLeftOfABoxIsEveryVoxelOnce) {
+  std::mt19937 random(7);
+  for (int round = 0; round < 40; ++round) {
+    const Box whole{{1, 2, 0}, {9, 8, 10}};
+    const std::vector<Box> removed = {random_box(random, 10), random_box(random, 10),
+                                      random_box(random, 10)};
+    const std::vector<Box> left = without_boxes(whole, removed);
+    visit_cells({{0, 0, 0}, {11, 11, 11}}, {1, 1, 1}, [&](const Index3& voxel) {
+      const bool is_left = whole.contains(voxel) &&
+                           std::none_of(removed.begin(), removed.end(),
+                                        [&](const Box& box) { return box.contains(voxel); });
+      EXPECT_EQ(std::count_if(left.begin(), left.end(),
+                              [&](const Box& box) { return box.contains(voxel); }),
+                is_left ? 1 : 0);
+      return true;
+    });
+  }
+}
+
+/// Where a ray is in a region, if it is.
+std::optional<std::pair<double, double>> span_in(const RayRegion& region, const Point3& origin,
+                                                 const Point3& direction) {
+  double enter = 0;
+  double leave = 1e9;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double low = (static_cast<double>(region.low[axis]) - origin[axis]) / direction[axis];
+    const double high = (static_cast<double>(region.high[axis]) - origin[axis]) / direction[axis];
+    enter = std::max(enter, std::min(low, high));
+    leave = std::min(leave, std::max(low, high));
+  }
+  if (enter + 1e-6 >= leave) return std::nullopt;
+  return std::pair(enter, leave);
+}
+
+TEST(RayRegions, RaysComeToThemInTheirOrder) {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> real(-1, 1);
+  for (int round = 0; round < 30; ++round) {
+    std::vector<RayRegion> regions;
+    for (const Box& box : without_boxes({{0, 0, 0}, {20, 20, 20}},
+                                        std::vector<Box>{random_box(random, 20),
+                                                         random_box(random, 20)})) {
+      regions.push_back(region_of(box));
+    }
+    RayFrame frame;
+    const bool has_eye = round % 2 == 1;
+    frame.eye_pixels = has_eye ? 100.0f : 0.0f;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      frame.direction[axis] = static_cast<float>(real(random));
+      frame.origin[axis] = static_cast<float>(10 + 25 * real(random));
+    }
+    const std::vector<RayRegion> ordered = front_to_back(regions, frame);
+    for (int ray = 0; ray < 200; ++ray) {
+      Point3 origin{10 + 40 * real(random), 10 + 40 * real(random), 10 + 40 * real(random)};
+      Point3 direction{real(random), real(random), real(random)};
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        if (has_eye) origin[axis] = static_cast<double>(frame.origin[axis]);
+        else direction[axis] = static_cast<double>(frame.direction[axis]);
+      }
+      double last = -1;
+      for (const RayRegion& region : ordered) {
+        const auto span = span_in(region, origin, direction);
+        if (!span) continue;
+        EXPECT_GE(span->first + 1e-6, last);
+        last = span->second;
+      }
+    }
+  }
+}
+
+/// The eight parts around a place, their faces there inner ones.
+std::vector<RayRegion> octants(const Size3& size, const Index3& middle) {
+  std::vector<RayRegion> regions;
+  for (int i = 0; i < 8; ++i) {
+    RayRegion& region = regions.emplace_back(region_of(box_of(size)));
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto a = static_cast<std::size_t>(axis);
+      const bool is_high = (i >> axis & 1) != 0;
+      (is_high ? region.low : region.high)[a] = static_cast<float>(middle[axis]);
+    }
+  }
+  return regions;
+}
+
+TEST(RayRegions, AVolumeInOctantsIsTheWholeBitForBit) {
+  const auto ball = noisy_ball(60);
+  for (const RayMode mode : {RayMode::volume, RayMode::extreme, RayMode::mean, RayMode::iso}) {
+    for (const double angle : {0.0, 50.0}) {
+      for (const FollowRays follow : {follow_rays_portable, follow_rays_function()}) {
+        RaySetup setup;
+        setup.mode = mode;
+        setup.angle_degrees = angle;
+        setup.follow = follow;
+        const CastScene whole = cast_scene(ball, setup);
+        setup.regions = octants(ball.size, {32, 16, 32});
+        const auto a = testing::gathered(cast_scene(ball, setup).field);
+        const auto b = testing::gathered(whole.field);
+        EXPECT_TRUE(a == b) << static_cast<int>(mode) << ' ' << angle;
+      }
+    }
+  }
+}
+
+TEST(RayRegions, APiecesFacesCutStepsAndChangeLittle) {
+  // A step that is cut is two whose lengths count in parts of 1/64.
+  const auto ball = testing::ray_volume<std::int16_t>({60, 60, 60}, [](auto x, auto y, auto z) {
+    return 700 - 20 * std::hypot(static_cast<double>(x) - 30, static_cast<double>(y) - 30,
+                                 static_cast<double>(z) - 30);
+  });
+  for (const double angle : {0.0, 50.0}) {
+    RaySetup setup;
+    setup.angle_degrees = angle;
+    const Picture whole = ray_picture(cast_scene(ball, setup).field, {});
+    const Box hole{{20, 10, 30}, {50, 40, 60}};
+    for (const Box& piece : without_boxes(box_of(ball.size), std::vector<Box>{hole})) {
+      setup.regions.push_back(region_of(piece));
+    }
+    setup.regions.push_back(region_of(hole));
+    const Picture pieces = ray_picture(cast_scene(ball, setup).field, {});
+    for (std::size_t i = 0; i < whole.pixels.size(); ++i) {
+      ASSERT_NEAR(whole.pixels[i], pieces.pixels[i], 3) << i;
+    }
+  }
+}
+
+TEST(RayRegions, WhatLiesInABoxThatIsCutOutIsNotSeen) {
+  // A solid block without its middle: rays through the hole see as much as the two ends give.
+  auto block = testing::ray_volume<std::int16_t>({40, 40, 40}, [](auto...) { return 400; });
+  RaySetup setup;
+  setup.viewpoint = *find_viewpoint("front");
+  setup.transfer = {{{0, {255, 255, 255}, 0}, {400, {255, 255, 255}, 0.05}}, {}, false};
+  for (const Box& piece :
+       without_boxes(box_of(block.size), std::vector<Box>{{{0, 10, 0}, {40, 30, 40}}})) {
+    setup.regions.push_back(region_of(piece));
+  }
+  const CastScene cut = cast_scene(block, setup);
+  double opacity = 0;
+  cut.field.for_each_pixel([&](std::int64_t x, std::int64_t y, const RayTile& tile,
+                               std::size_t ray) {
+    if (x == 48 && y == 40) opacity = static_cast<double>(tile.gathered[ray]);
+  });
+  EXPECT_NEAR(opacity, 1 - std::pow(0.95, 20), 1 / 255.0);
+}
+
+}  // namespace
+}  // namespace octavo
