@@ -107,6 +107,8 @@ void stream_planes(const FileReader& reader, const ExportPlan& plan, int threads
   const auto type_bytes = static_cast<std::size_t>(bytes_per_voxel(plan.type));
   const auto voxel_room = static_cast<std::uint64_t>(
       std::max(bytes_per_voxel(plan.type), bytes_per_voxel(plan.stored_type)));
+  // Where all of it can be kept, its layers share their requests.
+  reader.fetch({&plan.box, 1}, plan.level);
   std::vector<std::byte> voxels;
   Box layer = plan.box;
   for (layer.lo.z = plan.box.lo.z; layer.lo.z < plan.box.hi.z; layer.lo.z = layer.hi.z) {
