@@ -18,7 +18,7 @@ namespace {
 
 constexpr const char* kGroupFile = "zarr.json";
 
-std::string without_slashes(const std::string& path) {
+std::string zarr_folder_of(const std::string& path) {
   const std::size_t end = path.find_last_not_of('/');
   return end == std::string::npos ? path : path.substr(0, end + 1);
 }
@@ -202,7 +202,7 @@ class ZarrZip final : public ZarrOutput {
 
 std::unique_ptr<ZarrOutput> make_zarr_folder(Storage& storage, const std::string& path,
                                              bool overwrite) {
-  return std::make_unique<ZarrFolder>(storage, without_slashes(path), overwrite);
+  return std::make_unique<ZarrFolder>(storage, zarr_folder_of(path), overwrite);
 }
 
 std::unique_ptr<ZarrOutput> make_zarr_zip(Storage& storage, const std::string& path,
