@@ -7,7 +7,8 @@ A unity build joins sources of one library, so that their anonymous namespaces b
 ones it joins changes with every new source; so within a library no two sources may have
 
 - a type or a constant of the same name, or aliases of one name for several types
-- a function of the same name with parameters of the same types
+- a function of the same name with parameters that one call fits alike: `const T&` and `T` are
+  the same, and so is a function that a header of the library or of core defines
 """
 
 import pathlib
@@ -73,7 +74,7 @@ def without_templates(head: str) -> str:
 
 
 def parameter_types(parameters: str) -> str:
-    """Of `const T& a, int b = 3` that is `const T&,int`."""
+    """Of `const T& a, int b = 3` that is `T,int`: a call does not tell `T` and `const T&` apart."""
     types, depth, start = [], 0, 0
     for i, letter in enumerate(parameters + ","):
         depth += (letter in "<([{") - (letter in ">)]}")
@@ -83,6 +84,7 @@ def parameter_types(parameters: str) -> str:
             named = re.fullmatch(r"(.*[\w>\]&*)\s])\b(\w+)", one, re.DOTALL)
             if named and not re.fullmatch(r"(const|unsigned|long|short|signed)\s+\w+", one):
                 one = named.group(1)
+            one = re.sub(r"^const\s+(.*\S)\s*&$", r"\1", one.strip(), flags=re.DOTALL)
             types.append(re.sub(r"\s+", "", one))
     return ",".join(types)
 
@@ -116,6 +118,20 @@ def names_in(path: pathlib.Path) -> set[str]:
     return names - {None}
 
 
+def functions_of_headers(root: pathlib.Path) -> dict:
+    """What headers of each room define in namespace octavo itself: functions, and where."""
+    rooms = {}
+    for path in sorted((root / "src/octavo").rglob("*.h")):
+        functions = rooms.setdefault(path.relative_to(root / "src/octavo").parts[0], {})
+        text = code_of(path)
+        for start in re.finditer(r"\bnamespace\s+octavo\s*\{", text):
+            end = closing(text, start.end() - 1, "{}")
+            for head in statements(text[start.end():end - 1]):
+                if head.startswith("inline ") and "(" in head:
+                    functions[name_of(head)] = path
+    return rooms
+
+
 def sources_by_target(root: pathlib.Path) -> dict:
     """Sources that may be compiled together: of a library, those of the reading half apart."""
     reading = (root / "src/octavo/ReadingHalf.cmake").read_text()
@@ -134,10 +150,15 @@ def sources_by_target(root: pathlib.Path) -> dict:
 def check(root: pathlib.Path) -> list[str]:
     errors = []
     libraries = sources_by_target(root)
-    for paths in libraries.values():
+    headers = functions_of_headers(root)
+    for (folder, _), paths in libraries.items():
+        seen = {**headers.get("core", {}), **headers.get(folder.name, {})}
         first = {}
         for path in paths:
             for name in sorted(names_in(path)):
+                if name in seen:
+                    errors.append(f"{path.relative_to(root)}: {seen[name].relative_to(root)} "
+                                  f"names {name} as well")
                 # The same alias twice is one.
                 key = name.split("=")[0] if name.startswith("using ") else name
                 other, same = first.setdefault(key, (path, name))

@@ -24,7 +24,7 @@ CosSin cos_sin(double degrees) {
   return {std::cos(angle), std::sin(angle)};
 }
 
-Point3 unit(const Point3& axis) {
+Point3 direction_of(const Point3& axis) {
   // Scaled first: squares of large numbers are infinite, those of small ones 0.
   const double largest = std::max({std::abs(axis[0]), std::abs(axis[1]), std::abs(axis[2])});
   Point3 result{axis[0] / largest, axis[1] / largest, axis[2] / largest};
@@ -72,7 +72,7 @@ void move_center(Geometry& geometry, const Size3& size, const Point3& center_mm)
 }  // namespace
 
 Rotation rotation_about(const Point3& axis, double degrees) {
-  const auto [x, y, z] = unit(axis);
+  const auto [x, y, z] = direction_of(axis);
   const auto [c, s] = cos_sin(degrees);
   // Rodrigues: c I + s [k] + (1 - c) k k^T. On the diagonal c (1 - k k) + k k, which is exactly 1
   // along an axis of the grid.
