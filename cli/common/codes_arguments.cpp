@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t kPrintBytes = std::size_t{1} << 16;
 
-AskedRange parse_range(const std::string& text) {
+AskedRange range_of_codes(const std::string& text) {
   const std::vector<std::string> ends = split(text, ':');
   if (ends.size() != 2) {
     throw Error(ErrorKind::invalid_argument, "--range: '" + escaped(text) + "'; expected LO:HI");
@@ -268,7 +268,7 @@ CodesOptions codes_options(const CodesArguments& arguments, const Context& conte
   options.input = arguments.input;
   options.level = arguments.level;
   options.labels = parse_labels(arguments.labels);
-  if (!arguments.range.empty()) options.range = parse_range(arguments.range);
+  if (!arguments.range.empty()) options.range = range_of_codes(arguments.range);
   if (arguments.notation == "linear") options.notation = CodeNotation::hierarchical;
   if (!arguments.neighbors.empty()) options.neighbors_of = arguments.neighbors;
   options.bytes_per_leaf = printed_bytes_per_leaf(arguments, context);
