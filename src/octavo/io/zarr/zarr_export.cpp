@@ -123,8 +123,13 @@ class LevelShards {
   std::vector<std::uint8_t> voxels_;
 };
 
+/// A path without slashes behind it.
+std::string bare_path(const std::string& path) {
+  return path.substr(0, path.find_last_not_of('/') + 1);
+}
+
 std::string image_name(const std::string& path) {
-  std::string name = base_name(path.substr(0, path.find_last_not_of('/') + 1));
+  const std::string name = base_name(path);
   return name.substr(0, name.find('.'));
 }
 
@@ -158,7 +163,7 @@ ZarrExportResult write_zarr(const FileReader& reader, const std::string& path, Z
 }  // namespace
 
 bool is_zarr_path(const std::string& path) {
-  const std::string bare = path.substr(0, path.find_last_not_of('/') + 1);
+  const std::string bare = bare_path(path);
   return has_ending(bare, ".zarr") || has_ending(bare, ".ozx");
 }
 
@@ -172,11 +177,12 @@ ZarrExportResult export_zarr(const FileReader& reader, Storage& storage, const s
   }
   require_side(options.chunk_side, 16, 256, "the side of chunks");
   require_side(options.shard_chunks, 1, 16, "chunks along a side of a shard");
-  const bool is_zip = has_ending(path, ".ozx");
-  const auto output = is_zip ? make_zarr_zip(storage, path, options.overwrite)
-                             : make_zarr_folder(storage, path, options.overwrite);
+  const std::string bare = bare_path(path);
+  const auto output = has_ending(bare, ".ozx")
+                          ? make_zarr_zip(storage, bare, options.overwrite)
+                          : make_zarr_folder(storage, bare, options.overwrite);
   tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
-  return arena.execute([&] { return write_zarr(reader, path, *output, options, progress); });
+  return arena.execute([&] { return write_zarr(reader, bare, *output, options, progress); });
 }
 
 }  // namespace octavo

@@ -16,12 +16,9 @@ namespace octavo {
 
 namespace {
 
-constexpr const char* kGroupFile = "zarr.json";
+namespace fs = std::filesystem;
 
-std::string zarr_folder_of(const std::string& path) {
-  const std::size_t end = path.find_last_not_of('/');
-  return end == std::string::npos ? path : path.substr(0, end + 1);
-}
+constexpr const char* kGroupFile = "zarr.json";
 
 [[noreturn]] void fail_on(const std::string& path, const std::string& what,
                           const std::error_code& reason) {
@@ -30,10 +27,41 @@ std::string zarr_folder_of(const std::string& path) {
 
 void remove_tree(const std::string& path) noexcept {
   std::error_code none;
-  std::filesystem::remove_all(path, none);
+  fs::remove_all(path, none);
 }
 
-/// Throws where a name is taken by anything but a hierarchy of zarr that may be replaced.
+bool is_zarr_number(const std::string& name) {
+  return !name.empty() && name.find_first_not_of("0123456789") == std::string::npos;
+}
+
+/// Whether images have files, or folders, of that name in folders so deep: zarr.json, 0/zarr.json
+/// and 0/c/1/2/3.
+bool is_of_image(const fs::directory_entry& entry, int depth) {
+  std::error_code none;
+  const fs::file_type type = entry.symlink_status(none).type();
+  const std::string name = entry.path().filename().string();
+  if (type == fs::file_type::regular) {
+    return depth == 4 ? is_zarr_number(name) : depth < 2 && name == kGroupFile;
+  }
+  if (type != fs::file_type::directory) return false;
+  return depth == 1 ? name == "c" : depth < 4 && is_zarr_number(name);
+}
+
+/// What lies in a folder besides the files of an image; empty where nothing does. What cannot be
+/// listed is something else.
+std::string strange_in_image(const std::string& folder) {
+  std::error_code reason;
+  fs::recursive_directory_iterator entry(folder, reason);
+  const fs::recursive_directory_iterator end;
+  for (; !reason && entry != end; entry.increment(reason)) {
+    if (!is_of_image(*entry, entry.depth())) {
+      return entry->path().lexically_relative(folder).string();
+    }
+  }
+  return reason ? reason.message() : std::string();
+}
+
+/// Throws where a name is taken by anything but an image that may be replaced.
 void require_replaceable(Storage& storage, const std::string& path, bool overwrite) {
   if (!storage.exists(path)) return;
   if (!overwrite) {
@@ -42,6 +70,18 @@ void require_replaceable(Storage& storage, const std::string& path, bool overwri
   if (!storage.exists(path + "/" + kGroupFile)) {
     throw Error(ErrorKind::io, "is no zarr hierarchy, and is not replaced", path);
   }
+  const std::string strange = strange_in_image(path);
+  if (strange.empty()) return;
+  throw Error(ErrorKind::io,
+              "holds more than an image, and is not replaced: " + escaped(strange), path);
+}
+
+/// Removes what killed processes left for a name, old images that they had replaced included.
+void remove_left_images(Storage& storage, const std::string& path) {
+  for (const std::string& left : list_temporaries(storage, path)) {
+    const auto lock = storage.lock_left(left);
+    if (lock && strange_in_image(left).empty()) remove_tree(left);
+  }
 }
 
 class ZarrFolder final : public ZarrOutput {
@@ -49,6 +89,7 @@ class ZarrFolder final : public ZarrOutput {
   ZarrFolder(Storage& storage, std::string path, bool overwrite)
       : storage_(storage), path_(std::move(path)), overwrite_(overwrite) {
     require_replaceable(storage_, path_, overwrite_);
+    remove_left_images(storage_, path_);
     folder_ = create_temporary_folder(storage_, path_);
   }
 
@@ -63,11 +104,7 @@ class ZarrFolder final : public ZarrOutput {
     const std::string place = folder_.path + "/" + key;
     const std::string parent = folder_of(place);
     try {
-      if (parents_.insert(parent).second) {
-        std::error_code reason;
-        std::filesystem::create_directories(parent, reason);
-        if (reason) fail_on(parent, "cannot be made", reason);
-      }
+      make_folders(parent);
       const auto file = storage_.create_exclusive(place);
       file->write(0, bytes);
       file->sync();
@@ -87,8 +124,7 @@ class ZarrFolder final : public ZarrOutput {
     } else if (storage_.exchange(folder_.path, path_)) {
       remove_tree(folder_.path);
     } else {
-      remove_tree(path_);
-      storage_.rename(folder_.path, path_);
+      replace_in_steps();
     }
     is_finished_ = true;
     sync_new_name(storage_, path_);
@@ -97,11 +133,34 @@ class ZarrFolder final : public ZarrOutput {
   std::uint64_t bytes() const override { return bytes_; }
 
  private:
+  /// Makes a folder and those around it, all of which finish() makes durable.
+  void make_folders(const std::string& folder) {
+    if (parents_.contains(folder)) return;
+    std::error_code reason;
+    fs::create_directories(folder, reason);
+    if (reason) fail_on(folder, "cannot be made", reason);
+    std::string made = folder;
+    while (parents_.insert(made).second && made != folder_.path) made = folder_of(made);
+  }
+
+  /// Where two names cannot change places in one step: the old image goes when the new one stands.
+  void replace_in_steps() {
+    const std::string old = free_temporary_name(storage_, path_);
+    storage_.rename(path_, old);
+    try {
+      storage_.rename_new(folder_.path, path_);
+    } catch (...) {
+      storage_.rename(old, path_);
+      throw;
+    }
+    remove_tree(old);
+  }
+
   Storage& storage_;
   std::string path_;
   bool overwrite_;
   TemporaryFile folder_;
-  std::set<std::string> parents_;
+  std::set<std::string> parents_;  ///< folders that were made
   std::uint64_t bytes_ = 0;
   bool is_finished_ = false;
 };
@@ -130,6 +189,9 @@ class ZarrZip final : public ZarrOutput {
  public:
   ZarrZip(Storage& storage, const std::string& path, bool overwrite)
       : overwrite_(overwrite), file_(storage, path) {
+    if (storage.path_type(path) == PathType::folder) {
+      throw Error(ErrorKind::io, "is a folder; name the file to write", path);
+    }
     if (storage.exists(path) && !overwrite) {
       throw Error(ErrorKind::io, "already exists", path).with_field("output.overwrite");
     }
@@ -202,7 +264,7 @@ class ZarrZip final : public ZarrOutput {
 
 std::unique_ptr<ZarrOutput> make_zarr_folder(Storage& storage, const std::string& path,
                                              bool overwrite) {
-  return std::make_unique<ZarrFolder>(storage, zarr_folder_of(path), overwrite);
+  return std::make_unique<ZarrFolder>(storage, path, overwrite);
 }
 
 std::unique_ptr<ZarrOutput> make_zarr_zip(Storage& storage, const std::string& path,

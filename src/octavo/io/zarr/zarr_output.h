@@ -24,7 +24,9 @@ class ZarrOutput {
   virtual std::uint64_t bytes() const = 0;
 };
 
-/// A folder. One that stands there is replaced only where it holds zarr.json.
+/// A folder, named without a slash behind it. One that stands there is replaced only where it holds
+/// zarr.json, and nothing but what is written here. What killed processes left for the same name
+/// goes first.
 /// Throws Error{io} where the name is taken and may not be replaced
 std::unique_ptr<ZarrOutput> make_zarr_folder(Storage& storage, const std::string& path,
                                              bool overwrite);
