@@ -158,11 +158,9 @@ ComputedMask threshold_mask(const FileReader& reader, const ThresholdOptions& op
 ThresholdResult threshold(const ThresholdOptions& options, const TaskContext& context) {
   const std::shared_ptr<const FileReader> reader = open_volume(options.input, context);
   const VolumeDescription& volume = reader->description();
-  const std::vector<ValueClass> asked = asked_classes(options, volume, context);
-  require_computed(options.output, {options.input});
-
   ThresholdResult result{volume, {}, 0};
   if (options.classes.empty()) {
+    require_computed(options.output, {options.input});
     const ComputedMask mask = threshold_mask(*reader, options, context);
     result.file_bytes =
         write_described_mask(mask.tree, mask.volume, options.output, kThreshold, context)
@@ -170,6 +168,9 @@ ThresholdResult threshold(const ThresholdOptions& options, const TaskContext& co
     result.objects.push_back({1, mask.tree.voxel_count()});
     return result;
   }
+
+  const std::vector<ValueClass> asked = asked_classes(options, volume, context);
+  require_computed(options.output, {options.input});
   ClassPlanes planes(std::make_unique<FilePlanes>(reader, 0, context.thread_count()),
                      stored_classes(asked, volume, options.is_stored), made_by(options, asked));
   result.file_bytes = write_labels(planes, options.output, kThreshold, context).file_bytes;
