@@ -159,7 +159,8 @@ class LabelMap(FileTasks):
         return self._combined(other, "xor")
 
     def __invert__(self):
-        return self._combined(None, "complement")
+        with work_of() as work:
+            return LabelMap(self._tree.combine(None, "complement", work))
 
     def select(self, *labels):
         """The mask of some labels, by number or by name.
@@ -278,12 +279,10 @@ class LabelMap(FileTasks):
                 f"{self.nbytes:,} bytes>")
 
     def _combined(self, other, operation):
-        if other is not None:
-            if not isinstance(other, LabelMap):
-                return NotImplemented
-            other = other._tree
+        if not isinstance(other, LabelMap):
+            return NotImplemented
         with work_of() as work:
-            return LabelMap(self._tree.combine(other, operation, work))
+            return LabelMap(self._tree.combine(other._tree, operation, work))
 
     def _morphed(self, operation, voxels, mm, connectivity, threads, max_memory, progress):
         if voxels is not None and mm is not None:

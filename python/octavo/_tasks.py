@@ -8,9 +8,11 @@ import numpy as np
 from . import _octavo
 from ._errors import ArgumentError
 from ._sources import require_name
-from ._work import asked_labels, number_of, range_of, work_of
+from ._work import (asked_labels, if_given, level_of, number_of, range_of, several_of, text_of,
+                    texts_of, whole_number, work_of)
 
 _AXES = {"z": 2, "y": 1, "x": 0}
+_MOST_PICTURES = 999
 MODES = ("cubes", "surface", "transparency", "volume", "mip", "minip", "mean", "iso")
 
 
@@ -68,7 +70,7 @@ class FileTasks:
             For grey values in the place of labels, and grids that differ.
         """
         name, handle = self._opened_file()
-        grey_name, grey = ("", None) if of is None else of._opened_file()
+        grey_name, grey = ("", None) if of is None else opened_file(of, "of")
         if grey_name == name and grey is not handle:
             grey_name += " (grey)"
         numbers, names = asked_labels(labels)
@@ -92,8 +94,9 @@ class FileTasks:
             equal, same_stored, same_shape, same_dtype, same_place, shift_mm, different_voxels,
             max_difference, first_different (z, y, x or None).
         """
+        other = opened_file(other, "other")[1]
         with work_of(threads, max_memory, progress) as work:
-            return _octavo.compare(self._opened_file()[1], other._opened_file()[1],
+            return _octavo.compare(self._opened_file()[1], other,
                                    number_of(max_error, "max_error"), work)
 
     def surface(self, isovalue=None, *, labels=None, stored=False, level=0, seed=None,
@@ -183,16 +186,16 @@ class FileTasks:
         if axis not in _AXES:
             raise ArgumentError(f'axis is "z", "y" or "x", not {axis!r}')
         name, handle = self._opened_file()
-        asked = dict(axis=_AXES[axis], index=index, level=level, preset=preset,
-                     position_mm=None if position_mm is None else number_of(position_mm,
-                                                                            "position_mm"),
-                     window=None if window is None else range_of(window, "a window"),
-                     text=bool(text), minimum_side=int(minimum_side))
+        asked = dict(axis=_AXES[axis], index=if_given(whole_number, index, "index", -(1 << 62)),
+                     level=level_of(level), preset=text_of(preset, "preset"),
+                     position_mm=if_given(number_of, position_mm, "position_mm"),
+                     window=if_given(range_of, window, "a window"), text=bool(text),
+                     minimum_side=whole_number(minimum_side, "minimum_side", 0))
         if isinstance(overlays, FileTasks):
             overlays = (overlays,)
         drawn = []
-        for number, overlay in enumerate(overlays):
-            overlay_name, overlay_handle = overlay._opened_file()
+        for number, overlay in enumerate(several_of(overlays, "overlays")):
+            overlay_name, overlay_handle = opened_file(overlay, "an overlay")
             drawn.append((f"{overlay_name} ({number + 2})" if overlay_name in
                           (name, *(n for n, _ in drawn)) else overlay_name, overlay_handle))
         with work_of(threads, max_memory, progress) as work:
@@ -220,7 +223,7 @@ class FileTasks:
             Of mode "iso".
         window : (low, high), optional
             Of modes "transparency", "mip", "minip" and "mean".
-        transfer : str, optional
+        transfer : str or os.PathLike, optional
             Of modes "volume" and "iso": a preset, or a file of JSON.
         size : (int, int)
             Width and height in pixels.
@@ -237,12 +240,20 @@ class FileTasks:
             raise ArgumentError(f"mode is one of {', '.join(MODES)}, not {mode!r}")
         name, handle = self._opened_file()
         numbers, names = asked_labels(labels)
-        asked = dict(mode=mode, view=view, azimuth=azimuth, elevation=elevation,
-                     ranges=[range_of(r) for r in ranges], tissues=list(tissues), labels=numbers,
-                     names=names, level=level, isovalue=isovalue,
-                     window=None if window is None else range_of(window, "a window"),
-                     transfer=transfer, size=tuple(map(int, size)), zoom=float(zoom),
-                     turntable=int(turntable), background=background, text=bool(text))
+        if isinstance(transfer, os.PathLike):
+            transfer = os.fspath(transfer)
+        asked = dict(mode=mode, view=text_of(view, "view"),
+                     azimuth=if_given(number_of, azimuth, "azimuth"),
+                     elevation=if_given(number_of, elevation, "elevation"),
+                     ranges=[range_of(r) for r in several_of(ranges, "ranges")],
+                     tissues=texts_of(tissues, "tissues"), labels=numbers, names=names,
+                     level=if_given(level_of, level),
+                     isovalue=if_given(number_of, isovalue, "isovalue"),
+                     window=if_given(range_of, window, "a window"),
+                     transfer=if_given(text_of, transfer, "transfer"), size=_size(size),
+                     zoom=number_of(zoom, "zoom"),
+                     turntable=whole_number(turntable, "turntable", 0, _MOST_PICTURES),
+                     background=text_of(background, "background"), text=bool(text))
         with work_of(threads, max_memory, progress) as work:
             pictures = _octavo.render(handle, name, asked, work)
         return np.stack(pictures) if turntable else pictures[0]
@@ -286,7 +297,8 @@ class FileTasks:
             raise ArgumentError('interpolation is "nearest", "linear" or "cubic", not '
                                 f"{interpolation!r}")
         name, handle = self._opened_file()
-        grid_name, grid = ("", None) if grid_of is None else grid_of._opened_file()
+        grid_name, grid = (("", None) if grid_of is None else
+                           opened_file(grid_of, "grid_of"))
         if grid_name == name and grid is not handle:
             grid_name += " (grid)"
         asked = dict(overwrite=bool(overwrite), in_place=bool(in_place), inverse=bool(inverse),
@@ -309,7 +321,7 @@ class VolumeTasks(FileTasks):
         Parameters
         ----------
         low, high : float, optional
-            Real values; an end left out is open.
+            Real values; an end left out is open, but NaN and infinities are in no range.
         ranges : sequence of (low, high)
             More of them.
         tissue : str or several
@@ -324,8 +336,8 @@ class VolumeTasks(FileTasks):
         """
         from ._label_map import LabelMap
         name, handle = self._opened_file()
-        asked = [range_of(r) for r in ranges]
-        tissues = [tissue] if isinstance(tissue, str) else list(tissue)
+        asked = [range_of(r) for r in several_of(ranges, "ranges")]
+        tissues = texts_of(tissue, "tissue")
         if low is not None or high is not None:
             asked.insert(0, range_of((low, high)))
         with work_of(threads, max_memory, progress) as work:
@@ -377,6 +389,13 @@ class VolumeTasks(FileTasks):
         return self.name, self._file._opened()
 
 
+def opened_file(given, name):
+    """Name and handle of a volume or label map. Raises ArgumentError for anything else."""
+    if not isinstance(given, FileTasks):
+        raise ArgumentError(f"{name} is a Volume or a LabelMap, not {type(given).__name__}")
+    return given._opened_file()
+
+
 def _path(path):
     try:
         path = os.fspath(path)
@@ -394,11 +413,18 @@ def _asked_surface(isovalue, labels, stored, level, seed, max_deviation_mm, tria
         raise ArgumentError(f'space is "lps" or "ras", not {space!r}')
     numbers, names = asked_labels(labels)
     return dict(isovalue=None if isovalue is None else number_of(isovalue, "isovalue"),
-                stored=bool(stored), labels=numbers, names=names, level=int(level),
+                stored=bool(stored), labels=numbers, names=names, level=level_of(level),
                 seed=None if seed is None else _three(seed, "seed"),
                 max_deviation_mm=number_of(max_deviation_mm, "max_deviation_mm"),
                 triangles=None if triangles is None else number_of(triangles, "triangles"),
                 space=space, allow_faults=bool(allow_faults))
+
+
+def _size(given):
+    size = several_of(given, "width and height")
+    if len(size) != 2:
+        raise ArgumentError(f"size is (width, height), not {given!r}")
+    return tuple(whole_number(side, "a side of size", 0) for side in size)
 
 
 def _three(given, name):
@@ -434,7 +460,10 @@ def _step(name, given):
             raise ArgumentError(f"scale is 2, 4, ... 64 or 1/2, 1/4, ... 1/64, not {given!r}")
         return name, [factor]
     if name == "affine":
-        matrix = np.asarray(given, float)
+        try:
+            matrix = np.asarray(given, float)
+        except (TypeError, ValueError):
+            matrix = np.empty(0)
         if matrix.shape not in ((3, 4), (4, 4)):
             raise ArgumentError("affine is a 4 x 4 matrix")
         return name, [float(n) for n in matrix[:3].ravel()]

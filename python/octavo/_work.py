@@ -34,16 +34,48 @@ def asked_labels(labels):
         return [], []
     if isinstance(labels, (str, numbers.Integral)):
         labels = [labels]
+    labels = several_of(labels, "labels")
     names = [label for label in labels if isinstance(label, str)]
     return [whole_number(label, "a label", -(1 << 62)) for label in labels
             if not isinstance(label, str)], names
+
+
+def several_of(given, name):
+    """A list of what can be gone through. Raises ArgumentError for anything else."""
+    try:
+        return list(given)
+    except TypeError:
+        raise ArgumentError(f"{name} are several, not {given!r}") from None
+
+
+def text_of(given, name):
+    """`given`, which is text. Raises ArgumentError for anything else."""
+    if not isinstance(given, str):
+        raise ArgumentError(f"{name} is text, not {given!r}")
+    return given
+
+
+def texts_of(given, name):
+    """A list of texts, from one or several. Raises ArgumentError for anything else."""
+    several = [given] if isinstance(given, str) else several_of(given, name)
+    return [text_of(one, name) for one in several]
+
+
+def level_of(given):
+    """A level as an int; the file says whether it has that. Raises ArgumentError."""
+    return whole_number(given, "level", 0, (1 << 31) - 1)
+
+
+def if_given(check, given, *rest):
+    """What `check` makes of an argument that may be left out."""
+    return None if given is None else check(given, *rest)
 
 
 def number_of(given, name):
     """A finite number as a float. Raises ArgumentError for anything else."""
     try:
         number = float(given)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         number = math.nan
     if not math.isfinite(number):
         raise ArgumentError(f"{name} is a number, not {given!r}")
@@ -56,8 +88,10 @@ def range_of(given, name="a range"):
         low, high = given
         low = -math.inf if low is None else float(low)
         high = math.inf if high is None else float(high)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise ArgumentError(f"{name} is (low, high), not {given!r}") from None
+    if math.isnan(low) or math.isnan(high):
+        raise ArgumentError(f"{name} has no end that is NaN: {given!r}")
     if not low <= high:
         raise ArgumentError(f"{name} begins above its end: {given!r}")
     return low, high

@@ -9,7 +9,7 @@ import numpy as np
 from . import _octavo
 from ._building import build
 from ._errors import ArgumentError
-from ._tasks import _path
+from ._tasks import _path, opened_file
 from ._volume import RealView, View, Volume
 from ._work import whole_number, work_of
 
@@ -223,7 +223,7 @@ def export(volume, path, *, level=0, compression="zstd", chunk_side=64, shard_ch
                             "the program octavo writes other formats", path=path)
     if compression not in ("zstd", "blosc", "none"):
         raise ArgumentError(f'compression is "zstd", "blosc" or "none", not {compression!r}')
-    name, handle = volume._opened_file()
+    name, handle = opened_file(volume, "volume")
     asked = dict(overwrite=bool(overwrite), level=whole_number(level, "level", 0, 63),
                  compression=compression, chunk_side=whole_number(chunk_side, "chunk_side", 0),
                  shard_chunks=whole_number(shard_chunks, "shard_chunks", 0))

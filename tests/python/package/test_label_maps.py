@@ -337,6 +337,9 @@ def test_tasks_work_on_bytes_and_on_closed_files_raise(scan):
     (lambda v: v.threshold(), "needs a range"),
     (lambda v: v.threshold(5, 1), "begins above its end"),
     (lambda v: v.threshold("a"), "is .low, high."),
+    (lambda v: v.threshold(float("nan")), "has no end that is NaN"),
+    (lambda v: v.threshold(ranges=3), "ranges are several, not 3"),
+    (lambda v: v.threshold(tissue=[3]), "tissue is text, not 3"),
     (lambda v: v.label_map(), "holds grey values"),
     (lambda v: v.threshold(0).dilate(1, mm=2), "not both"),
     (lambda v: v.threshold(0).dilate(connectivity=7), "connectivity is 6"),
@@ -347,7 +350,32 @@ def test_tasks_work_on_bytes_and_on_closed_files_raise(scan):
     (lambda v: v.surface(), "needs an isovalue"),
     (lambda v: v.surface(1e9), "no voxel has"),
     (lambda v: v.render("photo"), "mode is one of"),
+    (lambda v: v.render(azimuth="left"), "azimuth is a number, not 'left'"),
+    (lambda v: v.render(elevation=10**400), "elevation is a number"),
+    (lambda v: v.render(level=1.5), "level is a whole number"),
+    (lambda v: v.render(level=99), "the file has levels 0 to"),
+    (lambda v: v.render("iso", isovalue="x"), "isovalue is a number"),
+    (lambda v: v.render(view=3), "view is text, not 3"),
+    (lambda v: v.render(background=0), "background is text"),
+    (lambda v: v.render(transfer=3), "transfer is text"),
+    (lambda v: v.render(tissues=[3]), "tissues is text"),
+    (lambda v: v.render(labels=1.5), "labels are several, not 1.5"),
+    (lambda v: v.render(size=64), "are several, not 64"),
+    (lambda v: v.render(size=(64,)), "size is .width, height."),
+    (lambda v: v.render(size=("a", 2)), "a side of size is a whole number"),
+    (lambda v: v.render(zoom="x"), "zoom is a number"),
+    (lambda v: v.render(turntable=1.5), "turntable is a whole number"),
     (lambda v: v.slice("w"), "axis is"),
+    (lambda v: v.slice(index=1.5), "index is a whole number"),
+    (lambda v: v.slice(level="x"), "level is a whole number"),
+    (lambda v: v.slice(preset=3), "preset is text"),
+    (lambda v: v.slice(overlays=[3]), "an overlay is a Volume or a LabelMap, not int"),
+    (lambda v: v.surface(0, level="x"), "level is a whole number"),
+    (lambda v: v.threshold(0).measure(of=v[...]), "of is a Volume or a LabelMap, not ndarray"),
+    (lambda v: v.compare(3), "other is a Volume or a LabelMap"),
+    (lambda v: octavo.export(3, "x.ome.zarr"), "volume is a Volume or a LabelMap, not int"),
+    (lambda v: v.transform("x.8vo", grid_of=3), "grid_of is a Volume or a LabelMap"),
+    (lambda v: v.transform("x.8vo", affine="x"), "affine is a 4 x 4 matrix"),
     (lambda v: v.measure(), "holds grey values, not labels"),
     (lambda v: v.threshold(0).save_surface("x.xyz"), "a surface is written as"),
 ])
@@ -363,8 +391,17 @@ def test_masks_of_other_grids_do_not_go_together(volume, mask, tmp_path):
     moved = octavo.build(np.ones(mask.shape, bool), tmp_path / "moved.8vo", spacing=SPACING)
     with pytest.raises(octavo.ArgumentError, match="lies up to"):
         mask | moved.mask()
-    with pytest.raises(TypeError):
-        mask & 3
+    for other in (3, None):
+        with pytest.raises(TypeError, match="unsupported operand"):
+            mask & other
+
+
+def test_a_transfer_function_is_named_by_a_path(volume, tmp_path):
+    path = tmp_path / "größe.json"
+    path.write_text('{"points": [{"value": 0, "color": "sand", "opacity": 0},'
+                    ' {"value": 50, "color": "white", "opacity": 1}]}')
+    drawn = volume.render("volume", transfer=path, size=(60, 50))
+    assert np.array_equal(drawn, volume.render("volume", transfer=str(path), size=(60, 50)))
 
 
 def test_an_empty_mask_warns(volume):
