@@ -21,9 +21,10 @@ constexpr VerbText kAlignText = {
     "The first mask moves, the second stays. Nothing has to be near: turns of all kinds are\n"
     "tried. Half of a surface may be missing on either side. The matrix, mm and LPS, is what\n"
     "'octavo transform --affine' takes. With --scale the size is found as well.\n\n"
-    "Where fewer than 45 % of the points of the first surface come to lie within two voxels of\n"
-    "the second, there is no pose: the exit code is 1, and no matrix is written. The condition\n"
-    "says how well the surfaces hold the pose; it is large for balls and rods.\n\n"
+    "Surfaces agree where they are within a voxel of the coarser mask and face the same way.\n"
+    "Where fewer than 30 % of the first agree, or fewer than 60 % of what the second has around\n"
+    "those, there is no pose: the exit code is 1, and no matrix is written. The condition says\n"
+    "how well the surfaces hold the pose; it is large for balls and rods.\n\n"
     "Examples:\n"
     "  octavo align skull-a.8vo skull-b.8vo -o pose.txt\n"
     "  octavo transform a.8vo --affine pose.txt --grid-of b.8vo -o a-on-b.8vo"};
@@ -50,6 +51,8 @@ nlohmann::ordered_json report_json(const AlignArguments& arguments, const AlignR
           {"found", result.is_found},
           {"matrix_mm", matrix},
           {"scale", pose.scale},
+          {"agreement", result.agreement.forward},
+          {"agreement_around", result.agreement.backward},
           {"overlap", pose.overlap},
           {"mean_mm", pose.mean_mm},
           {"p95_mm", pose.p95_mm},
@@ -63,8 +66,10 @@ nlohmann::ordered_json report_json(const AlignArguments& arguments, const AlignR
 std::string report_text(const AlignArguments& arguments, const AlignResult& result) {
   const FoundPose& pose = result.pose;
   if (!result.is_found) {
-    return fmt::format("{} and {}: no pose; at best {:.0f} % of the surface comes near\n",
-                       escaped(arguments.moving), escaped(arguments.fixed), 100 * pose.overlap);
+    return fmt::format("{} and {}: no pose; at best {:.0f} % of the first agrees, and {:.0f} % of "
+                       "the second around it\n",
+                       escaped(arguments.moving), escaped(arguments.fixed),
+                       100 * result.agreement.forward, 100 * result.agreement.backward);
   }
   std::string text;
   for (std::size_t row = 0; row < 3; ++row) {
@@ -75,6 +80,8 @@ std::string report_text(const AlignArguments& arguments, const AlignResult& resu
   text += fmt::format("{:.0f} % of the surface within two voxels: mean {:.3g} mm, 95 % within "
                       "{:.3g} mm, largest {:.3g} mm\n",
                       100 * pose.overlap, pose.mean_mm, pose.p95_mm, pose.max_mm);
+  text += fmt::format("{:.0f} % agree, and {:.0f} % of the second around them\n",
+                      100 * result.agreement.forward, 100 * result.agreement.backward);
   return text + fmt::format("scale {:.6g}, {} iterations, condition {:.3g}\n", pose.scale,
                             pose.iterations, pose.condition);
 }

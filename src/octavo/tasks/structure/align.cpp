@@ -48,6 +48,22 @@ std::vector<Point3> points_of(const LeveledMask& mask, const std::string& path) 
   throw Error(ErrorKind::invalid_argument, "the mask has no surface: it is empty or full", path);
 }
 
+/// Distances of the voxels of a mask to its surface.
+std::vector<float> distances_of(const LeveledMask& mask, const TaskContext& context) {
+  const ProgressScope scope(context.watcher(), "distance", mask.tree.size().z, "planes");
+  std::vector<float> mm;
+  context.on_threads([&] {
+    mm = signed_distances(mask.tree, {DistanceTo::faces, mask.geometry.spacing_mm},
+                          context.watcher());
+  });
+  return mm;
+}
+
+double voxel_side(const LeveledMask& mask) {
+  const Point3& spacing = mask.geometry.spacing_mm;
+  return std::cbrt(spacing[0] * spacing[1] * spacing[2]);
+}
+
 void write_matrix(const Affine& map, const Output& output) {
   std::string text;
   for (std::size_t row = 0; row < 3; ++row) {
@@ -69,21 +85,17 @@ AlignResult align(const AlignOptions& options, const TaskContext& context) {
     require_no_input(options.matrix.path, {options.moving, options.fixed});
   }
   const LeveledMask fixed = open_leveled(options.fixed, context);
+  const LeveledMask moving = open_leveled(options.moving, context);
   const Size3 size = fixed.tree.size();
-  context.require_memory(9 * static_cast<std::uint64_t>(size.voxel_count()), "the distances");
+  const Size3 moving_size = moving.tree.size();
+  context.require_memory(9 * static_cast<std::uint64_t>(size.voxel_count()) +
+                             8 * static_cast<std::uint64_t>(moving_size.voxel_count()),
+                         "the distances");
   const std::vector<Point3> fixed_points = points_of(fixed, options.fixed);
-  const std::vector<Point3> points = points_of(open_leveled(options.moving, context),
-                                               options.moving);
+  const std::vector<Point3> points = points_of(moving, options.moving);
 
   // The maps of distances.
-  const Point3& spacing = fixed.geometry.spacing_mm;
-  std::vector<float> mm;
-  {
-    const ProgressScope scope(context.watcher(), "distance", size.z, "planes");
-    context.on_threads([&] {
-      mm = signed_distances(fixed.tree, {DistanceTo::faces, spacing}, context.watcher());
-    });
-  }
+  std::vector<float> mm = distances_of(fixed, context);
   const std::int64_t longest = std::max({size.x, size.y, size.z});
   const std::int64_t step = std::max<std::int64_t>(1, longest / kCoarseSide);
   const DistanceGrid coarse(mm, size, fixed.geometry, step);
@@ -93,15 +105,22 @@ AlignResult align(const AlignOptions& options, const TaskContext& context) {
   AlignResult result;
   result.level = fixed.level;
   result.points = points.size();
-  result.voxel_mm = std::cbrt(spacing[0] * spacing[1] * spacing[2]);
+  result.voxel_mm = voxel_side(fixed);
   const PointSpread spread = spread_of(fixed_points);
   const PoseTarget target{coarse,      fine, spread.middle, spread.axes, spread.radius_mm,
                           result.voxel_mm};
-  const ProgressScope scope(context.watcher(), "align", 1, "poses");
-  context.on_threads([&] {
-    result.pose = find_pose(points, target, options.has_scale, context.watcher());
-  });
-  result.is_found = result.pose.overlap >= kMinimumOverlap;
+  {
+    const ProgressScope scope(context.watcher(), "align", 1, "poses");
+    context.on_threads([&] {
+      result.pose = find_pose(points, target, options.has_scale, context.watcher());
+    });
+  }
+
+  const DistanceGrid own(distances_of(moving, context), moving_size, moving.geometry, 1);
+  result.agreement = agreement_of({points, own, voxel_side(moving)},
+                                  {fixed_points, fine, result.voxel_mm}, result.pose.map);
+  result.is_found = result.agreement.forward >= kMinimumAgreement.forward &&
+                    result.agreement.backward >= kMinimumAgreement.backward;
   if (result.is_found && !options.matrix.path.empty()) {
     write_matrix(result.pose.map, options.matrix);
   }

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <utility>
 
 #include "octavo/tasks/affine_file.h"
 #include "support/task_files.h"
@@ -64,6 +65,40 @@ TEST_F(Align, WritesNoMatrixWhereSurfacesDoNotMeet) {
     return (p.x * 7 + p.y * 13 + p.z * 29) % 17 == 0;
   }));
   const AlignResult result = align(options_, context_);
+  EXPECT_FALSE(result.is_found);
+  EXPECT_FALSE(std::filesystem::exists(options_.matrix.path));
+}
+
+TEST_F(Align, FindsHalfOfTheBars) {
+  DenseMask half = bars_;
+  for_each_voxel(kStairSize, [&](const Index3& p) {
+    if (p.x + p.y + p.z > 34) half.at(p) = 0;
+  });
+  options_.moving = write("half.8vo", half);
+  options_.matrix.overwrite = true;
+  for (int way = 0; way < 2; ++way) {
+    ASSERT_TRUE(align(options_, context_).is_found);
+    const Affine map = read_affine(options_.matrix.path);
+    for (const Point3& p : {Point3{4, 4, 4}, {26, 12, 9}, {10, 24, 9}, {13, 11, 14}}) {
+      const Point3 made = map(geometry_.to_world(p));
+      const Point3 expected = geometry_.to_world(p);
+      for (std::size_t a = 0; a < 3; ++a) EXPECT_NEAR(made[a], expected[a], 0.25);
+    }
+    std::swap(options_.moving, options_.fixed);
+  }
+}
+
+TEST_F(Align, FindsNoBallInACrowdOfSurfaces) {
+  // Thin walls four voxels apart: something is near wherever a ball lies.
+  options_.fixed = write("walls.8vo", solid([](const Index3& p) {
+    return p.x % 8 < 4 || (p.y % 10 < 4 && p.z % 9 < 4);
+  }));
+  options_.moving = write("ball.8vo", solid([](const Index3& p) {
+    const Index3 d = {p.x - 20, p.y - 18, p.z - 17};
+    return d.x * d.x + d.y * d.y + d.z * d.z <= 100;
+  }));
+  const AlignResult result = align(options_, context_);
+  EXPECT_GT(result.pose.overlap, 0.6);
   EXPECT_FALSE(result.is_found);
   EXPECT_FALSE(std::filesystem::exists(options_.matrix.path));
 }

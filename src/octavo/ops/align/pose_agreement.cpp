@@ -1,0 +1,84 @@
+#include "octavo/ops/align/pose_agreement.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
+
+#include "octavo/core/vectors.h"
+
+namespace octavo {
+
+namespace {
+
+constexpr double kSameWay = 0.7;        // cosine between directions that count as the same
+constexpr double kCellTolerances = 6;   // side of the cells that tell what lies around
+
+/// The way out of a surface, not of unit length: faces of voxels alone know six ways.
+Point3 way_out(const DistanceGrid& distances, const Point3& p, double voxel_mm) {
+  Point3 way{};
+  for (int corner = 0; corner < 8; ++corner) {
+    Point3 q = p;
+    for (std::size_t a = 0; a < 3; ++a) q[a] += (corner >> a & 1) != 0 ? voxel_mm : -voxel_mm;
+    way = sum(way, distances.at(q).slope);
+  }
+  return way;
+}
+
+Point3 turned_way(const Affine& map, const Point3& way) {
+  return difference(map(way), map.offset);
+}
+
+/// Whether a point of one surface, mapped to q, agrees with the other.
+bool is_agreeing(const PosedSurface& from, const Point3& p, const PosedSurface& to,
+                 const Point3& q, const Affine& map, double tolerance_mm) {
+  if (!(std::abs(to.distances.at(q).mm) <= tolerance_mm)) return false;
+  const Point3 own = turned_way(map, way_out(from.distances, p, from.voxel_mm));
+  const Point3 other = way_out(to.distances, q, to.voxel_mm);
+  return dot(own, other) > kSameWay * std::sqrt(dot(own, own) * dot(other, other));
+}
+
+}  // namespace
+
+PoseAgreement agreement_of(const PosedSurface& first, const PosedSurface& second,
+                           const Affine& map) {
+  PoseAgreement agreement;
+  const auto back = inverse(map);
+  if (!back) return agreement;
+  const Point3 unit_step = turned_way(map, {1, 0, 0});
+  const double scale = std::sqrt(dot(unit_step, unit_step));
+  const double tolerance =
+      std::clamp(first.voxel_mm * scale, second.voxel_mm, 2 * second.voxel_mm);
+
+  using Cell = std::array<std::int64_t, 3>;
+  const auto cell_of = [&](const Point3& q) {
+    Cell cell{};
+    for (std::size_t a = 0; a < 3; ++a) {
+      cell[a] = static_cast<std::int64_t>(std::floor(q[a] / (kCellTolerances * tolerance)));
+    }
+    return cell;
+  };
+  std::set<Cell> around;
+  std::size_t agreeing = 0;
+  for (const Point3& p : first.points) {
+    const Point3 q = map(p);
+    if (!is_agreeing(first, p, second, q, map, tolerance)) continue;
+    ++agreeing;
+    around.insert(cell_of(q));
+  }
+  agreement.forward = static_cast<double>(agreeing) / static_cast<double>(first.points.size());
+
+  std::size_t asked = 0;
+  agreeing = 0;
+  for (const Point3& q : second.points) {
+    if (!around.contains(cell_of(q))) continue;
+    ++asked;
+    if (is_agreeing(second, q, first, (*back)(q), *back, tolerance / scale)) ++agreeing;
+  }
+  if (asked > 0) {
+    agreement.backward = static_cast<double>(agreeing) / static_cast<double>(asked);
+  }
+  return agreement;
+}
+
+}  // namespace octavo
