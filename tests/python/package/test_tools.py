@@ -109,3 +109,15 @@ def test_patches_for_pytorch_are_those_of_the_scan(scan, tmp_path):
     assert not torch.equal(image, patches[2][0])
     large = PatchDataset([scan.name], (64, 8, 8), 1)[0]
     assert large.shape == (1, 64, 8, 8) and (large[0, 40:] == large[0, 63]).all()
+
+
+def test_a_slider_of_notebooks_shows_the_slices(scan):
+    pytest.importorskip("ipywidgets")
+    from octavo._notebook import png_of
+    mask = scan.threshold(0)
+    slider, picture = octavo.viewer(scan, overlays=mask).children
+    assert (slider.min, slider.max, slider.value) == (0, 39, 20)
+    for index in (3, 39):
+        slider.value = index
+        assert bytes(picture.value) == png_of(scan.slice("z", index, overlays=mask))
+    assert octavo.viewer(mask, axis="x").children[0].max == 89
