@@ -1,0 +1,106 @@
+#!/usr/bin/env python3
+"""Measures structures of known answers, as a user does.
+
+usage: morphometry_test.py OCTAVO [unittest arguments]
+"""
+
+import csv
+import itertools
+import json
+import math
+import sys
+import unittest
+
+import cli_test
+
+SIDE = 40
+MM = 0.5
+
+
+class Morphometry(cli_test.InFolder):
+    def setUp(self):
+        super().setUp()
+        self.build("plate.8vo", lambda x, y, z: 15 <= z < 25)
+
+    def build(self, name, inside):
+        places = itertools.product(range(SIDE), repeat=3)
+        (self.folder / "v.raw").write_bytes(bytes(int(inside(x, y, z)) for z, y, x in places))
+        self.expect(0, "build", "v.raw", "--raw", f"{SIDE},{SIDE},{SIDE},uint8", "--spacing",
+                    str(MM), "--labels", "-o", name, "-q", "-f")
+
+    def measures(self, *arguments):
+        return json.loads(self.expect(0, "morphometry", *arguments, "--json", "--progress",
+                                      "none").stdout)
+
+    def test_a_plate_is_what_it_is(self):
+        made = self.measures("plate.8vo", "--thickness-map", "th.8vo")
+        expected = {"bv_mm3": 2000, "tv_mm3": 8000, "bv_tv": 0.25, "porosity": 0.75,
+                    "bs_mm2": 800, "bs_bv_per_mm": 0.4, "bs_tv_per_mm": 0.1, "cut_mm2": 400,
+                    "smi": 0, "tb_th_mm": 5, "tb_th_sd_mm": 0, "tb_th_max_mm": 5,
+                    "tb_n_per_mm": 0.05, "euler_number": 1, "euler_number_by_faces": 1,
+                    "euler_number_error": 0, "degree_of_anisotropy": 1,
+                    "surface_fractal_dimension": 2}
+        for key, value in expected.items():
+            self.assertAlmostEqual(made[key], value, places=6, msg=key)
+        self.assertEqual(made["touches_border"], [True] * 4 + [False] * 2)
+        self.assertEqual(made["thickness"]["voxels"], 10 * SIDE * SIDE)
+        self.assertEqual(sum(made["thickness"]["bins"]), 10 * SIDE * SIDE)
+        self.assertTrue((self.folder / "th.8vo").is_file())
+
+    def test_a_ball_is_what_it_is(self):
+        radius = 14
+        middle = SIDE // 2
+        self.build("ball.8vo", lambda x, y, z: (x - middle) ** 2 + (y - middle) ** 2
+                   + (z - middle) ** 2 <= radius ** 2)
+        made = self.measures("ball.8vo")
+        mm = radius * MM
+        self.assertAlmostEqual(made["bv_mm3"] / (4 / 3 * math.pi * mm ** 3), 1, delta=0.02)
+        self.assertAlmostEqual(made["bs_mm2"] / (4 * math.pi * mm ** 2), 1, delta=0.02)
+        self.assertAlmostEqual(made["smi"], 4, delta=0.08)
+        self.assertAlmostEqual(made["tb_th_mm"], 2 * mm, delta=MM)
+        self.assertEqual(made["euler_number"], 1)
+        self.assertEqual(made["touches_border"], [False] * 6)
+        self.assertEqual(made["warnings"], [])
+
+    def test_tables_say_what_json_says(self):
+        made = self.measures("plate.8vo")
+        rows = list(csv.DictReader(self.expect(0, "morphometry", "plate.8vo", "--csv", "--progress",
+                                               "none").stdout.splitlines()))
+        self.assertEqual(rows[0]["name"], "bv_mm3")
+        for row in rows:
+            if row["value"]:
+                self.assertAlmostEqual(float(row["value"]), made[row["name"]], places=6)
+            else:
+                self.assertIsNone(made[row["name"]])
+        slices = list(csv.DictReader(self.expect(0, "morphometry", "plate.8vo", "--slices",
+                                                 "--progress", "none").stdout.splitlines()))
+        self.assertEqual(len(slices), SIDE)
+        for z, row in enumerate(slices):
+            self.assertEqual(float(row["area_mm2"]), 400 if 15 <= z < 25 else 0)
+            self.assertEqual(float(row["thickness_mm"]), 5 if 15 <= z < 25 else 0)
+
+    def test_empty_and_full_masks_are_said(self):
+        self.build("empty.8vo", lambda x, y, z: False)
+        failed = self.expect(2, "morphometry", "empty.8vo")
+        self.assertIn("the mask is empty", failed.stderr)
+        failed = self.expect(2, "morphometry", "plate.8vo", "--region", "empty.8vo")
+        self.assertIn("no voxel of the mask lies in the region", failed.stderr)
+        self.build("full.8vo", lambda x, y, z: True)
+        full = self.expect(0, "morphometry", "full.8vo", "--progress", "none")
+        self.assertIn("there is no surface in it", full.stderr)
+        self.assertNotIn("Tb.Th", full.stdout)
+
+    def test_bad_arguments_are_a_sentence(self):
+        for words, arguments in (
+                ("--calibration", ("--calibration", "1,2")),
+                ("labels, not grey values", ("--of", "plate.8vo")),
+                ("--no-thickness", ("--no-thickness", "--slices")),
+                ("input itself", ("--thickness-map", "plate.8vo", "-f"))):
+            failed = self.expect(2, "morphometry", "plate.8vo", *arguments)
+            self.assertIn(words, failed.stderr)
+        self.expect(2, "morphometry")
+
+
+if __name__ == "__main__":
+    cli_test.OCTAVO = cli_test.os.path.abspath(sys.argv.pop(1))
+    cli_test.unittest.main()
