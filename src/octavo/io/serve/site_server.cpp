@@ -123,7 +123,9 @@ class SiteServer::Loop {
     while (!is_cancelled()) {
       wait();
       for (auto client = clients_.begin(); client != clients_.end();) {
-        const bool stays = client->is_ready ? serve(*client, rules, table) : !is_late(*client);
+        // One whose bytes come one by one is always ready, and late all the same.
+        const bool stays =
+            (!client->is_ready || serve(*client, rules, table)) && !is_late(*client);
         if (!stays) ::close(client->descriptor);
         client = stays ? std::next(client) : clients_.erase(client);
       }

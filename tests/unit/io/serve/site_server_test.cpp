@@ -7,6 +7,8 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <cerrno>
+#include <chrono>
 #include <string>
 #include <thread>
 #include <vector>
@@ -137,6 +139,26 @@ TEST_F(SiteServerTest, IsNotHeldUpByConnectionsThatRestOrReadNothing) {
   }
   EXPECT_EQ(body_of("/small"), "hi");
   for (const int descriptor : open) ::close(descriptor);
+}
+
+TEST_F(SiteServerTest, EndsAHeadThatComesByteByByteAndNeverEnds) {
+  SiteServerOptions options;
+  options.head_s = 0.3;
+  start(options);
+  const int slow = connected();
+  send_text(slow, "GET /small HTTP/1.1\r\nA: ");
+  // Bytes come faster than the server looks at its clock without them, for longer than head_s.
+  char answer = 0;
+  ssize_t received = -1;
+  for (std::size_t i = 0; i < 2 * kMaxRequestHead && received < 0; ++i) {
+    if (::send(slow, "x", 1, MSG_NOSIGNAL) != 1) break;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    received = ::recv(slow, &answer, 1, MSG_DONTWAIT);
+    if (received < 0 && errno != EAGAIN && errno != EWOULDBLOCK) break;
+  }
+  EXPECT_LE(received, 0) << "an answer to a head that was too long before it was too late";
+  ::close(slow);
+  EXPECT_EQ(body_of("/small"), "hi");
 }
 
 TEST_F(SiteServerTest, TakesNewConnectionsWhereTooManyRest) {
