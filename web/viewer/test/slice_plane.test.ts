@@ -11,6 +11,7 @@ import {
   composePlane,
   labelPixels,
   planeCells,
+  planeOfBox,
   planeRect,
 } from "../src/view/slice_plane.js";
 import { MadeUpVolume, valueOf } from "./made_up_volume.js";
@@ -99,6 +100,25 @@ test("what is no number of a float volume stands apart from what is missing", ()
   assert.ok(plane.values[1]! > 2e38 && plane.values[1]! < MISSING);
   assert.ok(plane.values[2]! < -2e38 && plane.values[2]! > NOT_A_NUMBER);
   assert.equal(plane.values[3], 2);
+});
+
+test("large labels keep their numbers, as no float of 32 bits does", () => {
+  const labels = { ...facts, kind: "labels" as const, type: "uint32" as const };
+  const o = orientationOf(facts.geometry, 2);
+  const rect = planeRect(facts.levels, 0, o, 0, { lo: [0, 0], hi: [1, 1] });
+  const voxels = new Uint32Array(64 ** 3);
+  voxels.set([614454277, 16777217, 4294967295]);
+  const seen = new Set<number>();
+  const look = (label: number): readonly [number, number, number, number] => {
+    seen.add(label);
+    return [0, 0, 0, 0];
+  };
+  labelPixels(composePlane(labels, o, rect, () => voxels), look);
+  assert.deepEqual([...seen], [614454277, 16777217, 4294967295, 0]);
+  seen.clear();
+  const row = { ...rect, size: [3, 1] as const };
+  labelPixels(planeOfBox(labels, o, row, voxels.slice(0, 3)), look);
+  assert.deepEqual([...seen], [614454277, 16777217, 4294967295]);
 });
 
 test("colors of labels: hidden and missing ones are clear", () => {

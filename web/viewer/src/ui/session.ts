@@ -58,7 +58,7 @@ export class Session {
     try {
       const box = planeBox(o, rect);
       const voxels = await this.volume.read(this.preview, box, this.opening.signal);
-      this.first = { axis: o.axis, plane: planeOfBox(o, rect, voxels) };
+      this.first = { axis: o.axis, plane: planeOfBox(this.facts, o, rect, voxels) };
     } catch {
       this.first = undefined;
     }

@@ -102,9 +102,11 @@ export class PlaneTexture {
   values(plane: Plane): void {
     const gl = this.gl;
     const [w, h] = plane.size;
-    this.put(plane, plane, () =>
-      gl.texImage2D(gl.TEXTURE_2D, 0, gl.R32F, w, h, 0, gl.RED, gl.FLOAT, plane.values),
-    );
+    this.put(plane, plane, () => {
+      const { values } = plane;
+      const floats = values instanceof Float32Array ? values : new Float32Array(values);
+      gl.texImage2D(gl.TEXTURE_2D, 0, gl.R32F, w, h, 0, gl.RED, gl.FLOAT, floats);
+    });
   }
 
   colors(plane: Plane, pixels: Uint8Array): void {

@@ -24,9 +24,11 @@ export interface PlaneRect {
   readonly size: readonly [number, number];
 }
 
+export type PlaneValues = Float32Array | Float64Array;
+
 export interface Plane extends PlaneRect {
   /** Rows along `down`, samples along `across`: stored values. */
-  readonly values: Float32Array;
+  readonly values: PlaneValues;
   readonly isComplete: boolean;
 }
 
@@ -62,6 +64,13 @@ function storable(value: number): number {
   return Math.max(-LARGEST, Math.min(LARGEST, value));
 }
 
+/** Grey values go to a texture of 32-bit floats, which could not tell large labels apart. */
+function newValues(facts: VolumeFacts, rect: PlaneRect): PlaneValues {
+  const count = rect.size[0] * rect.size[1];
+  const isLarge = facts.kind === "labels" && facts.type.endsWith("32");
+  return isLarge ? new Float64Array(count) : new Float32Array(count);
+}
+
 function strides(size: Vec3): Vec3 {
   return [1, size[0], size[0] * size[1]];
 }
@@ -73,7 +82,7 @@ export function composePlane(
   rect: PlaneRect,
   peek: (cell: Cell) => Voxels | undefined,
 ): Plane {
-  const values = new Float32Array(rect.size[0] * rect.size[1]).fill(MISSING);
+  const values = newValues(facts, rect).fill(MISSING);
   const level = facts.levels[rect.level]!;
   let isComplete = true;
   for (const cell of planeCells(o, rect)) {
@@ -121,9 +130,14 @@ export function planeBox(o: Orientation, rect: PlaneRect): Box {
 }
 
 /** The plane of a box that holds it and nothing else. */
-export function planeOfBox(o: Orientation, rect: PlaneRect, voxels: Voxels): Plane {
+export function planeOfBox(
+  facts: VolumeFacts,
+  o: Orientation,
+  rect: PlaneRect,
+  voxels: Voxels,
+): Plane {
   const step = strides(boxSize(planeBox(o, rect)));
-  const values = new Float32Array(rect.size[0] * rect.size[1]);
+  const values = newValues(facts, rect);
   for (let y = 0; y < rect.size[1]; ++y) {
     for (let x = 0; x < rect.size[0]; ++x) {
       values[y * rect.size[0] + x] = storable(voxels[y * step[o.down] + x * step[o.across]]!);
