@@ -39,7 +39,16 @@ test("labels lie over the scan, with names as text and never as markup", async (
     await shown.locator("#labels-none").click();
     await shown.waitForTimeout(500);
     assert.equal(await colored(), false);
-  });
+    assert.match(await shown.evaluate(() => octavo.permalink()), /&labels=labels\.8vo/);
+    // A link cannot name labels of this machine, and must not name those that they replaced.
+    const title = await shown.evaluate(async () => {
+      const bytes = await (await fetch("labels.8vo")).arrayBuffer();
+      await octavo.open(new File([bytes], "own.8vo"));
+      return octavo.overlay.facts.name;
+    });
+    assert.equal(title, "own.8vo");
+    assert.doesNotMatch(await shown.evaluate(() => octavo.permalink()), /labels/);
+  }, { viewport: { width: 900, height: 560 } });
 });
 
 test("keys, tools and links: what is seen can be passed on", async () => {

@@ -227,7 +227,8 @@ export class App {
     }
     this.overlay?.close();
     this.overlay = this.newSession(volume, (again) => this.openOverlay(again, url));
-    if (url !== undefined) this.urls.labels = url;
+    if (url === undefined) delete this.urls.labels;
+    else this.urls.labels = url;
     this.store.set({ hiddenLabels: new Set() });
     for (const panel of this.slices) panel.open(scan, this.overlay);
     this.labels.open(this.overlay, true);
