@@ -13,7 +13,7 @@ from . import _octavo
 from ._errors import ArgumentError, Error, SourceError, StorageError
 from ._sources import require_name
 from ._volume import RealView, View, Volume
-from ._work import MOST_THREADS, _reporter, whole_number
+from ._work import MOST_THREADS, _reporter, if_given, number_of, whole_number
 
 _BLOCK_BYTES = 64 << 20
 
@@ -341,15 +341,17 @@ def _given(preset, access, max_error, keep_details, nan, inf, thumbnail, overwri
         raise ArgumentError(f'preset is "small" or "fast", not {preset!r}')
     if access not in (None, "none", "slices", "boxes"):
         raise ArgumentError(f'access is "none", "slices" or "boxes", not {access!r}')
-    if not max_error >= 0:
+    max_error = number_of(max_error, "max_error")
+    if max_error < 0:
         raise ArgumentError("max_error is 0 or more")
     if overwrite and resume:
         raise ArgumentError("overwrite starts anew, resume goes on: give one of them")
     keep_details = whole_number(keep_details, "keep_details", 0, 31)
     threads = whole_number(threads, "threads", 0, MOST_THREADS)
     max_memory = whole_number(max_memory, "max_memory", 0)
-    return dict(preset=preset, access=access, max_error=float(max_error),
-                keep_details=keep_details, nan=nan, inf=inf, thumbnail=bool(thumbnail),
+    return dict(preset=preset, access=access, max_error=max_error,
+                keep_details=keep_details, nan=if_given(number_of, nan, "nan"),
+                inf=if_given(number_of, inf, "inf"), thumbnail=bool(thumbnail),
                 overwrite=bool(overwrite), resume=bool(resume), threads=threads,
                 max_memory=max_memory)
 

@@ -193,7 +193,7 @@ class LabelMap(FileTasks):
         max_mm3 : float, optional
             Larger holes are left.
         """
-        limit = None if max_mm3 is None else number_of(max_mm3, "max_mm3")
+        limit = None if max_mm3 is None else _volume_of(max_mm3, "max_mm3")
         with work_of(threads, max_memory, progress) as work:
             return LabelMap(self._tree.fill_holes(connectivity_of(connectivity), limit, work))
 
@@ -244,7 +244,7 @@ class LabelMap(FileTasks):
         LabelMap
             Its `table` has a row for each label, its `found` says how many there were.
         """
-        smallest = number_of(min_mm3, "min_mm3")
+        smallest = _volume_of(min_mm3, "min_mm3")
         kept = _count(keep_largest, "keep_largest")
         with work_of(threads, max_memory, progress) as work:
             made = self._tree.components(connectivity_of(connectivity), kept, smallest, work)
@@ -313,6 +313,13 @@ def _steps_of(chosen):
     if chosen.step > 0:
         return slice(0, None, chosen.step)
     return slice(None, None, chosen.step)
+
+
+def _volume_of(given, name):
+    mm3 = number_of(given, name)
+    if mm3 < 0:
+        raise ArgumentError(f"{name} is 0 or more, not {given!r}")
+    return mm3
 
 
 def _count(given, name):
