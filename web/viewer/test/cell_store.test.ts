@@ -118,3 +118,20 @@ test("a part of an array is cut out row by row", () => {
   );
   assert.deepEqual([...part], [17, 18, 21, 22]);
 });
+
+test("reads that end because the volume is closed elsewhere are no failure", async () => {
+  const volume = new MadeUpVolume();
+  volume.read = () => Promise.reject(new DOMException("closed", "AbortError"));
+  let failures = 0;
+  const store = new CellStore(
+    volume,
+    1 << 30,
+    () => undefined,
+    () => (failures += 1),
+  );
+  store.want("a", [{ level: 0, cells: [{ level: 0, at: [0, 0, 0] }] }]);
+  await new Promise((resolve) => setTimeout(resolve, 0));
+  assert.equal(failures, 0);
+  assert.equal(store.failure, undefined);
+  assert.equal(store.isBusy, false);
+});

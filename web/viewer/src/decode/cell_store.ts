@@ -201,6 +201,8 @@ export class CellStore {
     } catch (error) {
       if (running.abort.signal.aborted || this.isClosed) return;
       owner.running = undefined;
+      // The volume was closed by who opens it again.
+      if ((error as Error).name === "AbortError") return;
       this.failure = error as Error;
       this.onFailure(this.failure);
       return;
