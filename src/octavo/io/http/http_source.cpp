@@ -48,11 +48,18 @@ class HttpSource final : public ByteSource {
                       " more were needed",
                   name(), offset);
     }
-    if (read_fetched(offset, out)) return;
+    // What begins in the head is at hand so far, and missing() leaves it out.
+    if (offset < head_->size()) {
+      const std::size_t count = std::min<std::size_t>(out.size(), head_->size() - offset);
+      std::copy_n(head_->begin() + static_cast<std::ptrdiff_t>(offset), count, out.begin());
+      out = out.subspan(count);
+      offset += count;
+    }
+    if (out.empty() || read_fetched(offset, out)) return;
     if (out.size() > kBlockBytes) return read_directly(offset, out);
     // At most two blocks: those that lie side by side come in one request.
     const std::uint64_t first = offset / kBlockBytes;
-    const std::uint64_t last = out.empty() ? first : (offset + out.size() - 1) / kBlockBytes;
+    const std::uint64_t last = (offset + out.size() - 1) / kBlockBytes;
     if (last > first && !known(first) && !known(last)) fetch_blocks(first, last);
     while (!out.empty()) {
       const std::uint64_t start = offset % kBlockBytes;
@@ -147,10 +154,8 @@ class HttpSource final : public ByteSource {
     }
   }
 
-  /// The block, if it was fetched before.
-  Block known(std::uint64_t number) const {
-    return number == 0 ? head_ : cache_.find({0, number});
-  }
+  /// The block, if it was fetched before. Requires one behind the head
+  Block known(std::uint64_t number) const { return cache_.find({0, number}); }
 
   Block block(std::uint64_t number) const {
     if (Block kept = known(number)) return kept;

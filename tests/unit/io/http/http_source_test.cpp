@@ -113,6 +113,20 @@ TEST(Http, EveryRangeEqualsTheFile) {
   }
 }
 
+TEST(Http, WhatBeginsInTheHeadIsSentOnce) {
+  const std::string file = test_bytes();
+  TestServer server([&](const Request& q, Response& a) { answer_range(q, a, file, "\"v1\""); });
+  const auto source = open_url(server.url());
+  const ByteRange wanted{1000, 150'000};
+  const std::vector<ByteRange> missing = source->missing({&wanted, 1});
+  ASSERT_EQ(missing.size(), 1u);
+  EXPECT_EQ(missing[0].offset, 65'536u);
+  source->fetch(missing);
+  EXPECT_EQ(server.request_count, 2);
+  EXPECT_EQ(read_text(*source, 1000, 150'000), file.substr(1000, 150'000));
+  EXPECT_EQ(server.request_count, 2);
+}
+
 TEST(Http, SmallReadsOfOneBlockCostOneRequest) {
   const std::string file = test_bytes();
   TestServer server([&](const Request& q, Response& a) { answer_range(q, a, file, "\"v1\""); });
