@@ -224,6 +224,9 @@ class Pictures(cli_test.InFolder):
         report, _ = self.render("d.png", "v.8vo", *rays, "--time-budget", "1000")
         self.assertTrue(report["is_complete"])
         self.assertEqual(report["passes"][-1]["level"], report["level"])
+        told = self.expect(0, "render", "v.8vo", *rays, "--transfer", "skin", "--time-budget",
+                           "1000", "-o", "e.png").stderr
+        self.assertEqual(told.count("its unit is not known"), 1, told)
 
     def test_an_animation_is_one_file(self):
         self.expect(0, "render", "v.8vo", "--range", "40:", "--size", "64", "--turntable", "3",

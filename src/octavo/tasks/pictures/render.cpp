@@ -10,6 +10,7 @@
 #include <optional>
 #include <span>
 #include <utility>
+#include <vector>
 
 #include "octavo/core/error.h"
 #include "octavo/core/place_known.h"
@@ -394,6 +395,16 @@ class TimedProgress final : public Progress {
   std::atomic<bool> has_end_ = false;
 };
 
+/// What all passes have to warn of is told once.
+TaskContext::WarningListener told_once(const TaskContext& context) {
+  if (!context.on_warning) return {};
+  return [told = std::vector<Warning>(), &context](const Warning& warning) mutable {
+    if (std::find(told.begin(), told.end(), warning) != told.end()) return;
+    told.push_back(warning);
+    context.on_warning(warning);
+  };
+}
+
 /// Coarse levels first: the first picture has voxels of up to 2^kCoarseLevels pixels, and one ray
 /// for 2 x 2 of these.
 constexpr int kCoarseLevels = 3;
@@ -405,6 +416,7 @@ void draw_in_passes(const RenderOptions& asked,
   TimedProgress watch(context.watcher());
   TaskContext timed = context;
   timed.progress = &watch;
+  timed.on_warning = told_once(context);
   // Of time that is limited bricks have to stop as well.
   const auto reader = asked.time_budget_s
                           ? std::shared_ptr<const FileReader>(open_volume(asked.input, timed))
