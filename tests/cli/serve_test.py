@@ -209,6 +209,16 @@ class Publishing(Serving):
         self.assertEqual((self.folder / "site" / "viewer.js").read_text(), "new")
         self.assertEqual((self.folder / "site" / "own.txt").read_text(), "mine")
 
+    def test_a_published_folder_gives_its_page_alone(self):
+        (self.folder / "other.8vo").write_bytes(self.bytes)
+        self.publish(0, "other.8vo", "-o", "first")
+        self.environment["OCTAVO_WEB"] = str(self.folder / "first")
+        self.publish(0, "a b.8vo", "-o", "second")
+        self.assertEqual(sorted(path.name for path in (self.folder / "second").iterdir()),
+                         sorted([*PAGE, "a b.8vo", "files.json"]))
+        _, site = self.serve("serve", "a b.8vo")
+        self.assertEqual(self.ask(site, "/other.8vo")[0].status, 404)
+
     def test_a_failure_leaves_nothing(self):
         (self.folder / "x.8vo").write_bytes(self.bytes[:-1])
         self.publish(4, "a b.8vo", "x.8vo", "-o", "site")

@@ -24,6 +24,11 @@ bool is_one_of(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
+/// What a published folder has besides the page.
+bool is_of_site(const std::string& name) {
+  return name == kWebListName || name.ends_with(".8vo");
+}
+
 }  // namespace
 
 std::vector<std::string> web_page_files(const std::string& folder) {
@@ -31,7 +36,8 @@ std::vector<std::string> web_page_files(const std::string& folder) {
   std::error_code none;
   if (!folder.empty()) {
     for (const fs::directory_entry& entry : fs::directory_iterator(folder, none)) {
-      if (entry.is_regular_file(none)) names.push_back(entry.path().filename().string());
+      const std::string name = entry.path().filename().string();
+      if (entry.is_regular_file(none) && !is_of_site(name)) names.push_back(name);
     }
   }
   std::sort(names.begin(), names.end());

@@ -6,7 +6,8 @@
 
 namespace octavo {
 
-/// The files of the page in `folder`, by name and in order.
+/// The files of the page in `folder`, by name and in order. Where volumes were published there,
+/// these and their list are not of the page.
 /// Throws Error{io} where the page is not there, or not whole
 std::vector<std::string> web_page_files(const std::string& folder);
 
