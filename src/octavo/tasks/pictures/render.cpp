@@ -395,7 +395,7 @@ class TimedProgress final : public Progress {
   std::atomic<bool> has_end_ = false;
 };
 
-/// What all passes have to warn of is told once.
+/// What all passes have to warn of is reported once.
 TaskContext::WarningListener told_once(const TaskContext& context) {
   if (!context.on_warning) return {};
   return [told = std::vector<Warning>(), &context](const Warning& warning) mutable {
