@@ -13,6 +13,14 @@
 
 namespace octavo {
 
+namespace {
+
+// Of a window: as it is extracted, and while it is reduced and proven.
+constexpr std::uint64_t kBytesPerPoint = sizeof(MeshPoint) + 2 * sizeof(MeshTriangle);
+constexpr std::uint64_t kBytesPerReducedPoint = 600;
+
+}  // namespace
+
 LayeredDecimation::LayeredDecimation(const LayeredOptions& options, const Progress& progress)
     : options_(options),
       decimation_{options.max_deviation_mm, options.geometry},
@@ -31,8 +39,6 @@ void LayeredDecimation::require_memory(std::uint64_t bytes_per_point) const {
 }
 
 void LayeredDecimation::finish_layer() {
-  constexpr std::uint64_t kBytesPerPoint = sizeof(MeshPoint) + 2 * sizeof(MeshTriangle);
-  constexpr std::uint64_t kBytesPerReducedPoint = 600;
   window_.finish_layer();
   ++finished_layers_;
   require_memory(kBytesPerPoint);
@@ -54,6 +60,7 @@ LayeredSurface LayeredDecimation::take() {
     surface.mesh = window_.take_full();
     return surface;
   }
+  require_memory(kBytesPerReducedPoint);
   window_.reduce_all(fixed_, progress_);
   surface.is_turned = is_turned();
   surface.mesh = std::move(fixed_.mesh);

@@ -194,6 +194,23 @@ TEST_F(LongBodies, HoldHardlyMoreThanAWindow) {
   }
 }
 
+TEST_F(LongBodies, HoldTheirLastWindowWithinTheLimit) {
+  // A mushroom: the cap, in the last window, has nearly all points.
+  build({100, 100, 126}, {}, [](double x, double y, double z) {
+    return (z < 66 ? 4.0 : 40.0) - std::hypot(x - 50, y - 50);
+  });
+  const std::uint64_t points = full().points.size();
+  options_.max_bytes = 1200 * points;
+  EXPECT_TRUE(layered(0.4).is_reduced);
+  options_.max_bytes = 300 * points;
+  try {
+    layered(0.4);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::limit_exceeded);
+  }
+}
+
 TEST_F(LongBodies, EndWhenAsked) {
   build({56, 36, 140}, {}, waves);
   options_.max_deviation_mm = 0.4;
