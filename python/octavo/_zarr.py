@@ -289,12 +289,16 @@ class _Chosen:
     def __init__(self, array, axes, asked, source):
         if len(axes) != array.ndim or not {"z", "y", "x"} <= set(axes):
             raise ArgumentError(f"{source}: its axes are {' '.join(axes)}; a volume has z, y and x")
+        names = {"c": "channel", "t": "time"}
+        for axis, number in asked.items():
+            if number is not None and axis not in axes:
+                raise ArgumentError(f"{source}: has no axis {axis}: leave out {names[axis]}")
         picks = []
         for axis, size in zip(axes, array.shape):
             if axis in "zyx":
                 continue
             number = asked.get(axis)
-            name = {"c": "channel", "t": "time"}.get(axis, axis)
+            name = names.get(axis, axis)
             if number is None and size > 1:
                 raise ArgumentError(f"{source}: has {size} of axis {axis}: give {name}=0 to "
                                     f"{size - 1}")

@@ -194,6 +194,8 @@ def test_labels_go_there_and_back(zarr3, tmp_path):
     group = zarr3.open_group(str(tmp_path / "l.ome.zarr"), mode="r")
     assert {p["label-value"]: p["name"] for p in
             group.attrs["ome"]["image-label"]["properties"]} == {3: "liver", 9: "spleen"}
+    with pytest.raises(octavo.ArgumentError, match="no axis c: leave out channel"):
+        octavo.from_ome_zarr(tmp_path / "l.ome.zarr", tmp_path / "back.8vo", channel=7)
     back = octavo.from_ome_zarr(tmp_path / "l.ome.zarr", tmp_path / "back.8vo")
     assert back.kind == "labels" and back.label_names == volume.label_names
     assert back.voxels_sha256 == volume.voxels_sha256
