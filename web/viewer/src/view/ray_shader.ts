@@ -139,7 +139,8 @@ void main() {
     bool isEmpty = place.entry.a == 0u;
     if (!isEmpty && mode == 1) {
       ivec3 page = clamp(ivec3(floor(at / ${PAGE_SIDE}.0)), ivec3(0), grid - 1);
-      isEmpty = texelFetch(reach, page, 0).g * real.x + real.y <= most;
+      vec2 ends = texelFetch(reach, page, 0).rg * real.x + real.y;
+      isEmpty = max(ends.x, ends.y) <= most;
     }
     if (isEmpty) {
       t += max(exitOf(at, forward), 0.0) + stepMm * 0.5;
