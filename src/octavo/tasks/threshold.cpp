@@ -122,6 +122,23 @@ std::vector<StoredClass> stored_classes(const std::vector<ValueClass>& asked,
   return classes;
 }
 
+/// One mask of all classes.
+ComputedMask mask_of_classes(const FileReader& reader, const std::vector<ValueClass>& asked,
+                     const ThresholdOptions& options, const TaskContext& context) {
+  const VolumeDescription& volume = reader.description();
+  std::vector<ValueWindow> windows;
+  for (const StoredClass& one : stored_classes(asked, volume, options.is_stored)) {
+    windows.push_back(one.window);
+  }
+  ComputedMask mask{read_mask(reader, 0, windows, context),
+                    label_description(volume, VoxelType::uint8, made_by(options, asked))};
+  if (mask.tree.is_empty()) {
+    const std::string& name = options.output.path.empty() ? options.input : options.output.path;
+    context.warn(name + ": no voxel lies in the range; the mask is empty");
+  }
+  return mask;
+}
+
 }  // namespace
 
 ComputedVolume threshold_planes(const ThresholdOptions& options, const TaskContext& context) {
@@ -140,37 +157,25 @@ ComputedMask threshold_mask(const FileReader& reader, const ThresholdOptions& op
   if (!options.classes.empty()) {
     throw Error(ErrorKind::invalid_argument, "a mask has one class");
   }
-  const VolumeDescription& volume = reader.description();
-  const std::vector<ValueClass> asked = asked_classes(options, volume, context);
-  std::vector<ValueWindow> windows;
-  for (const StoredClass& one : stored_classes(asked, volume, options.is_stored)) {
-    windows.push_back(one.window);
-  }
-  ComputedMask mask{read_mask(reader, 0, windows, context),
-                    label_description(volume, VoxelType::uint8, made_by(options, asked))};
-  if (mask.tree.is_empty()) {
-    const std::string& name = options.output.path.empty() ? options.input : options.output.path;
-    context.warn(name + ": no voxel lies in the range; the mask is empty");
-  }
-  return mask;
+  const std::vector<ValueClass> asked = asked_classes(options, reader.description(), context);
+  return mask_of_classes(reader, asked, options, context);
 }
 
 ThresholdResult threshold(const ThresholdOptions& options, const TaskContext& context) {
   const std::shared_ptr<const FileReader> reader = open_volume(options.input, context);
   const VolumeDescription& volume = reader->description();
+  const std::vector<ValueClass> asked = asked_classes(options, volume, context);
+  require_computed(options.output, {options.input});
+
   ThresholdResult result{volume, {}, 0};
   if (options.classes.empty()) {
-    require_computed(options.output, {options.input});
-    const ComputedMask mask = threshold_mask(*reader, options, context);
+    const ComputedMask mask = mask_of_classes(*reader, asked, options, context);
     result.file_bytes =
         write_described_mask(mask.tree, mask.volume, options.output, kThreshold, context)
             .file_bytes;
     result.objects.push_back({1, mask.tree.voxel_count()});
     return result;
   }
-
-  const std::vector<ValueClass> asked = asked_classes(options, volume, context);
-  require_computed(options.output, {options.input});
   ClassPlanes planes(std::make_unique<FilePlanes>(reader, 0, context.thread_count()),
                      stored_classes(asked, volume, options.is_stored), made_by(options, asked));
   result.file_bytes = write_labels(planes, options.output, kThreshold, context).file_bytes;
