@@ -85,6 +85,15 @@ class Server(Serving):
         for path in ("/page", "/none", "/../a%20b.8vo", "/%2e%2e/x", "/etc/passwd", "//a%20b.8vo"):
             self.assertEqual(self.ask(site, path)[0].status, 404, path)
 
+    def test_requests_are_answered_where_the_system_opens_no_more_connections(self):
+        _, site = self.serve("serve", "a b.8vo",
+                             before=("bash", "-c", 'ulimit -n 24; exec "$0" "$@"'))
+        idle = [socket.create_connection(("127.0.0.1", site["port"]), timeout=30)
+                for _ in range(60)]
+        for one in idle:
+            self.addCleanup(one.close)
+        self.assertEqual(self.ask(site, "/a%20b.8vo")[1], self.bytes)
+
     def test_no_address_opens_another_file(self):
         log = self.folder / "opened"
         _, site = self.serve("serve", "a b.8vo",

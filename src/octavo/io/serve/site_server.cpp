@@ -152,7 +152,13 @@ class SiteServer::Loop {
   void take_new() {
     for (;;) {
       const int descriptor = ::accept(listener_, nullptr, nullptr);
-      if (descriptor < 0) return;
+      if (descriptor < 0) {
+        // A connection that cannot be taken would leave the listener ready for ever.
+        const bool is_full = errno == EMFILE || errno == ENFILE;
+        if (!is_full || clients_.empty()) return;
+        drop_longest_idle();
+        continue;
+      }
       set_flags(descriptor);
       const int yes = 1;
       ::setsockopt(descriptor, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
