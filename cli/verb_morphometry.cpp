@@ -114,17 +114,19 @@ ShownMeasures rows_of(const MorphometryResult& result) {
       {"bv_tv", "BV/TV", result.share(), "", "share of the mask"},
       {"porosity", "Po", 1 - result.share(), "", "share of what is not in it"},
       {"bs_mm2", "BS", result.surface.area_mm2, "mm2", "surface between the two"},
-      {"bs_bv_per_mm", "BS/BV", result.surface.area_mm2 / result.bone_mm3, "1/mm", ""},
-      {"bs_tv_per_mm", "BS/TV", result.surface.area_mm2 / result.total_mm3, "1/mm", ""},
+      {"bs_bv_per_mm", "BS/BV", result.surface.area_mm2 / result.bone_mm3, "1/mm",
+       "surface by volume of the mask"},
+      {"bs_tv_per_mm", "BS/TV", result.surface.area_mm2 / result.total_mm3, "1/mm",
+       "surface by volume that is measured"},
       {"cut_mm2", "cut", result.surface.cut_mm2, "mm2", "faces at the border, not in BS"},
       {"smi", "SMI", result.smi, "", "0 plates, 3 rods, 4 balls"}};
   add_thickness_rows(result, rows);
   add_form_rows(result, rows);
   if (result.tissue) {
     rows.push_back({"tmd", "TMD", result.tissue->mean, "", "mean density of the mask"});
-    rows.push_back({"tmd_sd", "TMD.SD", result.tissue->deviation, "", ""});
+    rows.push_back({"tmd_sd", "TMD.SD", result.tissue->deviation, "", "its standard deviation"});
     rows.push_back({"bmd", "BMD", result.total->mean, "", "mean density of TV"});
-    rows.push_back({"bmd_sd", "BMD.SD", result.total->deviation, "", ""});
+    rows.push_back({"bmd_sd", "BMD.SD", result.total->deviation, "", "its standard deviation"});
   }
   return rows;
 }
