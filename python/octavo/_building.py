@@ -11,7 +11,7 @@ import numpy as np
 
 from . import _octavo
 from ._errors import ArgumentError, Error, SourceError, StorageError
-from ._sources import require_name
+from ._sources import written_path
 from ._volume import RealView, View, Volume
 from ._work import MOST_THREADS, _reporter, if_given, number_of, whole_number
 
@@ -357,13 +357,7 @@ def _given(preset, access, max_error, keep_details, nan, inf, thumbnail, overwri
 
 
 def _output(path):
-    try:
-        path = os.fspath(path)
-    except TypeError:
-        path = None
-    if not isinstance(path, str):
-        raise ArgumentError("the file to write is a path")
-    require_name(path)
+    path = written_path(path)
     if not path.endswith(".8vo"):
         raise ArgumentError(f"{path}: the name of a volume ends in .8vo", path=path)
     return path

@@ -40,6 +40,18 @@ def require_name(path):
                             "a link with another name helps") from None
 
 
+def written_path(path):
+    """The path of a file to write as text. Raises ArgumentError for anything else."""
+    try:
+        path = os.fspath(path)
+    except TypeError:
+        path = None
+    if not isinstance(path, str):
+        raise ArgumentError("the file to write is a path")
+    require_name(path)
+    return path
+
+
 class _Path:
     def __init__(self, path):
         self.name = path

@@ -7,7 +7,7 @@ import numpy as np
 
 from . import _octavo
 from ._errors import ArgumentError
-from ._sources import require_name
+from ._sources import written_path
 from ._work import (asked_labels, if_given, level_of, number_of, range_of, several_of, text_of,
                     texts_of, whole_number, work_of)
 
@@ -151,7 +151,7 @@ class FileTasks:
             The facts of `Surface`, and points, triangles, file_bytes.
         """
         name, handle = self._opened_file()
-        path = _path(path)
+        path = written_path(path)
         asked = _asked_surface(isovalue, labels, stored, level, seed, max_deviation_mm, triangles,
                                space, allow_faults)
         with work_of(threads, max_memory, progress) as work:
@@ -394,17 +394,6 @@ def opened_file(given, name):
     if not isinstance(given, FileTasks):
         raise ArgumentError(f"{name} is a Volume or a LabelMap, not {type(given).__name__}")
     return given._opened_file()
-
-
-def _path(path):
-    try:
-        path = os.fspath(path)
-    except TypeError:
-        path = None
-    if not isinstance(path, str):
-        raise ArgumentError("the file to write is a path")
-    require_name(path)
-    return path
 
 
 def _asked_surface(isovalue, labels, stored, level, seed, max_deviation_mm, triangles, space,

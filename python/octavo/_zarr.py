@@ -9,7 +9,8 @@ import numpy as np
 from . import _octavo
 from ._building import build
 from ._errors import ArgumentError
-from ._tasks import _path, opened_file
+from ._sources import written_path
+from ._tasks import opened_file
 from ._volume import RealView, View, Volume
 from ._work import whole_number, work_of
 
@@ -217,7 +218,7 @@ def export(volume, path, *, level=0, compression="zstd", chunk_side=64, shard_ch
     ------
     octavo.ArgumentError, octavo.StorageError
     """
-    path = _path(path)
+    path = written_path(path)
     if not path.rstrip("/").endswith((".zarr", ".ozx")):
         raise ArgumentError(f"{path}: the name of an OME-Zarr image ends in .ome.zarr or .ozx; "
                             "the program octavo writes other formats", path=path)

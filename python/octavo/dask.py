@@ -21,7 +21,8 @@ import warnings
 from ._building import _error_of_program, _given, _output, _reporter, _words_of
 from ._errors import ArgumentError, Error, StorageError
 from ._sources import require_name
-from ._volume import Volume, whole_number
+from ._volume import Volume
+from ._work import whole_number
 
 def build(source, path, *, client=None, parts=None, part_size=None, bands=None, retries=3,
           joins_side_by_side=False, kind=None, spacing=None, preset="small", access=None,
