@@ -171,10 +171,8 @@ export interface Statistics {
   readonly decodeMs: number;
 }
 
-/** An opened file. Every function may be called at any time, by several callers at once. */
-export interface Volume {
-  readonly name: string;
-  readonly byteLength: number;
+/** What a file says of its voxels. */
+export interface FileFacts {
   /** 16 hexadecimal digits: equal for byte-identical builds, different for different files. */
   readonly buildId: string;
   /** "1.0" */
@@ -203,6 +201,12 @@ export interface Volume {
   readonly maxError: number;
   /** The finest level that has details; finer ones are interpolated from it. */
   readonly detailLevel: number;
+}
+
+/** An opened file. Every function may be called at any time, by several callers at once. */
+export interface Volume extends FileFacts {
+  readonly name: string;
+  readonly byteLength: number;
   /** The labels that the file names, by number; empty of grey volumes. */
   readonly labels: ReadonlyMap<number, LabelInfo>;
   /** The JSON text that stands in the file, and its value: null where it is no JSON. */

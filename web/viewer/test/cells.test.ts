@@ -4,7 +4,6 @@ import { type Level } from "../src/reader/volume.js";
 import {
   boxVoxels,
   cellBox,
-  cellGrid,
   cellKey,
   cellsOf,
   previewLevel,
@@ -14,8 +13,8 @@ import {
 const level: Level = { size: [130, 64, 65], factor: [1, 1, 1] };
 
 test("cells cover a level once", () => {
-  assert.deepEqual(cellGrid(level), [3, 1, 2]);
   const cells = cellsOf(0, wholeBox(level));
+  assert.deepEqual(cells.at(-1)?.at, [2, 0, 1]);
   assert.equal(cells.length, 6);
   assert.equal(new Set(cells.map(cellKey)).size, 6);
   const voxels = cells.reduce((sum, cell) => sum + boxVoxels(cellBox(level, cell.at)), 0);

@@ -1,7 +1,7 @@
 // An opened file: plans, fetches and decodes boxes of it.
 import type {
-  Box, BrickRanges, LabelInfo, Level, Plan, ReadOptions, Statistics, Vector3, Volume, VoxelArray,
-  VoxelTypeName,
+  Box, BrickRanges, FileFacts, LabelInfo, Level, Plan, ReadOptions, Statistics, Vector3, Volume,
+  VoxelArray,
 } from "../api.js";
 import type { DecodedBox, Decoders, PoolFile } from "../decode/decoders.js";
 import type { EngineFile } from "../decode/engine.js";
@@ -16,25 +16,7 @@ import { type NeededBytes, Planner } from "./planner.js";
 import { type Identity, isDamage } from "./identity.js";
 
 /** What octavo_describe gives. */
-export interface Description {
-  readonly buildId: string;
-  readonly formatVersion: string;
-  readonly kind: "grey" | "labels";
-  readonly type: VoxelTypeName;
-  readonly size: Vector3;
-  readonly levels: readonly Level[];
-  readonly spacingMm: Vector3;
-  readonly originMm: Vector3;
-  readonly direction: readonly number[];
-  readonly isSpacingKnown: boolean;
-  readonly isPlaceKnown: boolean;
-  readonly slope: number;
-  readonly intercept: number;
-  readonly unit: string;
-  readonly min: number;
-  readonly max: number;
-  readonly maxError: number;
-  readonly detailLevel: number;
+export interface Description extends FileFacts {
   readonly labels: readonly LabelInfo[];
 }
 
@@ -49,25 +31,10 @@ export interface VolumeParts {
   openAgain(options: ReadOptions): Promise<Volume>;
 }
 
+/** The constructor assigns these, as they are described. */
+export interface OpenVolume extends FileFacts {}
+
 export class OpenVolume implements Volume {
-  readonly buildId!: string;
-  readonly formatVersion!: string;
-  readonly kind!: "grey" | "labels";
-  readonly type!: VoxelTypeName;
-  readonly size!: Vector3;
-  readonly levels!: readonly Level[];
-  readonly spacingMm!: Vector3;
-  readonly originMm!: Vector3;
-  readonly direction!: readonly number[];
-  readonly isSpacingKnown!: boolean;
-  readonly isPlaceKnown!: boolean;
-  readonly slope!: number;
-  readonly intercept!: number;
-  readonly unit!: string;
-  readonly min!: number;
-  readonly max!: number;
-  readonly maxError!: number;
-  readonly detailLevel!: number;
   readonly labels: ReadonlyMap<number, LabelInfo>;
   readonly name: string;
   readonly byteLength: number;

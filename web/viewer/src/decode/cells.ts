@@ -12,10 +12,6 @@ export function cellKey(cell: Cell): string {
   return `${cell.level}:${cell.at[0]}:${cell.at[1]}:${cell.at[2]}`;
 }
 
-export function cellGrid(level: Level): Vec3 {
-  return AXES.map((a) => Math.ceil(level.size[a] / CELL_SIDE)) as unknown as Vec3;
-}
-
 /** The samples of a cell; fewer than its sides at the end of the level. */
 export function cellBox(level: Level, at: Vec3): Box {
   const lo = AXES.map((a) => at[a] * CELL_SIDE) as unknown as Vec3;

@@ -194,12 +194,6 @@ export class RayScene {
     return count > 0;
   }
 
-  /** Pages that are wanted at the finest level, and how many of them are here. */
-  progress(): { wanted: number; here: number } {
-    const finest = this.wanted.filter((page) => page.level === this.level);
-    return { wanted: finest.length, here: finest.filter((page) => this.isResident(page)).length };
-  }
-
   private isResident(page: Page): boolean {
     return this.residents.has(pageKey(page)) && this.slots.find(page) !== undefined;
   }
@@ -242,10 +236,5 @@ export class RayScene {
       }
     }
     return { entries, reach };
-  }
-
-  /** After the graphics context was lost nothing stands anywhere. */
-  forgetUploads(): void {
-    this.residents.clear();
   }
 }
