@@ -7,6 +7,7 @@
 #include <optional>
 #include <string_view>
 
+#include "octavo/core/path_text.h"
 #include "octavo/tasks/inputs.h"
 #include "text/shell_words.h"
 
@@ -255,8 +256,7 @@ bool is_about_scan(const Error& error) {
 
 /// How to make an .8vo file of a scan.
 std::string build_advice(const Error& error) {
-  std::string path = error.path();
-  while (path.size() > 1 && path.back() == '/') path.pop_back();
+  const std::string path = without_end_slashes(error.path());
   const std::string name = std::filesystem::path(path).filename().string();
   const std::string ending = is_about_folder(error) ? "" : scan_ending(path);
   const std::string layout = ending == ".raw" ? " --raw NX,NY,NZ,TYPE" : "";

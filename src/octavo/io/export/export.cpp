@@ -2,6 +2,7 @@
 
 #include <tbb/task_arena.h>
 
+#include "octavo/core/path_text.h"
 #include "octavo/file/storage/temporary.h"
 #include "octavo/io/export/export_stream.h"
 #include "octavo/io/export/export_target.h"
@@ -39,7 +40,7 @@ ExportResult run_export(const FileReader& reader, Storage& storage, const std::s
     result.files = target->finish();
   } catch (const Error& error) {
     // Of a stack, libtiff and the planes know the temporary name only.
-    throw with_final_name(error, path.substr(0, path.find_last_not_of('/') + 1));
+    throw with_final_name(error, without_end_slashes(path));
   }
   result.type = plan.type;
   result.real_units = plan.real_units;

@@ -3,6 +3,7 @@
 #include <optional>
 #include <system_error>
 
+#include "octavo/core/path_text.h"
 #include "octavo/file/storage/pending_file.h"
 #include "octavo/file/storage/plane_folder.h"
 #include "octavo/file/storage/temporary.h"
@@ -212,15 +213,10 @@ bool is_one_file(const std::string& path) {
          (has_ending(path, ".tif") || has_ending(path, ".tiff"));
 }
 
-std::string without_slashes(std::string folder) {
-  while (folder.size() > 1 && folder.ends_with('/')) folder.pop_back();
-  return folder;
-}
-
 }  // namespace
 
 std::string resolved_stack_path(const std::string& path) {
-  const std::string folder = without_slashes(path);
+  const std::string folder = without_end_slashes(path);
   std::error_code failure;
   if (is_one_file(path) || !fs::is_symlink(folder, failure)) return path;
   const std::string target = fs::canonical(folder, failure).string();
@@ -233,7 +229,7 @@ std::string resolved_stack_path(const std::string& path) {
 std::unique_ptr<ExportTarget> make_tiff_target(Storage& storage, const std::string& path,
                                                const ExportPlan& plan) {
   if (is_one_file(path)) return std::make_unique<TiffPagesTarget>(storage, path, plan);
-  return std::make_unique<TiffFolderTarget>(storage, without_slashes(path), plan);
+  return std::make_unique<TiffFolderTarget>(storage, without_end_slashes(path), plan);
 }
 
 }  // namespace octavo

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "octavo/core/error.h"
+#include "octavo/core/path_text.h"
 #include "octavo/file/parallel_read.h"
 #include "octavo/io/source/source_file.h"
 #include "octavo/io/zarr/zarr_shard.h"
@@ -123,11 +124,6 @@ class LevelShards {
   std::vector<std::uint8_t> voxels_;
 };
 
-/// A path without slashes behind it.
-std::string bare_path(const std::string& path) {
-  return path.substr(0, path.find_last_not_of('/') + 1);
-}
-
 std::string image_name(const std::string& path) {
   const std::string name = base_name(path);
   return name.substr(0, name.find('.'));
@@ -163,7 +159,7 @@ ZarrExportResult write_zarr(const FileReader& reader, const std::string& path, Z
 }  // namespace
 
 bool is_zarr_path(const std::string& path) {
-  const std::string bare = bare_path(path);
+  const std::string bare = without_end_slashes(path);
   return has_ending(bare, ".zarr") || has_ending(bare, ".ozx");
 }
 
@@ -177,7 +173,7 @@ ZarrExportResult export_zarr(const FileReader& reader, Storage& storage, const s
   }
   require_side(options.chunk_side, 16, 256, "the side of chunks");
   require_side(options.shard_chunks, 1, 16, "chunks along a side of a shard");
-  const std::string bare = bare_path(path);
+  const std::string bare = without_end_slashes(path);
   const auto output = has_ending(bare, ".ozx")
                           ? make_zarr_zip(storage, bare, options.overwrite)
                           : make_zarr_folder(storage, bare, options.overwrite);

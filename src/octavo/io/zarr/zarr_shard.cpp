@@ -8,6 +8,7 @@
 
 #include "octavo/core/crc32c.h"
 #include "octavo/core/error.h"
+#include "octavo/file/byte_codec.h"
 
 namespace octavo {
 
@@ -15,12 +16,6 @@ namespace {
 
 constexpr int kZarrLevel = 5;
 constexpr std::uint64_t kLeftOut = ~std::uint64_t{0};
-
-void put_number(std::uint64_t number, std::size_t bytes, std::vector<std::uint8_t>& out) {
-  for (std::size_t i = 0; i < bytes; ++i) {
-    out.push_back(static_cast<std::uint8_t>(number >> 8 * i));
-  }
-}
 
 std::vector<std::uint8_t> zstd_packed(std::span<const std::uint8_t> voxels) {
   std::vector<std::uint8_t> packed(ZSTD_compressBound(voxels.size()));
@@ -62,14 +57,15 @@ std::vector<std::uint8_t> shard_of(const std::vector<std::vector<std::uint8_t>>&
   if (length == 0) return shard;
   shard.reserve(length + 16 * chunks.size() + 4);
   for (const auto& chunk : chunks) shard.insert(shard.end(), chunk.begin(), chunk.end());
+  ByteWriter writer(shard);
   std::uint64_t at = 0;
   for (const auto& chunk : chunks) {
-    put_number(chunk.empty() ? kLeftOut : at, 8, shard);
-    put_number(chunk.empty() ? kLeftOut : chunk.size(), 8, shard);
+    writer.put_u64(chunk.empty() ? kLeftOut : at);
+    writer.put_u64(chunk.empty() ? kLeftOut : chunk.size());
     at += chunk.size();
   }
   const std::span<const std::uint8_t> index(shard.data() + length, shard.size() - length);
-  put_number(crc32c(index), 4, shard);
+  writer.put_u32(crc32c(index));
   return shard;
 }
 

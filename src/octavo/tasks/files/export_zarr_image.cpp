@@ -1,5 +1,6 @@
 #include "octavo/tasks/files/export_zarr_image.h"
 
+#include "octavo/core/path_text.h"
 #include "octavo/file/storage/storage.h"
 #include "octavo/tasks/inputs.h"
 #include "octavo/tasks/volume_facts.h"
@@ -9,8 +10,7 @@ namespace octavo {
 ZarrImageResult export_zarr_image(const ZarrImageOptions& options, const TaskContext& context) {
   const auto reader = open_volume(options.input, context);
   require_no_input(options.output.path, {options.input});
-  require_folder_around(options.output.path.substr(
-      0, options.output.path.find_last_not_of('/') + 1));
+  require_folder_around(without_end_slashes(options.output.path));
   const VolumeDescription& volume = reader->description();
   if (!volume.rescale.is_identity()) {
     context.warn(options.output.path +

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "octavo/core/error.h"
+#include "octavo/core/path_text.h"
 #include "octavo/file/storage/temporary.h"
 #include "octavo/mesh/formats/mesh_file.h"
 #include "octavo/tasks/outputs.h"
@@ -43,8 +44,7 @@ bool is_part_file(const fs::directory_entry& entry) {
 }  // namespace
 
 PartFolder::PartFolder(Storage& storage, std::string path, bool overwrite)
-    : storage_(storage), path_(std::move(path)), overwrite_(overwrite) {
-  while (path_.size() > 1 && path_.ends_with('/')) path_.pop_back();
+    : storage_(storage), path_(without_end_slashes(std::move(path))), overwrite_(overwrite) {
   const PathType type = storage_.path_type(path_);
   is_new_ = type == PathType::missing;
   if (is_new_) {
