@@ -8,6 +8,7 @@
 
 #include "octavo/core/error.h"
 #include "octavo/core/vectors.h"
+#include "octavo/ops/grid/rotation.h"
 #include "octavo/ops/measure/measure.h"
 
 namespace octavo {
@@ -20,45 +21,35 @@ using PoseMatrix = std::array<PoseRow, kUnknowns>;
 
 /// p becomes scale * turn * (p - pivot) + place.
 struct Pose {
-  std::array<double, 9> turn = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  Rotation turn = kNoRotation;
   double scale = 1;
   Point3 place{};
   double cost = 0;
   int iterations = 0;
 };
 
-Point3 turned_point(const std::array<double, 9>& m, const Point3& p) {
+Point3 turned_point(const Rotation& m, const Point3& p) {
   return {m[0] * p[0] + m[1] * p[1] + m[2] * p[2], m[3] * p[0] + m[4] * p[1] + m[5] * p[2],
           m[6] * p[0] + m[7] * p[1] + m[8] * p[2]};
 }
 
-std::array<double, 9> product(const std::array<double, 9>& a, const std::array<double, 9>& b) {
-  std::array<double, 9> c{};
-  for (std::size_t i = 0; i < 3; ++i) {
-    for (std::size_t j = 0; j < 3; ++j) {
-      for (std::size_t k = 0; k < 3; ++k) c[3 * i + j] += a[3 * i + k] * b[3 * k + j];
-    }
-  }
-  return c;
-}
-
 /// The turn of a unit quaternion.
-std::array<double, 9> turn_of(double w, double x, double y, double z) {
+Rotation turn_of(double w, double x, double y, double z) {
   return {1 - 2 * (y * y + z * z), 2 * (x * y - w * z),     2 * (x * z + w * y),
           2 * (x * y + w * z),     1 - 2 * (x * x + z * z), 2 * (y * z - w * x),
           2 * (x * z - w * y),     2 * (y * z + w * x),     1 - 2 * (x * x + y * y)};
 }
 
 /// The turn around a vector, by its length in radians.
-std::array<double, 9> turn_around(const Point3& v) {
+Rotation turn_around(const Point3& v) {
   const double angle = std::sqrt(dot(v, v));
   const double share = angle > 1e-12 ? std::sin(angle / 2) / angle : 0.5;
   return turn_of(std::cos(angle / 2), share * v[0], share * v[1], share * v[2]);
 }
 
 /// The 24 turns that lay axes onto axes.
-std::vector<std::array<double, 9>> axis_turns() {
-  std::vector<std::array<double, 9>> turns;
+std::vector<Rotation> axis_turns() {
+  std::vector<Rotation> turns;
   constexpr std::array<std::array<std::size_t, 3>, 6> kOrders = {
       {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}}};
   for (std::size_t order = 0; order < 6; ++order) {
@@ -66,7 +57,7 @@ std::vector<std::array<double, 9>> axis_turns() {
       const bool is_odd_order = order >= 3;
       const bool is_mirrored = ((signs & 1) + (signs >> 1 & 1) + (signs >> 2 & 1)) % 2 == 1;
       if (is_odd_order != is_mirrored) continue;
-      std::array<double, 9> turn{};
+      Rotation turn{};
       for (std::size_t row = 0; row < 3; ++row) {
         turn[3 * row + kOrders[order][row]] = (signs >> row & 1) != 0 ? -1 : 1;
       }
@@ -77,8 +68,8 @@ std::vector<std::array<double, 9>> axis_turns() {
 }
 
 /// Turns that cover all of them evenly, the identity first.
-std::vector<std::array<double, 9>> spread_turns(int count) {
-  std::vector<std::array<double, 9>> turns = {turn_of(1, 0, 0, 0)};
+std::vector<Rotation> spread_turns(int count) {
+  std::vector<Rotation> turns = {turn_of(1, 0, 0, 0)};
   // A spiral over the sphere of quaternions; M. Alexa, Super-Fibonacci spirals, 2022.
   const double phi = std::numbers::sqrt2;
   constexpr double kPsi = 1.533751168755204288118041;
@@ -240,9 +231,8 @@ class PoseSolver {
   Pose moved(const Pose& pose, const PoseRow& change) const {
     Pose next = pose;
     const double per_radius = 1 / target_.radius_mm;
-    next.turn = product(turn_around({change[0] * per_radius, change[1] * per_radius,
-                                     change[2] * per_radius}),
-                        pose.turn);
+    next.turn = chained(pose.turn, turn_around({change[0] * per_radius, change[1] * per_radius,
+                                                change[2] * per_radius}));
     next.place = sum(pose.place, {change[3], change[4], change[5]});
     next.scale *= std::exp(std::clamp(change[6] * per_radius, -0.2, 0.2));
     return next;
@@ -322,8 +312,8 @@ FoundPose find_pose(std::span<const Point3> points, const PoseTarget& target, bo
   const double radius = target.radius_mm;
 
   // Starts: own axes onto those of the target, turned in all ways.
-  std::array<double, 9> to_axes{};
-  std::array<double, 9> from_axes{};
+  Rotation to_axes{};
+  Rotation from_axes{};
   for (std::size_t i = 0; i < 3; ++i) {
     for (std::size_t j = 0; j < 3; ++j) {
       to_axes[3 * i + j] = own.axes[i][j];
@@ -334,7 +324,7 @@ FoundPose find_pose(std::span<const Point3> points, const PoseTarget& target, bo
   for (const auto& more : spread_turns(30)) {
     for (const auto& turn : axis_turns()) {
       Pose pose;
-      pose.turn = product(more, product(from_axes, product(turn, to_axes)));
+      pose.turn = chained(chained(chained(to_axes, turn), from_axes), more);
       if (has_scale) pose.scale = radius / std::max(own.radius_mm, 1e-9);
       pose.place = target.middle;
       poses.push_back(pose);

@@ -1,17 +1,13 @@
 #include "octavo/ops/morphometry/euler_number.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <vector>
 
-#include "octavo/core/error.h"
+#include "octavo/ops/morphometry/slab_sums.h"
 
 namespace octavo {
 
 namespace {
-
-constexpr std::int64_t kEulerPlanes = 16;
 
 /// Cells of one kind: all of them, and their weights in eighths.
 struct CellCount {
@@ -90,9 +86,9 @@ class EulerSlab {
     }
   }
 
-  std::int64_t corners() const { return closed_.all; }
-  std::int64_t faces() const { return open_; }
-  std::int64_t eighths() const { return closed_.eighths; }
+  EulerNumbers numbers() const {
+    return {closed_.all, open_, static_cast<double>(closed_.eighths) / 8};
+  }
 
  private:
   void read(const MaskTree& mask, std::int64_t z, std::vector<std::uint8_t>& inside) {
@@ -156,26 +152,18 @@ class EulerSlab {
 
 }  // namespace
 
+EulerNumbers& EulerNumbers::operator+=(const EulerNumbers& other) {
+  corners += other.corners;
+  faces += other.faces;
+  share += other.share;
+  return *this;
+}
+
 EulerNumbers euler_numbers(const MaskTree& mask, Progress& progress) {
-  const std::int64_t planes = mask.size().z;
-  const std::int64_t slabs = (planes + kEulerPlanes - 1) / kEulerPlanes;
-  std::vector<EulerNumbers> parts(static_cast<std::size_t>(slabs));
-  tbb::parallel_for(std::int64_t{0}, slabs, [&](std::int64_t i) {
-    if (progress.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
-    const std::int64_t begin = i * kEulerPlanes;
-    const std::int64_t end = std::min(begin + kEulerPlanes, planes);
-    const EulerSlab slab(mask, begin, end);
-    parts[static_cast<std::size_t>(i)] = {slab.corners(), slab.faces(),
-                                          static_cast<double>(slab.eighths()) / 8};
-    progress.advance(end - begin);
-  });
-  EulerNumbers all;
-  for (const EulerNumbers& part : parts) {
-    all.corners += part.corners;
-    all.faces += part.faces;
-    all.share += part.share;
-  }
-  return all;
+  return sum_of_slabs<EulerNumbers>(
+      mask.size().z, progress, [&](std::int64_t begin, std::int64_t end) {
+        return EulerSlab(mask, begin, end).numbers();
+      });
 }
 
 }  // namespace octavo

@@ -31,6 +31,7 @@ struct EulerNumbers {
   double share = 0;          ///< by corners, what lies in the border of the volume weighted
 
   bool operator==(const EulerNumbers&) const = default;
+  EulerNumbers& operator+=(const EulerNumbers& other);
 };
 
 /// Uses the threads of the calling task arena.

@@ -1,22 +1,19 @@
 #include "octavo/ops/morphometry/surface_shape.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <vector>
 
-#include "octavo/core/error.h"
 #include "octavo/core/vectors.h"
+#include "octavo/ops/morphometry/slab_sums.h"
 
 namespace octavo {
 
 namespace {
 
-constexpr std::int64_t kShapePlanes = 16;
-constexpr std::int64_t kShapeReach = 3;      // of an average, to each side
-constexpr std::int64_t kFieldRim = 2;   // planes of averages beside those that faces stand in
+constexpr std::int64_t kShapeReach = 3;  // of an average, to each side
+constexpr std::int64_t kFieldRim = 2;    // planes of averages beside those that faces stand in
 
 /// The planes of a slab, with the averages of the mask around them.
 class ShapeSlab {
@@ -202,26 +199,19 @@ class ShapeSlab {
 
 }  // namespace
 
+SurfaceShape& SurfaceShape::operator+=(const SurfaceShape& other) {
+  area_mm2 += other.area_mm2;
+  growth_mm += other.growth_mm;
+  cut_mm2 += other.cut_mm2;
+  return *this;
+}
+
 SurfaceShape surface_shape(const MaskTree& mask, const MaskTree* region, const Point3& spacing_mm,
                            Progress& progress) {
-  const std::int64_t planes = mask.size().z;
-  const std::int64_t slabs = (planes + kShapePlanes - 1) / kShapePlanes;
-  std::vector<SurfaceShape> parts(static_cast<std::size_t>(slabs));
-  tbb::parallel_for(std::int64_t{0}, slabs, [&](std::int64_t i) {
-    if (progress.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
-    const std::int64_t begin = i * kShapePlanes;
-    const std::int64_t end = std::min(begin + kShapePlanes, planes);
-    parts[static_cast<std::size_t>(i)] =
-        ShapeSlab(mask, region, spacing_mm, begin, end).measure();
-    progress.advance(end - begin);
-  });
-  SurfaceShape all;
-  for (const SurfaceShape& part : parts) {
-    all.area_mm2 += part.area_mm2;
-    all.growth_mm += part.growth_mm;
-    all.cut_mm2 += part.cut_mm2;
-  }
-  return all;
+  return sum_of_slabs<SurfaceShape>(
+      mask.size().z, progress, [&](std::int64_t begin, std::int64_t end) {
+        return ShapeSlab(mask, region, spacing_mm, begin, end).measure();
+      });
 }
 
 }  // namespace octavo

@@ -22,6 +22,8 @@ struct SurfaceShape {
   double area_mm2 = 0;     ///< between the mask and what is not in it
   double growth_mm = 0;    ///< change of the area when all of it moves outward, mm2 per mm
   double cut_mm2 = 0;      ///< faces of the mask at the border of the volume or region
+
+  SurfaceShape& operator+=(const SurfaceShape& other);
 };
 
 /// Measures the surface. Uses the threads of the calling task arena; does not depend on them.
