@@ -47,13 +47,6 @@ void check_options(const DistanceOptions& options, const OpenedMask& mask) {
               mask.path);
 }
 
-/// What the field may take.
-std::uint64_t field_bytes(const OpenedMask& mask, const TaskContext& context) {
-  if (context.max_memory_bytes == 0) return std::uint64_t{1} << 30;
-  const std::uint64_t held = mask.tree.memory_bytes();
-  return held < context.max_memory_bytes ? (context.max_memory_bytes - held) / 2 : 0;
-}
-
 /// The step of int16 voxels that reach `largest` mm.
 double step_for(const DistanceOptions& options, double largest) {
   if (!options.step_mm) return std::exp2(std::ceil(std::log2(largest / kMostSteps)));
@@ -100,7 +93,8 @@ DistanceResult distance(const DistanceOptions& options, const TaskContext& conte
 
   // The field.
   const FieldPlan plan =
-      plan_distance_field(mask.volume().size, settings, limit, field_bytes(mask, context));
+      plan_distance_field(mask.volume().size, settings, limit,
+                          bytes_beside(mask.tree.memory_bytes(), context));
   context.require_memory(mask.tree.memory_bytes() + plan.bytes, "the distances");
   std::unique_ptr<DistanceField> field;
   {
@@ -112,14 +106,9 @@ DistanceResult distance(const DistanceOptions& options, const TaskContext& conte
   }
 
   // The file.
-  VolumeDescription volume = mask.volume();
-  volume.kind = VolumeKind::grey;
-  volume.type = options.is_in_steps ? VoxelType::int16 : VoxelType::float32;
-  volume.rescale = {};
-  volume.coding.reset();
-  MetadataFacts facts = volume.metadata.for_labels(made_by(options)).facts();
-  facts.unit = "mm";
-  volume.metadata = Metadata::of(std::move(facts));
+  VolumeDescription volume = mm_description(
+      mask.volume(), options.is_in_steps ? VoxelType::int16 : VoxelType::float32,
+      made_by(options));
   if (options.is_in_steps) {
     volume.rescale.slope = step_for(options, field->largest_mm().value_or(limit));
   }

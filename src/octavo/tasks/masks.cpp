@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 #include "octavo/builder/tree_builder.h"
 #include "octavo/core/error.h"
@@ -96,6 +97,22 @@ VolumeDescription label_description(const VolumeDescription& volume, VoxelType t
   labels.coding.reset();
   labels.metadata = volume.metadata.for_labels(made_by);
   return labels;
+}
+
+VolumeDescription mm_description(const VolumeDescription& volume, VoxelType type,
+                                 const MadeBy& made_by) {
+  VolumeDescription lengths = label_description(volume, type, made_by);
+  lengths.kind = VolumeKind::grey;
+  MetadataFacts facts = lengths.metadata.facts();
+  facts.unit = "mm";
+  lengths.metadata = Metadata::of(std::move(facts));
+  return lengths;
+}
+
+std::uint64_t bytes_beside(std::uint64_t held, const TaskContext& context) {
+  const std::uint64_t limit = context.max_memory_bytes;
+  if (limit == 0) return std::uint64_t{1} << 30;
+  return held < limit ? (limit - held) / 2 : 0;
 }
 
 BuildResult write_labels(PlaneSource& source, const Output& output, const std::string& work,

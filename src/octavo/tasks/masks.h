@@ -60,6 +60,17 @@ MaskTree read_mask(const FileReader& reader, int level, std::span<const ValueWin
 VolumeDescription label_description(const VolumeDescription& volume, VoxelType type,
                                     const MadeBy& made_by);
 
+/// The description of a volume of mm on the grid of a mask.
+/// volume   of the mask
+/// type     without a slope
+/// made_by  what the metadata say of its origin
+VolumeDescription mm_description(const VolumeDescription& volume, VoxelType type,
+                                 const MadeBy& made_by);
+
+/// What work may take beside so many bytes: half of what the limit leaves, 1 GiB where there is
+/// none.
+std::uint64_t bytes_beside(std::uint64_t held, const TaskContext& context);
+
 /// Writes a label map.
 /// description  of it, as label_description gives it
 /// work         names the progress

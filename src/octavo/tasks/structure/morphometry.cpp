@@ -63,9 +63,7 @@ class MorphometryWork {
   const MaskTree* region() const { return region_ ? &*region_ : nullptr; }
 
   std::uint64_t room_bytes() const {
-    if (context_.max_memory_bytes == 0) return std::uint64_t{1} << 30;
-    const std::uint64_t held = 2 * mask_.tree.memory_bytes();
-    return held < context_.max_memory_bytes ? (context_.max_memory_bytes - held) / 2 : 0;
+    return bytes_beside(2 * mask_.tree.memory_bytes(), context_);
   }
 
   void measure_volumes() {
@@ -194,15 +192,8 @@ class MorphometryWork {
 
   template <class Read>
   void write_map(const char* what, const Output& map, Read read) {
-    VolumeDescription volume = mask_.volume();
-    volume.kind = VolumeKind::grey;
-    volume.type = VoxelType::float32;
-    volume.rescale = {};
-    volume.coding.reset();
-    MetadataFacts facts =
-        volume.metadata.for_labels(MadeBy("morphometry").set("map", what)).facts();
-    facts.unit = "mm";
-    volume.metadata = Metadata::of(std::move(facts));
+    const VolumeDescription volume =
+        mm_description(mask_.volume(), VoxelType::float32, MadeBy("morphometry").set("map", what));
     const auto fill = [&](const Box& box, std::byte* voxels) {
       std::vector<float> mm(static_cast<std::size_t>(box.size().voxel_count()));
       read(box.lo.z, box.hi.z, mm.data());
