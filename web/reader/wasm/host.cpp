@@ -13,10 +13,9 @@
 
 extern "C" {
 
-/// kind    that of octavo::Error, -1 for memory that is not there, -2 for all others
-/// offset  in the file; negative where not known
+/// kind  that of octavo::Error, -1 for memory that is not there, -2 for all others
 [[noreturn]] __attribute__((import_module("octavo"), import_name("thrown"))) void octavo_thrown(
-    int kind, const char* text, std::size_t length, double offset);
+    int kind, const char* text, std::size_t length);
 
 int __cxa_thread_atexit(void (*)(void*), void*, void*) { return 0; }
 
@@ -32,11 +31,10 @@ void* __cxa_allocate_exception(std::size_t bytes) noexcept {
   const char* const text = thrown->what();
   const std::size_t length = std::strlen(text);
   if (*type == typeid(octavo::Error)) {
-    const auto* const error = static_cast<const octavo::Error*>(object);
-    const double offset = error->offset() ? static_cast<double>(*error->offset()) : -1;
-    octavo_thrown(static_cast<int>(error->kind()), text, length, offset);
+    octavo_thrown(static_cast<int>(static_cast<const octavo::Error*>(object)->kind()), text,
+                  length);
   }
-  octavo_thrown(*type == typeid(std::bad_alloc) ? -1 : -2, text, length, -1);
+  octavo_thrown(*type == typeid(std::bad_alloc) ? -1 : -2, text, length);
 }
 
 }

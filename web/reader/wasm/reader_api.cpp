@@ -1,6 +1,6 @@
-// The functions that JavaScript calls. Volumes are pointers; lists come back in one place each,
-// good until the next call. What fails does not come back: host.cpp.
-#include <algorithm>
+// The functions that JavaScript calls. Volumes are pointers, which live as long as their instance;
+// lists come back in one place each, good until the next call. What fails does not come back:
+// host.cpp.
 #include <cstdint>
 #include <cstdlib>
 #include <string>
@@ -67,12 +67,8 @@ WebVolume* octavo_create(double size, const char* name, std::size_t name_bytes) 
   return new WebVolume(static_cast<std::uint64_t>(size), {name, name_bytes});
 }
 
-OCTAVO_EXPORT(octavo_destroy)
-void octavo_destroy(WebVolume* volume) { delete volume; }
-
 OCTAVO_EXPORT(octavo_put)
-void octavo_put(WebVolume* volume, double offset, const std::uint8_t* bytes,
-                              std::size_t count) {
+void octavo_put(WebVolume* volume, double offset, const std::uint8_t* bytes, std::size_t count) {
   volume->source().put(static_cast<std::uint64_t>(offset), {bytes, count});
 }
 
@@ -116,8 +112,8 @@ void octavo_read(WebVolume* volume, const double* box, int level, void* out) {
 }
 
 OCTAVO_EXPORT(octavo_brick_ranges)
-void octavo_brick_ranges(WebVolume* volume, const double* bricks, int level,
-                                       double* min, double* max) {
+void octavo_brick_ranges(WebVolume* volume, const double* bricks, int level, double* min,
+                         double* max) {
   volume->brick_ranges(box_of(bricks), level, min, max);
 }
 

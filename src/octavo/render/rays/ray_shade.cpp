@@ -118,10 +118,6 @@ RayShade::RayShade(ExtinctionGrid grid, const Progress& watcher) : geometry_(gri
   direct_.assign(ambient_.size(), 255);
 }
 
-std::uint64_t RayShade::memory_bytes(const Size3& size) {
-  return static_cast<std::uint64_t>(size.voxel_count()) * (sizeof(float) * 8 / 7 + 5);
-}
-
 void RayShade::set_lamp(const Point3& toward_light, const Progress& watcher) {
   const LightCone to_lamp = cone(toward_light, kLampWidening, kLampBegin * side_mm_, reach_mm_);
   fill(direct_, watcher, [&](const Index3& cell) {

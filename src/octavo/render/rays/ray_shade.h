@@ -35,9 +35,6 @@ class RayShade {
   /// Throws Error{cancelled}
   RayShade(ExtinctionGrid grid, const Progress& watcher);
 
-  /// Bytes for a grid.
-  static std::uint64_t memory_bytes(const Size3& size);
-
   /// Looks from every such cell to the lamp.
   /// toward_light  a unit vector in world space
   /// Throws Error{cancelled}
