@@ -41,12 +41,17 @@ nlohmann::ordered_json published_json(const std::vector<PublishedFile>& files) {
 std::string published_text(const PublishArguments& arguments, const PublishResult& result) {
   std::string text;
   std::uint64_t page_bytes = 0;
-  for (const PublishedFile& file : result.page) page_bytes += file.bytes;
+  bool is_told_how = false;
+  for (const PublishedFile& file : result.page) {
+    page_bytes += file.bytes;
+    is_told_how = is_told_how || file.name == "HOSTING.md";
+  }
   for (const PublishedFile& file : result.volumes) {
     text += fmt::format("{}/{}: {}\n", arguments.output, file.name, bytes_text(file.bytes));
   }
-  return text + fmt::format("{}: the page, {} files of {}; HOSTING.md says how to serve it\n",
-                            arguments.output, result.page.size(), bytes_text(page_bytes));
+  return text + fmt::format("{}: the page, {} files of {}{}\n", arguments.output,
+                            result.page.size(), bytes_text(page_bytes),
+                            is_told_how ? "; HOSTING.md says how to serve it" : "");
 }
 
 int run_publish(const PublishArguments& arguments, Context& context) {

@@ -206,6 +206,19 @@ class Publishing(Serving):
         listed = json.loads((site / "files.json").read_text())
         self.assertEqual([row["url"] for row in listed], ["a%20b.8vo", "a%20b-2.8vo"])
 
+    def test_what_is_behind_a_url_is_called_without_its_secrets(self):
+        (self.folder / "far.8vo").write_bytes(self.bytes)
+        _, site = self.serve("serve", "far.8vo")
+        self.publish(0, f"http://127.0.0.1:{site['port']}/far.8vo?token=a/b.8vo", "-o", "site")
+        self.assertEqual(sorted(path.name for path in (self.folder / "site").iterdir()),
+                         sorted([*PAGE, "far.8vo", "files.json"]))
+        self.assertEqual((self.folder / "site" / "far.8vo").read_bytes(), self.bytes)
+
+    def test_a_page_without_words_on_hosting_is_not_said_to_have_them(self):
+        self.assertIn("HOSTING.md", self.publish(0, "a b.8vo", "-o", "told").stdout)
+        (self.page / "HOSTING.md").unlink()
+        self.assertNotIn("HOSTING.md", self.publish(0, "a b.8vo", "-o", "untold").stdout)
+
     def test_nothing_is_replaced_unless_that_is_asked_for(self):
         self.publish(0, "a b.8vo", "-o", "site")
         (self.folder / "site" / "own.txt").write_text("mine")

@@ -7,6 +7,7 @@
 
 #include "octavo/core/error.h"
 #include "octavo/core/json_text.h"
+#include "octavo/core/url_text.h"
 #include "octavo/file/storage/storage.h"
 #include "octavo/io/serve/request_head.h"
 
@@ -58,7 +59,7 @@ std::vector<std::string> web_names(const std::vector<std::string>& paths,
   used.emplace_back(kWebListName);
   std::vector<std::string> names;
   for (const std::string& path : paths) {
-    const std::string name = base_name_of(path);
+    const std::string name = base_name_of(public_name(path));
     const std::size_t dot = name.rfind('.');
     const std::string stem = dot == std::string::npos ? name : name.substr(0, dot);
     const std::string ending = dot == std::string::npos ? "" : name.substr(dot);
