@@ -14,6 +14,10 @@ std::string shell_word(const std::string& word) {
   return quoted + "\"";
 }
 
+std::string shell_path(const std::string& path) {
+  return shell_word(path.starts_with('-') ? "./" + path : path);
+}
+
 std::string quoted_words(const std::string& words) {
   std::string quoted = "'";
   for (const char c : words) {
