@@ -179,6 +179,7 @@ void add_join(CLI::App& app, Context& context) {
                     ->excludes(missing);
   Option part = verb.add_option("--part", arguments->part, "The part that is copied")
                     ->type_name("I")
+                    ->check(whole_within(0))
                     ->excludes(missing);
   verb.add_option("--parts", arguments->parts, "Parts that are copied: 3,17-19")
       ->type_name("LIST")

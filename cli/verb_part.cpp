@@ -84,8 +84,9 @@ void add_part(CLI::App& app, Context& context) {
   verb.add_option("plan", arguments->options.plan, "A plan that octavo plan has written")
       ->type_name("PLAN")
       ->required();
-  Option part =
-      verb.add_option("--part", arguments->part, "The number of one part")->type_name("I");
+  Option part = verb.add_option("--part", arguments->part, "The number of one part")
+                    ->type_name("I")
+                    ->check(whole_within(0));
   verb.add_option("--parts", arguments->options.parts, "Several parts: 3,17-19")
       ->type_name("LIST")
       ->excludes(part);

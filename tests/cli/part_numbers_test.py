@@ -21,7 +21,7 @@ class Scheduled(parts_test.InParts):
         said = self.part(0, "--json", **variables)
         told = json.loads(said.stdout)
         name = told["number_from"]
-        self.assertIn(f"octavo: {name} says ", said.stderr)
+        self.assertIn(f"octavo: {name} is {variables[name]}", said.stderr)
         return name, [part["part"] for part in told["parts"]]
 
     def test_the_number_of_a_part_comes_from_the_scheduler(self):
@@ -85,6 +85,14 @@ class Scheduled(parts_test.InParts):
                 for word in words:
                     self.assertIn(word, said.stderr)
         self.assertEqual(self.files(), ["scan.plan", "scan.raw"])
+
+    def test_one_number_is_asked_for_where_one_part_is(self):
+        for verb in ["part"], ["join", "--step", "copy", "-o", "scan.8vo"]:
+            for number in "1.5", "-1", "0,1", "two":
+                with self.subTest((verb[0], number)):
+                    said = self.expect(2, *verb, "scan.plan", f"--part={number}")
+                    self.assertIn(f"--part: {number}; expected a whole number of 0 or more",
+                                  said.stderr)
 
     def test_a_number_that_is_given_counts_more_than_a_scheduler(self):
         told = json.loads(self.part(0, "--part", "1", "--json", SLURM_ARRAY_TASK_ID="2").stdout)

@@ -41,6 +41,11 @@ void make_folder(const std::string& folder) {
   if (problem) throw Error(ErrorKind::io, problem.message(), folder);
 }
 
+bool is_loose_link(const std::string& path) {
+  std::error_code problem;
+  return std::filesystem::is_symlink(path, problem) && !std::filesystem::exists(path, problem);
+}
+
 /// Whether the part need not be made.
 bool is_kept(const BuildPlan& plan, std::int64_t part, const std::string& path,
              const TaskContext& context) {
@@ -49,7 +54,10 @@ bool is_kept(const BuildPlan& plan, std::int64_t part, const std::string& path,
     open_whole_part(plan, part, path);
     return true;
   } catch (const Error& error) {
-    if (error.kind() == ErrorKind::io) throw;
+    if (error.kind() == ErrorKind::io) {
+      if (!is_loose_link(path)) throw;
+      throw Error(ErrorKind::io, "is a link to a file that is not there; remove it", path);
+    }
     if (error.kind() == ErrorKind::invalid_argument) throw error.with_field("parts.plan");
     if (error.kind() == ErrorKind::not_octavo) {
       throw Error(ErrorKind::invalid_argument, "is no part of a build", path)

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "octavo/core/error.h"
+#include "octavo/core/text.h"
 
 namespace octavo {
 
@@ -113,10 +114,10 @@ ScheduledParts array_parts(const ArrayVariable& array, std::string_view value,
   const bool is_whole = tasks && tasks->count >= count;
   const std::int64_t task =
       is_whole ? (number - tasks->first) / tasks->step : number - array.first;
-  ScheduledParts scheduled{array.name, task, 0, {}};
-  if (scheduled.task >= 0 && scheduled.task < count) scheduled.parts = {scheduled.task};
+  ScheduledParts scheduled{array.name, number, 0, {}};
+  if (task >= 0 && task < count) scheduled.parts = {task};
   // Where nothing says how many tasks there are, those behind the last part are too many.
-  const bool is_surplus = array.minimum == nullptr && scheduled.task >= count;
+  const bool is_surplus = array.minimum == nullptr && task >= count;
   if (!scheduled.parts.empty() || is_whole || is_surplus) return scheduled;
   throw Error(ErrorKind::invalid_argument,
               std::string(array.name) + " is " + std::to_string(number) + ", and " +
@@ -132,17 +133,17 @@ ScheduledParts rank_parts(const RankVariable& rank, std::string_view value,
     const char* const size = value_of(name, variables);
     if (size == nullptr) continue;
     scheduled.stride = variable_number(name, size);
-    if (scheduled.task < scheduled.stride) break;
+    if (scheduled.value < scheduled.stride) break;
     throw Error(ErrorKind::invalid_argument,
-                std::string(rank.name) + " is " + std::to_string(scheduled.task) + ", but " +
+                std::string(rank.name) + " is " + std::to_string(scheduled.value) + ", but " +
                     name + " says " + std::to_string(scheduled.stride) + ": ranks count from 0");
   }
   if (scheduled.stride == 0) {
     throw Error(ErrorKind::invalid_argument,
-                std::string(rank.name) + " is " + std::to_string(scheduled.task) +
+                std::string(rank.name) + " is " + std::to_string(scheduled.value) +
                     ", but nothing says of how many ranks");
   }
-  for (std::int64_t part = scheduled.task; part < count; part += scheduled.stride) {
+  for (std::int64_t part = scheduled.value; part < count; part += scheduled.stride) {
     scheduled.parts.push_back(part);
   }
   return scheduled;
@@ -191,10 +192,8 @@ std::vector<std::int64_t> parse_part_list(const std::string& text, std::int64_t 
 }
 
 std::string scheduled_text(const ScheduledParts& scheduled, std::int64_t count) {
-  std::string text = scheduled.variable + " says ";
-  text += scheduled.stride == 0 ? "task " + std::to_string(scheduled.task)
-                                : "rank " + std::to_string(scheduled.task) + " of " +
-                                      std::to_string(scheduled.stride);
+  std::string text = scheduled.variable + " is " + std::to_string(scheduled.value);
+  if (scheduled.stride > 0) text += " of " + counted_text(scheduled.stride, "rank");
   const std::vector<std::int64_t>& parts = scheduled.parts;
   if (parts.empty()) return text + ": there are fewer parts, " + std::to_string(count);
   return text + (parts.size() == 1 ? ": part " : ": parts ") + part_list_text(parts) + " of " +

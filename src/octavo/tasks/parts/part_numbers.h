@@ -19,12 +19,12 @@ std::vector<std::int64_t> parse_part_list(const std::string& text, std::int64_t 
 /// The parts that a scheduler gives to one task.
 struct ScheduledParts {
   std::string variable;              ///< that says so
-  std::int64_t task = 0;             ///< counted from 0
+  std::int64_t value = 0;            ///< of the variable
   std::int64_t stride = 0;           ///< ranks that share the work; 0: a task is one part
   std::vector<std::int64_t> parts;   ///< none where there are fewer parts than tasks
 };
 
-/// "SLURM_ARRAY_TASK_ID says task 7: part 7 of 117".
+/// "SLURM_ARRAY_TASK_ID is 8: part 7 of 117".
 std::string scheduled_text(const ScheduledParts& scheduled, std::int64_t count);
 
 /// What an environment variable holds; null where there is none.

@@ -77,6 +77,14 @@ TEST(PartNumbers, ArraysOfSlurmAreTakenAsTheyAreMeant) {
   EXPECT_THROW(part(12, 12, 13), Error);
 }
 
+TEST(PartNumbers, TextsNameTheValueOfTheVariableBesideThePart) {
+  const auto task = scheduled({{"SGE_TASK_ID", "4"}}, 8);
+  EXPECT_EQ(scheduled_text(*task, 8), "SGE_TASK_ID is 4: part 3 of 8");
+  const auto rank =
+      scheduled({{"OMPI_COMM_WORLD_RANK", "2"}, {"OMPI_COMM_WORLD_SIZE", "4"}}, 8);
+  EXPECT_EQ(scheduled_text(*rank, 8), "OMPI_COMM_WORLD_RANK is 2 of 4 ranks: parts 2,6 of 8");
+}
+
 TEST(PartNumbers, TasksBehindTheLastPartHaveNone) {
   for (const char* const name :
        {"PBS_ARRAY_INDEX", "PBS_ARRAYID", "AWS_BATCH_JOB_ARRAY_INDEX", "JOB_COMPLETION_INDEX"}) {
