@@ -166,6 +166,11 @@ class JoinedInOtherWays(InParts):
         self.assertEqual(self.bytes_of("scan.8vo"), self.whole)
         self.step(0, "--step", "seal")
         self.assertIn("is joined already", self.step(0, "--step", "copy", "--part", "1").stdout)
+        for part in (self.folder / "parts").iterdir():
+            part.rename(self.folder / part.name)
+        self.assertEqual(self.step(0, "--missing").stdout, "")
+        for part in self.folder.glob("scan.part-*"):
+            part.rename(self.folder / "parts" / part.name)
         (mark,) = [name for name in self.files() if name.startswith(".")]
         self.assertTrue(mark.startswith(".scan.8vo.join-done-"), mark)
         self.step(0, "--force")
@@ -191,8 +196,24 @@ class JoinedInOtherWays(InParts):
     def test_a_join_that_consumes_its_parts_makes_the_same_file(self):
         self.step(0, "--consume")
         self.assertEqual(self.bytes_of("scan.8vo"), self.whole)
-        self.assertEqual(self.files(),
-                         ["parts", "scan.8vo", "scan.plan", "scan.raw", "whole.8vo"])
+        (mark, *files) = self.files()
+        self.assertTrue(mark.startswith(".scan.8vo.join-done-"), mark)
+        self.assertEqual(files, ["parts", "scan.8vo", "scan.plan", "scan.raw", "whole.8vo"])
+
+    def test_a_join_that_has_consumed_its_parts_ends_well_when_it_is_given_again(self):
+        self.step(0, "--consume")
+        for force in [], ["-f"]:
+            said = self.step(0, "--consume", *force)
+            self.assertIn("scan.8vo: is joined already", said.stderr)
+            self.assertEqual(self.bytes_of("scan.8vo"), self.whole)
+        self.part(0, "--part", "1", "-o", "parts", "-q")
+        self.assertIn("is joined already", self.step(0, "--consume").stderr)
+        self.assertEqual(len([name for name in self.files() if ".part-" in name]), 1)
+        self.expect_error(5, ["2 of 3 parts are missing"], "join", "scan.plan", "parts",
+                          "--consume", "-f", "-o", "scan.8vo")
+        (self.folder / "scan.8vo").write_bytes(self.whole[:-1])
+        self.expect_error(5, ["exists already"], "join", "scan.plan", "parts", "--consume", "-o",
+                          "scan.8vo")
 
     def test_a_part_that_is_copied_already_is_consumed_as_well(self):
         self.step(0, "--step", "layout")
@@ -523,6 +544,20 @@ class Elsewhere(InParts):
 
     def test_slashes_behind_the_folder_of_the_plan_are_one(self):
         self.expect(0, "plan", f"{self.folder}//scan.raw", *self.raw[1:], "-o", "scan.plan")
+        self.part(0, "-q")
+
+    def test_the_next_commands_name_a_plan_that_begins_as_an_option_does(self):
+        told = self.expect(0, "plan", *self.raw[:-1], "--output=-a.plan").stdout
+        self.assertIn("octavo part ./-a.plan ", told)
+        self.assertIn("octavo join ./-a.plan parts/ -o ./-a.8vo", told)
+
+    def test_a_part_whose_name_a_loose_link_has_says_what_to_do(self):
+        self.plan("--parts", "1")
+        name = "scan.part-0000-of-0001"
+        (self.folder / name).symlink_to("gone")
+        said = self.part(5)
+        self.assertIn(f"{name}: is a link to a file that is not there; remove it", said.stderr)
+        (self.folder / name).unlink()
         self.part(0, "-q")
 
     def test_a_plan_of_absolute_paths_follows_the_folder_of_its_files(self):

@@ -196,8 +196,10 @@ std::string mark_of(Storage& storage, const std::string& path, const ClippedVoxe
   return end + std::string(counts.begin(), counts.end());
 }
 
-/// Requires a mark that is_marked.
-ClippedVoxels clipped_of_mark(Storage& storage, const std::string& mark) {
+/// Requires the mark of a plan whose file is_joined.
+ClippedVoxels clipped_of_marks(const BuildPlan& plan, Storage& storage, const std::string& path) {
+  const std::string sealed = sealed_name(path, plan);
+  const std::string& mark = is_marked(storage, sealed, path) ? sealed : done_name(path, plan);
   const std::string text = file_text(storage, mark, kMostMarkBytes);
   ByteSpan bytes(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
   bytes = bytes.subspan(kTrailerBytes);
@@ -292,6 +294,19 @@ std::uint64_t name_joined(const BuildPlan& plan, Storage& storage, const std::st
   return layout->file_bytes;
 }
 
+/// Leaves of all marks beside a joined file the one that says of what plan it is. Requires the
+/// lock of the folder.
+void leave_done_mark(const BuildPlan& plan, Storage& storage, const std::string& path) {
+  const std::string done = done_name(path, plan);
+  if (!is_marked(storage, done, path)) {
+    put_file(storage, done, file_text(storage, sealed_name(path, plan), kMostMarkBytes));
+  }
+  std::vector<std::string> older = storage.list(join_prefix(path) + kDoneEnding);
+  std::erase(older, done);
+  remove_all(storage, older);
+  if (why_kept(plan, storage, path).empty()) discard_join(storage, path);
+}
+
 }  // namespace
 
 std::string joined_name(const std::string& path) { return join_prefix(path); }
@@ -302,6 +317,13 @@ bool is_sealed(const BuildPlan& plan, Storage& storage, const std::string& path)
 
 bool is_joined(const BuildPlan& plan, Storage& storage, const std::string& path) {
   return is_sealed(plan, storage, path) || is_marked(storage, done_name(path, plan), path);
+}
+
+bool is_consumed(const BuildPlan& plan, const std::vector<std::string>& paths, Storage& storage,
+                 const std::string& path, bool overwrite) {
+  const auto is_there = [&](const std::string& part) { return storage.exists(part); };
+  return is_joined(plan, storage, path) &&
+         (!overwrite || std::ranges::none_of(paths, is_there));
 }
 
 void discard_steps(const BuildPlan& plan, Storage& storage, const std::string& path) {
@@ -487,14 +509,7 @@ std::uint64_t seal_join(const BuildPlan& plan, Storage& storage, const std::stri
     throw Error(ErrorKind::io, "nothing is laid out for this plan", path);
   }
   const std::uint64_t bytes = name_joined(plan, storage, path, overwrite);
-  const std::string done = done_name(path, plan);
-  if (!is_marked(storage, done, path)) {
-    put_file(storage, done, file_text(storage, sealed_name(path, plan), kMostMarkBytes));
-  }
-  std::vector<std::string> older = storage.list(join_prefix(path) + kDoneEnding);
-  std::erase(older, done);
-  remove_all(storage, older);
-  if (why_kept(plan, storage, path).empty()) discard_join(storage, path);
+  leave_done_mark(plan, storage, path);
   return bytes;
 }
 
@@ -502,9 +517,10 @@ std::uint64_t consume_parts(const BuildPlan& plan, const std::vector<std::string
                             Storage& storage, const std::string& path, bool overwrite,
                             const PartWork& work, Progress& progress,
                             ClippedVoxels* clipped) {
-  if (is_sealed(plan, storage, path)) {
-    if (clipped != nullptr) *clipped = clipped_of_mark(storage, sealed_name(path, plan));
-    discard_steps(plan, storage, path);
+  if (is_consumed(plan, paths, storage, path, overwrite)) {
+    if (clipped != nullptr) *clipped = clipped_of_marks(plan, storage, path);
+    const auto lock = storage.lock_folder(folder_of(path));
+    leave_done_mark(plan, storage, path);
     return storage.open_read(path)->size();
   }
   std::vector<std::shared_ptr<PartFile>> parts;
@@ -525,8 +541,9 @@ std::uint64_t consume_parts(const BuildPlan& plan, const std::vector<std::string
   if (begun) require_room(storage, path, left, *begun);
   const PartCopier copier(plan, layout, storage, path);
   for (const auto& part : parts) copier.copy(part, true, progress);
+  const auto folder_lock = storage.lock_folder(folder_of(path));
   const std::uint64_t bytes = name_joined(plan, storage, path, overwrite);
-  discard_steps(plan, storage, path);
+  leave_done_mark(plan, storage, path);
   return bytes;
 }
 

@@ -13,8 +13,8 @@
 //   .NAME.join-sealed-PLAN     once the file is whole, until nothing else of this is left: the
 //                              trailer of the file, which holds a checksum of all its bytes, and
 //                              how many floats only its level 0 holds
-//   .NAME.join-done-PLAN       the same, from then on: so that a step that is done again knows
-//                              the file of its plan; not of a join that consumes its parts
+//   .NAME.join-done-PLAN       the same, from then on: so that a step that is done again, or a
+//                              join that has consumed its parts, knows the file of its plan
 //
 // Invariants
 //   A step that is done again changes nothing. NAME holds a whole file or what it held before.
@@ -45,6 +45,13 @@ bool is_sealed(const BuildPlan& plan, Storage& storage, const std::string& path)
 /// another plan, of a build, or one that was changed since is not taken for it.
 /// Throws Error{io}
 bool is_joined(const BuildPlan& plan, Storage& storage, const std::string& path);
+
+/// Whether a join that consumes its parts has nothing to do: the file is_joined. Where it may be
+/// replaced, parts that are there again are to be joined anew.
+/// paths  of the parts, of which any may be gone
+/// Throws Error{io}
+bool is_consumed(const BuildPlan& plan, const std::vector<std::string>& paths, Storage& storage,
+                 const std::string& path, bool overwrite);
 
 /// Removes what steps of a join have left beside a name, unless a join by another plan has begun
 /// there, or one whose layout cannot be read.
@@ -106,7 +113,7 @@ std::uint64_t seal_join(const BuildPlan& plan, Storage& storage, const std::stri
 
 /// Joins parts and removes each as soon as it is copied, so that no more is needed beside the file
 /// than the largest of them. All are proven before the first goes. Killed, it goes on with those
-/// that are left.
+/// that are left. Leaves the mark that seal_join leaves; where it is_consumed, file and parts stay.
 /// paths  of the parts, of which some may be gone after an earlier join
 /// Throws as the steps; Error{io} before anything is removed where the disk is too small
 /// clipped  gets the clipped voxels of all parts, those that are gone among them

@@ -126,7 +126,7 @@ TEST_F(BandParts, JoinsInOneInStepsAndOfConsumedPartsMakeTheFile) {
   for (const PartPlace& place : places_) names.push_back(name_of(place));
   consume_parts(plan_, names, storage_, "a.8vo", false, {.threads = 1}, progress);
   EXPECT_TRUE(*storage_.files.at("a.8vo") == whole_);
-  EXPECT_EQ(storage_.files.size(), 1u);
+  EXPECT_EQ(storage_.files.size(), 2u) << "the file, and the mark that says of what plan it is";
 }
 
 TEST_F(BandParts, ALayoutTellsWhereBytesOfBandsBelongAndHoldsTheRest) {

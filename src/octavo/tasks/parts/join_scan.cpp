@@ -55,14 +55,25 @@ void require_parts(const BuildPlan& plan, const std::map<std::int64_t, std::stri
   }
 }
 
+std::vector<std::string> paths_of(const std::map<std::int64_t, std::string>& parts) {
+  std::vector<std::string> paths;
+  for (const auto& [part, path] : parts) paths.push_back(path);
+  return paths;
+}
+
+bool is_all_consumed(const BuildPlan& plan, const std::map<std::int64_t, std::string>& parts,
+                     const Output& output) {
+  return is_consumed(plan, paths_of(parts), local_storage(), output.path, output.overwrite);
+}
+
 /// The paths of all parts by number. Those that an earlier join has consumed need not be there.
 std::map<std::int64_t, std::string> paths_of_all(const BuildPlan& plan,
                                                  const JoinOptions& options) {
   const PartPlaces places = places_of(options);
   const auto found = found_parts(plan, places, options.plan);
-  const std::string& output = options.output.path;
-  const bool goes_on = options.consumes_parts && (find_layout(plan, local_storage(), output) ||
-                                                  is_sealed(plan, local_storage(), output));
+  const bool goes_on = options.consumes_parts &&
+                       (find_layout(plan, local_storage(), options.output.path) ||
+                        is_all_consumed(plan, found, options.output));
   if (!goes_on) require_parts(plan, found, places, options);
   return found;
 }
@@ -73,14 +84,16 @@ BuiltVolume consume_planned(const BuildPlan& plan,
   const auto start = std::chrono::steady_clock::now();
   BuiltVolume joined{plan.source, plan.options.kind, {}};
   BuildResult& build = joined.build;
-  std::vector<std::string> paths;
-  for (const auto& [part, path] : parts) {
-    context.stop_if_cancelled();
-    if (local_storage().exists(path)) open_part(plan, part, path);
-    paths.push_back(path);
+  if (is_all_consumed(plan, parts, output)) {
+    context.note(output.path + ": is joined already");
+  } else {
+    for (const auto& [part, path] : parts) {
+      context.stop_if_cancelled();
+      if (local_storage().exists(path)) open_part(plan, part, path);
+    }
   }
   build.file_bytes =
-      consume_parts(plan, paths, local_storage(), output.path, output.overwrite,
+      consume_parts(plan, paths_of(parts), local_storage(), output.path, output.overwrite,
                     join_work(output, context), context.watcher(), &build.clipped);
   const auto file = open_volume(output.path, context);
   const std::optional<CodingNote>& coding = file->description().metadata.facts().coding;
@@ -160,7 +173,7 @@ BuiltVolume join_planned(const BuildPlan& plan, const std::map<std::int64_t, std
 BuiltVolume join_scan(const JoinOptions& options, const TaskContext& context) {
   const BuildPlan plan = read_plan(options.plan);
   const bool is_done =
-      options.consumes_parts && is_sealed(plan, local_storage(), options.output.path);
+      options.consumes_parts && is_joined(plan, local_storage(), options.output.path);
   if (!is_done) require_joined_name(options.output);
   const std::map<std::int64_t, std::string> paths = paths_of_all(plan, options);
   return options.consumes_parts ? consume_planned(plan, paths, options.output, context)
@@ -185,7 +198,7 @@ MissingParts missing_parts(const JoinOptions& options, const TaskContext& contex
   MissingParts result{plan.part_count, {}};
   const std::string output =
       options.output.path.empty() ? proposed_volume(options.plan) : options.output.path;
-  if (is_sealed(plan, local_storage(), output)) return result;
+  if (is_joined(plan, local_storage(), output)) return result;
   const std::set<std::int64_t> copied = copied_numbers(plan, output);
   if (!copied.empty()) {
     const std::string held = counted_text(static_cast<std::int64_t>(copied.size()), "part");
