@@ -1,6 +1,7 @@
 // The functions that JavaScript calls. Volumes are pointers, which live as long as their instance;
 // lists come back in one place each, good until the next call. What fails does not come back:
 // host.cpp.
+#include <algorithm>
 #include <cstdint>
 #include <cstdlib>
 #include <string>
