@@ -17,9 +17,9 @@ namespace {
 constexpr VerbText kBuildText = {
     "build", "Fold a scan into one .8vo file, losslessly or with a maximum error.",
     "A source is a DICOM folder, a TIFF or PNG stack, a NIfTI, NRRD, MetaImage, VTK or GIPL\n"
-    "file, raw voxels or another .8vo file. Stored voxels are kept as they are, unless\n"
-    "--max-error E allows each to end up to E away, in real units; every brick is decoded again\n"
-    "and compared.\n\n"
+    "file, an OME-Zarr image, raw voxels or another .8vo file. Stored voxels are kept as they\n"
+    "are, unless --max-error E allows each to end up to E away, in real units; every brick is\n"
+    "decoded again and compared.\n\n"
     "float32 voxels are kept bit by bit, NaN and infinities among them: smallest where all are\n"
     "whole multiples of one number (plus another), larger where they are noise to the last bit.\n"
     "A coarse sample is the mean of those of the level below that are finite, NaN where none\n"
@@ -82,6 +82,7 @@ constexpr VerbText kBuildText = {
     "  octavo build volume.raw --raw 512,512,300,int16 --spacing 0.8,0.8,1 -o volume.8vo\n"
     "  octavo build aal.nii.gz --labels --label-names aal.nii.txt -o aal.8vo\n"
     "  octavo build cells.tif --channel 1 --time 0 -o cells.8vo\n"
+    "  octavo build brain.ome.zarr --channel 0 -o brain.8vo\n"
     "  octavo build scans/tilted/ --untilt --on-gap resample -o upright.8vo\n"
     "  octavo build scans/thick/ --isotropic -o cubes.8vo\n"
     "  octavo build scans/head/ --max-error 2 -o small.8vo\n"

@@ -75,7 +75,7 @@ WITHIN = {
         "export": {"source"},
         "http": {"source"},
         "serve": set(),
-        ".": {"source", "dicom", "images", "volumes"},
+        ".": {"source", "dicom", "images", "volumes", "zarr"},
         "isolation": {"source", "."},
     },
     "planes": {".": set(), "between": {"."}},

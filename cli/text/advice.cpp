@@ -233,9 +233,10 @@ std::string advice_for(ErrorKind kind, const OptionHint& hint) {
 
 /// The ending of a name by which scans are known, lower case; or nothing.
 std::string scan_ending(const std::string& path) {
-  constexpr std::array<const char*, 17> kEndings = {
+  constexpr std::array<const char*, 20> kEndings = {
       ".nii", ".nii.gz", ".hdr", ".hdr.gz", ".img", ".nrrd", ".nhdr", ".mha", ".mhd",
-      ".tif", ".tiff",   ".png", ".dcm",    ".dicom", ".vtk", ".gipl", ".raw"};
+      ".tif", ".tiff",   ".png", ".dcm",    ".dicom", ".vtk", ".gipl", ".raw",
+      ".ome.zarr", ".zarr", ".ozx"};
   std::string name = path;
   std::transform(name.begin(), name.end(), name.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });

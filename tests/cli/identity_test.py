@@ -7,6 +7,7 @@ The sources are generated with secrets in them; the bytes of what is built are s
 """
 
 import gzip
+import json
 import os
 import struct
 import sys
@@ -229,6 +230,9 @@ class Identity(cli_test.InFolder):
 
     def check_format(self, name, data, dropped, kept):
         (self.folder / name).write_bytes(data)
+        self.check_built(name, dropped, kept)
+
+    def check_built(self, name, dropped, kept):
         self.build(name, "--spacing", "1")
         self.assert_no_secret(["SECRET"])
         self.assertEqual(self.info("a.8vo")["metadata"]["identity"],
@@ -262,6 +266,21 @@ class Identity(cli_test.InFolder):
                           {"Comment": 1, "Name": 1, "other field": 1},
                           {"Comment": "SECRET comment", "Name": "SECRET",
                            "other field": "SecretName = SECRET"})
+
+    def test_name_of_an_ome_zarr_image(self):
+        image = self.folder / "SECRET.ome.zarr"
+        (image / "0").mkdir(parents=True)
+        axes = [{"name": name, "type": "space", "unit": "millimeter"} for name in "zyx"]
+        datasets = [{"path": "0", "coordinateTransformations": [
+            {"type": "scale", "scale": [1, 1, 1]}]}]
+        (image / ".zgroup").write_text('{"zarr_format": 2}')
+        (image / ".zattrs").write_text(json.dumps({"multiscales": [
+            {"name": "SECRET", "axes": axes, "datasets": datasets}]}))
+        (image / "0" / ".zarray").write_text(json.dumps(
+            {"zarr_format": 2, "shape": [2, 3, 4], "chunks": [2, 3, 4], "dtype": "|u1",
+             "order": "C", "fill_value": 0, "filters": None, "compressor": None}))
+        (image / "0" / "0.0.0").write_bytes(bytes(range(24)))
+        self.check_built("SECRET.ome.zarr", {"name": 1}, {"name": "SECRET"})
 
     def test_tiff_texts(self):
         texts = {269: "SECRET document", 270: "SECRET description", 305: "SECRET program",

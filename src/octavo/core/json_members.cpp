@@ -75,6 +75,15 @@ JsonObject json_members(std::string_view object) {
   return members;
 }
 
+std::vector<std::string_view> json_items(std::string_view list) {
+  JsonReader in(list);
+  if (in.next() != JsonToken::begin_list) throw Error(ErrorKind::corrupt, "no list");
+  std::vector<std::string_view> items;
+  while (in.next() != JsonToken::end_list) items.push_back(in.skip_value());
+  in.next();
+  return items;
+}
+
 std::string normal_json(std::string_view value, MemberOrder order) {
   JsonReader in(value);
   in.next();

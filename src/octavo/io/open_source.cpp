@@ -17,12 +17,15 @@
 #include "octavo/io/volumes/nrrd_source.h"
 #include "octavo/io/volumes/raw_source.h"
 #include "octavo/io/volumes/vtk_source.h"
+#include "octavo/io/zarr/zarr_source.h"
 
 namespace octavo {
 
 namespace {
 
-enum class Format { dicom, tiff, png, nifti, nrrd, meta_image, vtk, gipl, raw_planes, unknown };
+enum class Format {
+  dicom, tiff, png, nifti, nrrd, meta_image, vtk, gipl, zarr, raw_planes, unknown
+};
 
 /// By the first bytes where they tell, else by the name.
 Format format_of(const std::string& path) {
@@ -44,6 +47,7 @@ Format format_of(const std::string& path) {
   if (has_ending(path, ".mha") || has_ending(path, ".mhd")) return Format::meta_image;
   if (has_ending(path, ".vtk")) return Format::vtk;
   if (has_ending(path, ".gipl") || has_ending(path, ".gipl.gz")) return Format::gipl;
+  if (has_ending(path, ".ozx")) return Format::zarr;
   if (looks_like_dicom(path) || has_ending(path, ".dcm")) return Format::dicom;
   if (has_ending(path, ".tif") || has_ending(path, ".tiff")) return Format::tiff;
   if (has_ending(path, ".png")) return Format::png;
@@ -140,6 +144,10 @@ void require_one_kind(const FolderContent& content, const std::string& dicom_bel
 }
 
 std::unique_ptr<PlaneSource> open_folder(const std::string& folder, const SourceOptions& options) {
+  if (is_zarr_source(folder)) {
+    require_fitting(Format::zarr, options, folder);
+    return open_zarr_source(folder, options);
+  }
   const std::vector<std::string> here = files_in_folder(folder, false);
   const std::vector<std::string> all = files_in_folder(folder, true);
   bool has_dicom = std::any_of(here.begin(), here.end(), looks_like_dicom);
@@ -164,7 +172,7 @@ std::unique_ptr<PlaneSource> open_folder(const std::string& folder, const Source
   throw Error(ErrorKind::source_rejected,
               volumes.empty()
                   ? std::string("no DICOM, TIFF, PNG, NIfTI, NRRD, MetaImage, VTK or GIPL files "
-                                "in it")
+                                "in it, and no texts of OME-Zarr")
                   : std::to_string(volumes.size()) + " volumes in it, among them " +
                         escaped(base_name(volumes[0])) + " and " + escaped(base_name(volumes[1])) +
                         ": name one of them",
@@ -202,6 +210,7 @@ std::unique_ptr<PlaneSource> open_file(const std::string& path, const SourceOpti
     case Format::meta_image: return open_meta_source(path, options);
     case Format::vtk: return open_vtk_source(path, options);
     case Format::gipl: return open_gipl_source(path, options);
+    case Format::zarr: return open_zarr_source(path, options);
     case Format::raw_planes:
     case Format::unknown: break;
   }
@@ -210,7 +219,7 @@ std::unique_ptr<PlaneSource> open_file(const std::string& path, const SourceOpti
   }
   require_no_minc(path);
   throw Error(ErrorKind::source_rejected,
-              "not a DICOM, TIFF, PNG, NIfTI, NRRD, MetaImage, VTK or GIPL file", path)
+              "not a DICOM, TIFF, PNG, NIfTI, NRRD, MetaImage, VTK, GIPL or OME-Zarr file", path)
       .with_field("raw");
 }
 
@@ -302,7 +311,8 @@ bool needs_isolation(const std::vector<std::string>& paths, const SourceOptions&
   switch (format_of(paths.front())) {
     case Format::dicom:
     case Format::tiff:
-    case Format::png: return true;
+    case Format::png:
+    case Format::zarr: return true;
     case Format::nifti:
     case Format::nrrd:
     case Format::meta_image:

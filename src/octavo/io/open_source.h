@@ -1,5 +1,5 @@
 // Opens whatever a user calls a scan: DICOM folder, TIFF stack, PNG folder, NIfTI, NRRD, MetaImage,
-// VTK, GIPL, raw.
+// VTK, GIPL, OME-Zarr, raw.
 #pragma once
 
 #include <memory>
@@ -17,8 +17,8 @@ namespace octavo {
 std::unique_ptr<PlaneSource> open_source(const std::vector<std::string>& paths,
                                          const SourceOptions& options);
 
-/// True when code of others (GDCM, libtiff, libpng) may get to see these files: DICOM, TIFF, PNG,
-/// folders and lists of files. isolated_source.h reads such in another process.
+/// True when code of others (GDCM, libtiff, libpng, blosc, zstd) may get to see these files: DICOM,
+/// TIFF, PNG, OME-Zarr, folders, lists of files. isolated_source.h reads such in another process.
 /// Throws Error{io} when the only path cannot be read
 bool needs_isolation(const std::vector<std::string>& paths, const SourceOptions& options);
 

@@ -106,7 +106,8 @@ class ImportLimits {
   void know(const PlaneSource& source) {
     const std::uint64_t bytes = plane_bytes(source.description());
     const auto threads = static_cast<std::uint64_t>(request_.threads);
-    set_memory(kLibraryBytes + thread_bytes(request_) + kPlaneCopies * bytes * threads);
+    set_memory(kLibraryBytes + thread_bytes(request_) + kPlaneCopies * bytes * threads +
+               source.resident_bytes());
     allow_time(1);
   }
 

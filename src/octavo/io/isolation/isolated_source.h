@@ -1,9 +1,10 @@
 // A source read by another process, so that damage in a file cannot reach this one.
 //
-// DICOM, TIFF and PNG files pass through code that is not ours (GDCM and its codecs, libtiff,
-// libpng), which may crash, hang or ask for all memory when a file is damaged. Raw voxels, NIfTI,
-// NRRD, MetaImage, VTK and GIPL are read by this library alone (and zlib, whose output is bounded),
-// in proven steps: they need no process of their own. needs_isolation tells them apart.
+// DICOM, TIFF, PNG and OME-Zarr files pass through code that is not ours (GDCM and its codecs,
+// libtiff, libpng, blosc, zstd), which may crash, hang or ask for all memory where one is damaged.
+// Raw voxels, NIfTI, NRRD, MetaImage, VTK and GIPL are read by this library alone (and zlib, whose
+// output is bounded), in proven steps: they need no process of their own. needs_isolation tells
+// them apart.
 #pragma once
 
 #include <chrono>

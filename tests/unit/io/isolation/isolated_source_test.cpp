@@ -224,7 +224,9 @@ TEST(IsolatedSource, OnlyWhatLibrariesOfOthersReadNeedsIsolation) {
   for (const char* name : {"a.nii", "a.nrrd", "a.mha", "a.vtk", "a.gipl", "a.raw"}) {
     write_file(folder.file(name), "x");
   }
-  for (const char* name : {"slice", "a.png", "a.tif", "."}) {
+  write_file(folder.file("a.ozx"), "x");
+  write_file(folder.file("a.zarr/zarr.json"), "{}");
+  for (const char* name : {"slice", "a.png", "a.tif", "a.ozx", "a.zarr", "."}) {
     EXPECT_TRUE(needs_isolation({folder.file(name)}, {})) << name;
   }
   for (const char* name : {"a.nii", "a.nrrd", "a.mha", "a.vtk", "a.gipl", "a.raw"}) {
