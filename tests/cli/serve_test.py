@@ -179,14 +179,14 @@ class Server(Serving):
     def test_view_opens_the_browser_that_is_named(self):
         browser = self.folder / "browser"
         browser.write_text('#!/bin/sh\necho "$1" > opened\n')
+        # Opening it waits until the browser has opened the other end.
+        os.mkfifo(self.folder / "opened")
         browser.chmod(browser.stat().st_mode | stat.S_IXUSR)
         self.environment["BROWSER"] = str(browser)
         _, site = self.serve("view", "a b.8vo")
-        opened = self.folder / "opened"
-        while not opened.exists() or not opened.read_text().endswith("\n"):
-            pass
-        self.assertEqual(opened.read_text().strip(), site["url"])
+        self.assertEqual((self.folder / "opened").read_text().strip(), site["url"])
         _, site = self.serve("view", "https://example.org/c d.8vo")
+        self.assertEqual((self.folder / "opened").read_text().strip(), site["url"])
         query = urllib.parse.urlparse(site["url"]).query
         self.assertEqual(urllib.parse.parse_qs(query), {"url": ["https://example.org/c d.8vo"]})
 

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <exception>
 #include <mutex>
+#include <system_error>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -97,7 +98,8 @@ class HttpSource final : public ByteSource {
   }
 
  private:
-  /// Each thread takes the next range until none is left, or one has failed.
+  /// Each thread takes the next range until none is left, or one has failed. Where the system
+  /// gives no more threads, those that there are take more ranges each.
   void fetch_all(std::span<const ByteRange> ranges) const {
     std::atomic<std::size_t> next = 0;
     std::atomic<bool> has_failed = false;
@@ -115,7 +117,11 @@ class HttpSource final : public ByteSource {
     {
       std::vector<std::jthread> threads;
       for (std::size_t i = 1; i < std::min(most_requests_, ranges.size()); ++i) {
-        threads.emplace_back(work);
+        try {
+          threads.emplace_back(work);
+        } catch (const std::system_error&) {
+          break;
+        }
       }
       work();
     }

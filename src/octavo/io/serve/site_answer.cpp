@@ -63,6 +63,14 @@ bool is_tag_in(std::string_view list, const std::string& tag, bool takes_weak) {
   return false;
 }
 
+/// Whether a text begins with another one, which is in lower case, in letters of either case.
+bool starts_with_word(std::string_view text, std::string_view word) {
+  if (text.size() < word.size()) return false;
+  return std::equal(word.begin(), word.end(), text.begin(), [](char of_word, char c) {
+    return of_word == (c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c);
+  });
+}
+
 std::optional<std::uint64_t> number_of(std::string_view digits) {
   if (digits.empty()) return std::nullopt;
   std::uint64_t value = 0;
@@ -151,9 +159,13 @@ class Answering {
   SiteAnswer of_content(const std::string& type, std::shared_ptr<const ServedBytes> bytes) {
     const std::string& tag = bytes->entity_tag();
     const std::uint64_t size = bytes->size();
-    fields_ += "ETag: " + tag + "\r\nAccept-Ranges: bytes\r\nCache-Control: no-cache\r\n";
+    const std::string kept = "Cache-Control: no-cache\r\n";
+    fields_ += "ETag: " + tag + "\r\nAccept-Ranges: bytes\r\n";
     if (head_.if_match && !is_tag_in(*head_.if_match, tag, false)) return plain(412);
-    if (head_.if_none_match && is_tag_in(*head_.if_none_match, tag, true)) return finished(304, 0);
+    if (head_.if_none_match && is_tag_in(*head_.if_none_match, tag, true)) {
+      fields_ += kept;
+      return finished(304, 0);
+    }
     ServedRange range{0, size};
     RangeState state = RangeState::none;
     const bool is_of_now = !head_.if_range || *head_.if_range == tag;
@@ -162,7 +174,7 @@ class Answering {
       fields_ += "Content-Range: bytes */" + std::to_string(size) + "\r\n";
       return plain(416);
     }
-    fields_ += "Content-Type: " + type + "\r\n";
+    fields_ += kept + "Content-Type: " + type + "\r\n";
     if (type.starts_with("text/html")) {
       fields_ += "Content-Security-Policy: " + std::string(kPagePolicy) + "\r\n";
     }
@@ -190,8 +202,8 @@ class Answering {
 
 RangeState parse_asked_range(std::string_view field, std::uint64_t size, ServedRange& range) {
   constexpr std::string_view kUnit = "bytes=";
-  if (!field.starts_with(kUnit)) {
-    return field.starts_with("bytes") ? RangeState::wrong : RangeState::none;
+  if (!starts_with_word(field, kUnit)) {
+    return starts_with_word(field, "bytes") ? RangeState::wrong : RangeState::none;
   }
   field.remove_prefix(kUnit.size());
   const std::size_t dash = field.find('-');

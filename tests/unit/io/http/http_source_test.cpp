@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 #include <httplib.h>
+#include <pthread.h>
 
 #include <algorithm>
 #include <atomic>
@@ -10,6 +11,7 @@
 #include <condition_variable>
 #include <functional>
 #include <mutex>
+#include <system_error>
 #include <thread>
 
 #include "octavo/builder/builder.h"
@@ -409,6 +411,45 @@ TEST(HttpBoxes, AskForSeveralRangesAtATimeAndNotForMore) {
   Bytes found(static_cast<std::size_t>(slice.size().voxel_count()));
   reader->read(slice, 0, found.data());
   EXPECT_EQ(most, 3);
+}
+
+/// While it lives no thread begins: a stack would be larger than the space of addresses.
+class NoMoreThreads {
+ public:
+  NoMoreThreads() {
+    EXPECT_EQ(pthread_getattr_default_np(&before_), 0);
+    pthread_attr_t huge;
+    EXPECT_EQ(pthread_attr_init(&huge), 0);
+    EXPECT_EQ(pthread_attr_setstacksize(&huge, std::size_t{1} << 50), 0);
+    EXPECT_EQ(pthread_setattr_default_np(&huge), 0);
+    pthread_attr_destroy(&huge);
+  }
+  ~NoMoreThreads() {
+    pthread_setattr_default_np(&before_);
+    pthread_attr_destroy(&before_);
+  }
+  NoMoreThreads(const NoMoreThreads&) = delete;
+  NoMoreThreads& operator=(const NoMoreThreads&) = delete;
+
+ private:
+  pthread_attr_t before_{};
+};
+
+TEST(HttpBoxes, AreReadByOneThreadWhereTheSystemGivesNoMore) {
+  const std::vector<std::uint8_t>& file = chest_file();
+  RangeLog log(file);
+  TestServer server([&](const Request& q, Response& a) { log.answer(q, a); });
+  const auto source = open_url(server.url());
+  const std::vector<ByteRange> ranges = {{1 << 17, 1000}, {1 << 18, 1000}, {3 << 18, 1000}};
+  {
+    const NoMoreThreads none;
+    EXPECT_THROW(std::thread([] {}).join(), std::system_error);
+    source->fetch(ranges);
+  }
+  EXPECT_TRUE(source->missing(ranges).empty());
+  std::vector<std::uint8_t> found(1000);
+  source->read(ranges[2].offset, found);
+  EXPECT_TRUE(std::equal(found.begin(), found.end(), file.begin() + (3 << 18)));
 }
 
 TEST(HttpBoxes, ARangeThatIsDeniedEndsTheReadingAndTheNextOneSucceeds) {

@@ -67,6 +67,10 @@ TEST(ServedRange, IsOneRunOfBytesThatAreThere) {
       {"bytes=+1-2", RangeState::wrong, {}},
       {"bytes=1 - 2", RangeState::wrong, {}},
       {"bytes 1-2", RangeState::wrong, {}},
+      {"Bytes=10-19", RangeState::some, {10, 10}},
+      {"BYTES=-10", RangeState::some, {990, 10}},
+      {"BYTES 1-2", RangeState::wrong, {}},
+      {"byte", RangeState::none, {}},
       {"lines=1-2", RangeState::none, {}},
   };
   for (const auto& row : rows) {
@@ -101,6 +105,27 @@ TEST(SiteAnswer, GivesAllOfAFileOrARange) {
   head.range = "bytes=1000-";
   EXPECT_EQ(answer_to(head).status, 416);
   EXPECT_TRUE(has(answer_to(head), "Content-Range: bytes */1000\r\n"));
+}
+
+TEST(SiteAnswer, SaysOnceHowLongAnAnswerMayBeKept) {
+  const auto count_of = [](const SiteAnswer& answer) {
+    std::size_t count = 0;
+    const std::string field = "Cache-Control:";
+    for (std::size_t at = 0; (at = answer.head.find(field, at)) != std::string::npos; ++at) ++count;
+    return count;
+  };
+  RequestHead head = asking("/a.8vo");
+  EXPECT_EQ(count_of(answer_to(head)), 1u);
+  head.range = "bytes=1000-";
+  EXPECT_EQ(count_of(answer_to(head)), 1u);
+  EXPECT_TRUE(has(answer_to(head), "Cache-Control: no-store\r\n"));
+  head.if_match = "\"x\"";
+  EXPECT_EQ(answer_to(head).status, 412);
+  EXPECT_EQ(count_of(answer_to(head)), 1u);
+  head.if_match.reset();
+  head.if_none_match = tag_of_file();
+  EXPECT_EQ(answer_to(head).status, 304);
+  EXPECT_EQ(count_of(answer_to(head)), 1u);
 }
 
 TEST(SiteAnswer, KnowsWhichBytesAClientHas) {
