@@ -3,7 +3,8 @@ import { inflateSync } from "node:zlib";
 
 const channelsOf = { 0: 1, 2: 3, 6: 4 };
 
-/** Width, height, the first channel of each pixel, and whether any pixel is not grey. */
+/** Width, height, red, green and blue of each pixel, the first of these alone, and whether any pixel
+ *  is not grey. */
 export function pngPixels(png) {
   let [width, height, channels] = [0, 0, 0];
   const data = [];
@@ -22,13 +23,15 @@ export function pngPixels(png) {
   }
   const rows = unfiltered(inflateSync(Buffer.concat(data)), width * channels, height, channels);
   const grey = new Uint8Array(width * height);
+  const rgb = new Uint8Array(3 * width * height);
   let isColored = false;
   for (let i = 0; i < grey.length; ++i) {
     const pixel = rows.subarray(i * channels, i * channels + 3);
     grey[i] = pixel[0];
+    for (let c = 0; c < 3; ++c) rgb[3 * i + c] = pixel[channels > 1 ? c : 0];
     if (channels > 1 && (pixel[0] !== pixel[1] || pixel[0] !== pixel[2])) isColored = true;
   }
-  return { width, height, grey, isColored };
+  return { width, height, grey, rgb, isColored };
 }
 
 function unfiltered(bytes, rowLength, height, step) {

@@ -2,6 +2,7 @@ import assert from "node:assert/strict";
 import test from "node:test";
 import { type Geometry, type Vec3 } from "../src/reader/volume.js";
 import {
+  boxIn,
   levelForPixels,
   levelText,
   nearestWorldAxes,
@@ -82,4 +83,19 @@ test("levels: samples over voxels, the one for a pixel, and its name", () => {
   assert.equal(levelForPixels(levels, straight, axial, 1.6), 1);
   assert.equal(levelForPixels(levels, straight, axial, 100), 2);
   assert.equal(levelText(levels[2]!), "1/4");
+});
+
+test("a box among the voxels of another grid covers those that it meets, and no others", () => {
+  const over: Geometry = { ...straight, origin: [-10, 20, 30], spacing: [1, 0.75, 2] };
+  const to = (v: Vec3): Vec3 => toIndex(over, toWorld(straight, v));
+  const size: Vec3 = [50, 90, 40];
+  assert.deepEqual(boxIn({ lo: [0, 0, 0], hi: [100, 90, 40] }, to, size), {
+    lo: [0, 0, 0],
+    hi: size,
+  });
+  // Voxels 10 .. 19 reach from 4.75 to 9.75 in units of 1, whose voxel i reaches to i + 0.5.
+  assert.deepEqual(boxIn({ lo: [10, 3, 5], hi: [20, 7, 6] }, to, size), {
+    lo: [5, 3, 5],
+    hi: [11, 7, 6],
+  });
 });

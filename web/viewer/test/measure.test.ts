@@ -7,8 +7,7 @@ import {
   distanceMm,
   roiBox,
   roundLength,
-  samplesOf,
-  statistics,
+  RegionSums,
 } from "../src/view/measure.js";
 
 const g: Geometry = {
@@ -67,13 +66,19 @@ test("a region has the samples whose centers lie in it, at each level", () => {
   assert.deepEqual(tiny, { lo: [5, 5, 7], hi: [6, 6, 8] });
 });
 
-test("statistics are of real values that are numbers", () => {
-  const s = statistics([1, 2, 3, 4, NaN], 2, -1);
+test("statistics are of real values that are numbers, part by part", () => {
+  const whole = { lo: [0, 0, 0], hi: [5, 1, 1] } as const;
+  const sums = new RegionSums(2, -1);
+  sums.add(Float32Array.of(9, 1, 2, 3, 9), whole, { lo: [1, 0, 0], hi: [4, 1, 1] });
+  sums.add(Float32Array.of(9, 4, NaN, 9, 9), whole, { lo: [1, 0, 0], hi: [3, 1, 1] });
+  const s = sums.statistics;
   assert.deepEqual([s.count, s.mean, s.min, s.max], [4, 4, 1, 7]);
   assert.ok(Math.abs(s.deviation - Math.sqrt(20 / 3)) < 1e-12);
   const voxels = Int16Array.from({ length: 27 }, (_, i) => i);
-  const part = { lo: [1, 1, 2], hi: [3, 2, 3] } as const;
-  assert.deepEqual([...samplesOf(voxels, { lo: [0, 0, 0], hi: [3, 3, 3] }, part)], [22, 23]);
+  const box = { lo: [10, 20, 30], hi: [13, 23, 33] } as const;
+  const part = new RegionSums(1, 0);
+  part.add(voxels, box, { lo: [11, 21, 32], hi: [13, 22, 33] });
+  assert.deepEqual([part.statistics.count, part.statistics.min, part.statistics.max], [2, 22, 23]);
 });
 
 test("scale bars have round lengths", () => {

@@ -20,13 +20,14 @@ export interface Annotated {
 
 const AXIS_COLORS = ["#f06a6a", "#5fc46f", "#5aa2f5"] as const;
 const TEXT = "#f4f6f8";
+const HALO = "rgba(0, 0, 0, 0.75)";
 const MEASURE = "#ffd54a";
 
 type Pen = CanvasRenderingContext2D;
 
 function write(pen: Pen, text: string, x: number, y: number, color = TEXT): void {
   pen.lineWidth = 3;
-  pen.strokeStyle = "rgba(0, 0, 0, 0.75)";
+  pen.strokeStyle = HALO;
   pen.strokeText(text, x, y);
   pen.fillStyle = color;
   pen.fillText(text, x, y);
@@ -46,7 +47,10 @@ export function drawAnnotations(pen: Pen, a: Annotated): void {
     if (m.axis === a.orientation.axis && m.slice === a.slice) drawMeasurement(pen, a, m);
   }
   drawSides(pen, a, w, h);
-  drawScaleBar(pen, a, w, h);
+  if (a.facts.isSpacingKnown) {
+    const mmPerPixel = a.look.pixelMm * a.ratio;
+    drawScaleBar(pen, { mmPerPixel, width: w, y: h - 34, color: TEXT, halo: HALO });
+  }
   pen.font = "12px system-ui, sans-serif";
   pen.textAlign = "left";
   pen.textBaseline = "top";
@@ -90,29 +94,37 @@ function drawSides(pen: Pen, a: Annotated, w: number, h: number): void {
   write(pen, o.bottom, w / 2, h - 34);
 }
 
-function drawScaleBar(pen: Pen, a: Annotated, w: number, h: number): void {
-  if (!a.facts.isSpacingKnown) return;
-  const { mm, text } = roundLength(a.look.pixelMm * a.ratio * Math.min(140, w * 0.3));
-  const length = mm / a.look.pixelMm / a.ratio;
-  const y = h - 34;
-  const x = w - 12;
-  for (const [color, thickness] of [
-    ["rgba(0,0,0,0.75)", 4],
-    [TEXT, 2],
-  ] as const) {
-    pen.strokeStyle = color;
-    pen.lineWidth = thickness;
-    pen.beginPath();
-    pen.moveTo(x - length, y - 4);
-    pen.lineTo(x - length, y);
-    pen.lineTo(x, y);
-    pen.lineTo(x, y - 4);
-    pen.stroke();
-  }
+/** A line of a round length at the right end of a picture, and its length; mm per pixel of the
+ *  page. Halo: what lies around letters and lines over a picture. */
+export function drawScaleBar(
+  pen: Pen,
+  of: { mmPerPixel: number; width: number; y: number; color: string; halo?: string },
+): void {
+  const { mm, text } = roundLength(of.mmPerPixel * Math.min(140, of.width * 0.3));
+  const length = mm / of.mmPerPixel;
+  const x = of.width - 12;
   pen.font = "12px system-ui, sans-serif";
   pen.textAlign = "right";
   pen.textBaseline = "bottom";
-  write(pen, text, x, y - 7);
+  for (const [stroke, thickness] of [
+    [of.halo, 4],
+    [of.color, 2],
+  ] as const) {
+    if (!stroke) continue;
+    pen.strokeStyle = stroke;
+    pen.lineWidth = thickness;
+    pen.beginPath();
+    pen.moveTo(x - length, of.y - 4);
+    pen.lineTo(x - length, of.y);
+    pen.lineTo(x, of.y);
+    pen.lineTo(x, of.y - 4);
+    pen.stroke();
+  }
+  if (of.halo) write(pen, text, x, of.y - 7, of.color);
+  else {
+    pen.fillStyle = of.color;
+    pen.fillText(text, x, of.y - 7);
+  }
 }
 
 function drawMeasurement(pen: Pen, a: Annotated, m: Measurement): void {

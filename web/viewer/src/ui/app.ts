@@ -231,6 +231,7 @@ export class App {
     else this.urls.labels = url;
     this.store.set({ hiddenLabels: new Set() });
     for (const panel of this.slices) panel.open(scan, this.overlay);
+    this.rays.openOverlay(this.overlay);
     this.labels.open(this.overlay, true);
     this.overlay.wantPreview();
     this.wantSoon();
@@ -290,7 +291,7 @@ export class App {
   private follow(changed: ReadonlySet<StateKey>): void {
     const any = (...keys: StateKey[]): boolean => keys.some((key) => changed.has(key));
     if (any("at", "layout", "slices", "isNeurological")) this.wantSoon();
-    if (any("mode", "iso", "transfer", "clip", "camera", "hiddenLabels")) {
+    if (any("mode", "iso", "transfer", "clip", "camera", "hiddenLabels", "overlayOpacity")) {
       this.rays.moved();
       this.wantSoon();
     } else if (any("window") && this.store.now.mode === "mip") this.rays.moved();

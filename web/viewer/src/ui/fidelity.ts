@@ -13,6 +13,7 @@ export class Fidelity {
   private missingBytes = 0;
   private isCounting = false;
   private countedAt = 0;
+  private again: ReturnType<typeof setTimeout> | undefined;
 
   constructor(
     private readonly session: () => Session | undefined,
@@ -40,7 +41,7 @@ export class Fidelity {
       this.line.className = session.first ? "coarse" : "";
       return;
     }
-    this.count(session);
+    this.count(session, () => this.update(slices, rays));
     const shown = slices.filter((panel) => panel.isShown).map((panel) => panel.shownLevel());
     const seen = rays.fidelity();
     if (shown.length === 0 && seen) shown.push(seen.level);
@@ -56,15 +57,20 @@ export class Fidelity {
     if (this.line.textContent !== line) this.line.textContent = line;
   }
 
-  /** Bytes that are still to come, asked of the index now and then. */
-  private count(session: Session): void {
-    if (this.isCounting || performance.now() - this.countedAt < EVERY_MS) return;
+  /** Bytes that are still to come, asked of the index now and then; the line is written again
+   *  after that, as no picture need be drawn any more. */
+  private count(session: Session, update: () => void): void {
     const sessions = [session, this.overlay()].filter((s) => s !== undefined);
     const boxes = sessions.flatMap((s) => s.cells.missing().map((box) => ({ s, ...box })));
     if (boxes.length === 0) {
       this.missingBytes = 0;
       return;
     }
+    this.again ??= setTimeout(() => {
+      this.again = undefined;
+      update();
+    }, EVERY_MS);
+    if (this.isCounting || performance.now() - this.countedAt < EVERY_MS) return;
     this.isCounting = true;
     void Promise.all(boxes.map(({ s, level, box }) => s.volume.need(level, box)))
       .then((needs) => {
@@ -75,6 +81,7 @@ export class Fidelity {
       .finally(() => {
         this.isCounting = false;
         this.countedAt = performance.now();
+        update();
       });
   }
 }

@@ -1,5 +1,5 @@
 // Lists of the side: labels, measurements, facts of the file.
-import { type VolumeFacts, type Vec3 } from "../reader/volume.js";
+import { type Box, type VolumeFacts, type Vec3 } from "../reader/volume.js";
 import { boxVoxels, cellBox, cellsOf } from "../decode/cells.js";
 import { type Store } from "../store/state.js";
 import { levelText, orientationOf } from "../view/geometry.js";
@@ -7,9 +7,9 @@ import { colorOf, nameOf } from "../view/label_color.js";
 import {
   type Measurement,
   POINTS_NEEDED,
+  RegionSums,
+  type RoiStatistics,
   roiBox,
-  samplesOf,
-  statistics,
 } from "../view/measure.js";
 import { shortNumber } from "../view/window.js";
 import { button, byId, byteText, element, shownText } from "./dom.js";
@@ -89,8 +89,18 @@ export class LabelList {
 /** A region larger than that is measured at a coarser level. */
 const MOST_ROI_SAMPLES = 1 << 24;
 
+/** What was found in a region, so that cells which come later do not have it measured again. */
+interface Measured {
+  readonly session: Session;
+  readonly level: number;
+  readonly text: string;
+}
+
 export class MeasureList {
   private readonly list = byId("measurements");
+  private readonly measured = new WeakMap<Measurement, Measured>();
+  /** How often voxels of a region were added up. */
+  regionsMeasured = 0;
 
   constructor(
     private readonly store: Store,
@@ -131,25 +141,33 @@ export class MeasureList {
   /** The statistics of a region at the finest level that is here, and that level. */
   private roiText(session: Session, m: Measurement): string {
     const { facts, cells } = session;
+    const before = this.measured.get(m);
+    const known = before?.session === session ? before : undefined;
     for (let level = this.roiLevel(session, m); level <= session.preview; ++level) {
+      if (known && known.level <= level) return known.text;
       const box = this.boxOf(session, m, level);
-      const inside = cellsOf(level, box);
-      if (!cells.hasAll({ level, cells: inside })) continue;
-      const all: number[] = [];
-      for (const cell of inside) {
-        const from = cellBox(facts.levels[level]!, cell.at);
-        const part = {
-          lo: from.lo.map((v, a) => Math.max(v, box.lo[a as 0])) as unknown as Vec3,
-          hi: from.hi.map((v, a) => Math.min(v, box.hi[a as 0])) as unknown as Vec3,
-        };
-        for (const v of samplesOf(cells.peek(cell)!, from, part)) all.push(v);
-      }
-      const text = statisticsText(statistics(all, facts.slope, facts.intercept), facts.unit);
-      return level === 0
-        ? text
-        : `${text} (of ${levelText(facts.levels[level]!)}, not yet the scan)`;
+      if (!cells.hasAll({ level, cells: cellsOf(level, box) })) continue;
+      const found = this.sums(session, box, level);
+      const of = level === 0 ? "" : ` (of ${levelText(facts.levels[level]!)}, not yet the scan)`;
+      const text = statisticsText(found, facts.unit) + of;
+      this.measured.set(m, { session, level, text });
+      return text;
     }
-    return "reading …";
+    return known?.text ?? "reading …";
+  }
+
+  private sums(session: Session, box: Box, level: number): RoiStatistics {
+    const { facts, cells } = session;
+    const sums = new RegionSums(facts.slope, facts.intercept);
+    for (const cell of cellsOf(level, box)) {
+      const from = cellBox(facts.levels[level]!, cell.at);
+      sums.add(cells.peek(cell)!, from, {
+        lo: from.lo.map((v, a) => Math.max(v, box.lo[a as 0])) as unknown as Vec3,
+        hi: from.hi.map((v, a) => Math.min(v, box.hi[a as 0])) as unknown as Vec3,
+      });
+    }
+    this.regionsMeasured += 1;
+    return sums.statistics;
   }
 
   draw(): void {

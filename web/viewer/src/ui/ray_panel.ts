@@ -1,41 +1,59 @@
-// The 3-D view: what it wants to read, when rays are traced anew, and how finely.
-import { type BlockRanges, type Box, type Vec3 } from "../reader/volume.js";
+// The 3-D view: a scan, labels, or labels over a scan; when rays are traced anew, and how finely.
+import { type Box, type Vec3 } from "../reader/volume.js";
 import { type Store } from "../store/state.js";
-import { SlotTable, atlasShape, pageGrid } from "../view/atlas.js";
 import { raysOf, sideLetter, viewAxes } from "../view/camera.js";
-import { levelText } from "../view/geometry.js";
-import { type Gl, texelFormat } from "../view/gl.js";
+import { boxIn, levelText, toIndex, toWorld } from "../view/geometry.js";
+import { type Gl } from "../view/gl.js";
 import { colorOf } from "../view/label_color.js";
-import { BAND_COUNT, type RayLook, RayPainter } from "../view/ray_painter.js";
-import { MOST_BLOCKS, RayScene, type Visible } from "../view/ray_scene.js";
+import { BAND_COUNT, type RayLook, RayPainter, type RayVolumes } from "../view/ray_painter.js";
+import { type Visible } from "../view/ray_scene.js";
+import { GREY_COLORS } from "../view/ray_shader.js";
 import { type Viewport } from "../view/slice_painter.js";
 import { largestOpacity, transferSpan, transferTable } from "../view/transfer.js";
+import { drawScaleBar } from "./annotations.js";
 import { byId } from "./dom.js";
+import { RayVolume } from "./ray_volume.js";
 import { type Session } from "./session.js";
 
-const MOST_ATLAS_BYTES = 96 << 20;
+const MOST_ATLAS_BYTES = 64 << 20;
+const MOST_LABEL_BYTES = 32 << 20;
 const PAGES_PER_FRAME = 48;
-const COLORS = 1024;
-/** Samples of the 3-D view may be so many pixels long. */
-const LONGEST_SAMPLE = 2;
+
+/** What the picture on the screen is made of. */
+interface Pictured {
+  readonly level: number;
+  readonly isFinest: boolean;
+  /** Drawn with few rays, while something moves or arrives. */
+  readonly isDraft: boolean;
+}
+
+/** A table of colors and what it was made of. */
+interface Palette {
+  readonly key: readonly unknown[];
+  readonly table: Uint8Array;
+}
+
+const EMPTY = new Uint8Array(0);
 
 export class RayPanel {
   readonly element = byId("panel-3d");
   private readonly lines = this.element.querySelector("canvas")!;
-  private session: Session | undefined;
-  private scene: RayScene | undefined;
+  private scan: RayVolume | undefined;
+  private overlay: RayVolume | undefined;
   private painter: RayPainter | undefined;
+  private painted: RayVolumes | undefined;
   private gl: Gl | undefined;
-  private ranges: BlockRanges | undefined;
-  private hasAsked = false;
-  private palette: { key: unknown; table: Uint8Array } | undefined;
+  private greyPalette: Palette | undefined;
+  private labelPalette: Palette | undefined;
+  private pictured: Pictured | undefined;
   private isStale = true;
-  private tableIsStale = true;
   private band = 0;
   private movedAt = 0;
   private fence: WebGLSync | null = null;
   private scale = 0.5;
   private tracedAt = 0;
+  /** In pixels, of the picture that is drawn. */
+  private tracedSize: readonly [number, number] = [0, 0];
 
   constructor(
     private readonly store: Store,
@@ -46,33 +64,33 @@ export class RayPanel {
     return this.element.offsetParent !== null;
   }
 
+  /** Shows a scan, or labels alone; what was shown before gives its textures back. */
   open(session: Session | undefined): void {
-    this.session = session;
-    this.scene = undefined;
+    this.openOverlay(undefined);
+    this.scan?.close();
+    this.scan = session && new RayVolume(session, MOST_ATLAS_BYTES, () => this.want());
+    this.forgetPicture();
+  }
+
+  openOverlay(session: Session | undefined): void {
+    this.overlay?.close();
+    this.overlay = session && new RayVolume(session, MOST_LABEL_BYTES, () => this.want());
+    this.moved();
+  }
+
+  private forgetPicture(): void {
+    this.painter?.dispose();
     this.painter = undefined;
-    this.ranges = undefined;
-    this.hasAsked = false;
+    this.painted = undefined;
+    this.pictured = undefined;
   }
 
-  private async readRanges(session: Session): Promise<void> {
-    const { size } = session.facts.levels[0]!;
-    if ((size[0] * size[1] * size[2]) / 64 ** 3 > MOST_BLOCKS) return;
-    try {
-      const ranges = await session.volume.ranges();
-      if (this.session !== session) return;
-      this.ranges = ranges;
-      this.scene = undefined;
-      this.painter = undefined;
-      this.changed();
-    } catch {
-      // Without them nothing is skipped before it is read; a failing server is told of by cells.
-    }
-  }
-
+  /** The graphics context was lost. */
   forget(): void {
+    this.scan?.forget();
+    this.overlay?.forget();
+    this.forgetPicture();
     this.gl = undefined;
-    this.painter = undefined;
-    this.scene = undefined;
     this.fence = null;
   }
 
@@ -85,65 +103,72 @@ export class RayPanel {
     ];
   }
 
-  private prepare(gl: Gl): boolean {
-    const session = this.session;
-    if (!session?.hasPreview) return false;
-    if (!this.hasAsked) {
-      this.hasAsked = true;
-      void this.readRanges(session);
-    }
-    if (this.painter && this.gl === gl) return true;
-    const { facts, preview } = session;
-    let pages = 0;
-    for (let k = 0; k <= preview; ++k) {
-      const grid = pageGrid(facts.levels[k]!);
-      pages += grid[0] * grid[1] * grid[2];
-    }
-    const longest = gl.getParameter(gl.MAX_3D_TEXTURE_SIZE) as number;
-    const shape = atlasShape(pages, texelFormat(gl, facts.type).bytes, MOST_ATLAS_BYTES, longest);
+  private get hasOverlay(): boolean {
+    return this.overlay?.isReady === true && this.store.now.overlayOpacity > 0;
+  }
+
+  /** A painter for what is there now: another shader where labels came or went. */
+  private prepare(gl: Gl): RayPainter | undefined {
+    const main = this.scan?.atlas(gl);
+    if (!main) return undefined;
+    const isLabels = main.facts.kind === "labels";
+    const over = this.hasOverlay ? this.overlay?.atlas(gl) : undefined;
+    const volumes = { grey: isLabels ? undefined : main, labels: isLabels ? main : over };
+    const { painted } = this;
+    const isSame = painted?.grey === volumes.grey && painted?.labels === volumes.labels;
+    if (this.painter && this.gl === gl && isSame) return this.painter;
+    this.forgetPicture();
     this.gl = gl;
-    this.scene = new RayScene(facts, session.cells, new SlotTable(shape), preview, this.ranges);
-    this.painter = new RayPainter(gl, facts, shape, preview);
+    this.painted = volumes;
+    this.painter = new RayPainter(gl, volumes);
     this.want();
-    return true;
+    return this.painter;
   }
 
   private get visible(): Visible {
     const state = this.store.now;
-    if (this.session!.facts.kind === "labels") return (_, high) => high > 0;
     if (state.mode === "iso") return (_, high) => high >= state.iso;
     if (state.mode === "mip") return () => true;
     return (low, high) => largestOpacity(state.transfer, low, high) > 0;
   }
 
-  /** The coarsest level whose samples are at most LONGEST_SAMPLE pixels long. */
-  private wantedLevel(): number {
-    const { facts, preview } = this.session!;
+  private get visibleLabels(): Visible {
+    const hidden = this.store.now.hiddenLabels;
+    return (low, high) => (low === high ? low !== 0 && !hidden.has(low) : true);
+  }
+
+  private get pixelMm(): number {
+    const { facts } = this.scan!.session;
     const [w, h] = this.size;
-    const g = facts.geometry;
-    const { pixelMm } = raysOf(g, facts.levels[0]!.size, this.store.now.camera, w, h);
-    for (let k = preview; k > 0; --k) {
-      const f = facts.levels[k]!.factor;
-      const longest = Math.max(...f.map((v, a) => v * g.spacing[a as 0]!));
-      if (longest <= LONGEST_SAMPLE * pixelMm) return k;
-    }
-    return 0;
+    const { size } = facts.levels[0]!;
+    return raysOf(facts.geometry, size, this.store.now.camera, w, h).pixelMm;
   }
 
   want(): void {
-    const session = this.session;
-    if (!session) return;
-    if (!this.scene || !this.isShown || !session.hasPreview) {
-      session.cells.want("3d", []);
+    const { scan, overlay } = this;
+    if (!scan) return;
+    if (!this.painter || !this.isShown) {
+      scan.want(undefined);
+      overlay?.want(undefined);
       return;
     }
-    session.cells.want("3d", this.scene.plan(this.wantedLevel(), this.visible, this.clip));
-    this.tableIsStale = true;
+    const { pixelMm } = this;
+    const { clip } = this.store.now;
+    const isLabels = scan.session.facts.kind === "labels";
+    scan.want({ pixelMm, visible: isLabels ? this.visibleLabels : this.visible, clip });
+    overlay?.want(
+      this.hasOverlay
+        ? { pixelMm, visible: this.visibleLabels, clip: this.clipOf(overlay.session) }
+        : undefined,
+    );
     this.moved();
   }
 
-  private get clip(): Box {
-    return this.store.now.clip;
+  /** The clip box among the voxels of labels over the scan. */
+  private clipOf(over: Session): Box {
+    const { geometry } = this.scan!.session.facts;
+    const to = (v: Vec3): Vec3 => toIndex(over.facts.geometry, toWorld(geometry, v));
+    return boxIn(this.store.now.clip, to, over.facts.levels[0]!.size);
   }
 
   /** Something that the picture depends on changed. */
@@ -156,44 +181,50 @@ export class RayPanel {
 
   /** More cells are here. */
   arrived(): void {
-    if (this.scene) this.changed();
+    if (this.scan) this.changed();
   }
 
   private get look(): RayLook {
     const state = this.store.now;
-    const { facts } = this.session!;
-    const spacing = Math.min(...facts.geometry.spacing);
+    const { facts } = this.scan!.session;
     const isLabels = facts.kind === "labels";
-    const span = isLabels ? ([0, COLORS] as const) : transferSpan(state.transfer);
-    const key = isLabels ? state.hiddenLabels : state.transfer;
-    if (this.palette?.key !== key) {
-      this.palette = {
-        key,
-        table: isLabels ? this.labelPalette() : transferTable(state.transfer, span, COLORS),
-      };
-    }
+    const span = isLabels ? ([0, 1] as const) : transferSpan(state.transfer);
+    const labels = isLabels ? this.scan : this.hasOverlay ? this.overlay : undefined;
     return {
       mode: isLabels ? "volume" : state.mode,
       iso: state.iso,
       window: state.window,
-      palette: this.palette.table,
+      greyColors: isLabels ? EMPTY : this.greyColors(span),
       span,
-      layerMm: facts.unit === "HU" && facts.isSpacingKnown ? 1 : spacing,
-      clip: this.clip,
+      layerMm:
+        facts.unit === "HU" && facts.isSpacingKnown ? 1 : Math.min(...facts.geometry.spacing),
+      labelColors: labels ? this.labelColors(labels) : EMPTY,
+      labelShare: isLabels ? 1 : state.overlayOpacity,
+      clip: state.clip,
     };
   }
 
-  private labelPalette(): Uint8Array {
-    const { labels } = this.session!.facts;
-    const hidden = this.store.now.hiddenLabels;
-    const table = new Uint8Array(4 * COLORS);
-    const known = new Set([...labels.keys(), ...this.session!.labelsSeen().keys()]);
-    for (let i = 1; i < COLORS; ++i) table.set([...colorOf(labels, i), 255], 4 * i);
-    for (const label of known) {
-      const at = 4 * (((label % COLORS) + COLORS) % COLORS);
-      table.set([...colorOf(labels, label), hidden.has(label) ? 0 : 255], at);
+  private greyColors(span: readonly [number, number]): Uint8Array {
+    const { transfer } = this.store.now;
+    if (this.greyPalette?.key[0] !== transfer) {
+      this.greyPalette = { key: [transfer], table: transferTable(transfer, span, GREY_COLORS) };
     }
-    return table;
+    return this.greyPalette.table;
+  }
+
+  private labelColors(of: RayVolume): Uint8Array {
+    const hidden = this.store.now.hiddenLabels;
+    const index = of.index!;
+    const key = [index, index.labels.length, hidden];
+    if (!this.labelPalette || key.some((part, i) => part !== this.labelPalette!.key[i])) {
+      const { labels } = of.session.facts;
+      const table = index.table((label) => [
+        ...colorOf(labels, label),
+        hidden.has(label) ? 0 : 255,
+      ]);
+      this.labelPalette = { key, table };
+    }
+    return this.labelPalette.table;
   }
 
   /** Whether the graphics card has drawn what it was given last. */
@@ -212,24 +243,23 @@ export class RayPanel {
 
   /** Draws; gives whether another frame is needed. */
   draw(gl: Gl, viewport: Viewport, canvasHeight: number, behind: Vec3): boolean {
-    if (!this.isShown || !this.session || !this.prepare(gl)) return false;
-    const { painter, scene } = this;
-    if (!painter || !scene) return false;
+    if (!this.isShown || !this.scan) return false;
+    const painter = this.prepare(gl);
+    if (!painter) return false;
+    if (!this.isOfThisSize) this.moved();
     let isMore = false;
-    if (scene.load(painter, PAGES_PER_FRAME)) {
-      this.tableIsStale = true;
-      this.isStale = true;
-      this.band = 0;
-      isMore = true;
-    }
-    if (this.tableIsStale) {
-      painter.setTable({ level: scene.level, grid: scene.grid, ...scene.table() });
-      this.tableIsStale = false;
-      this.isStale = true;
+    for (const volume of [this.scan, this.hasOverlay ? this.overlay : undefined]) {
+      if (!volume) continue;
+      const loaded = volume.load(PAGES_PER_FRAME);
+      if (loaded.isChanged) {
+        this.isStale = true;
+        this.band = 0;
+      }
+      isMore ||= loaded.isMore;
     }
     isMore = this.trace(gl, painter) || isMore;
     painter.draw(viewport, canvasHeight, behind);
-    this.annotate(scene);
+    this.annotate();
     return isMore;
   }
 
@@ -239,13 +269,17 @@ export class RayPanel {
     if (!this.isReady(gl)) return true;
     const [w, h] = this.size;
     const { camera } = this.store.now;
+    this.tracedSize = [w, h];
     if (this.isStale) {
       const s = painter.hasPicture || isMoving ? this.scale : 0.25;
       painter.trace(camera, this.look, Math.ceil(w * s), Math.ceil(h * s), 0.8);
+      this.pictured = { ...this.shown(), isDraft: true };
       this.isStale = false;
       this.band = 0;
     } else if (!isMoving) {
-      painter.trace(camera, this.look, w, h, 1.6, this.band);
+      const isWhole = painter.trace(camera, this.look, w, h, 1.6, this.band);
+      // Whatever changes on the way begins a new picture.
+      if (isWhole) this.pictured = { ...this.shown(), isDraft: false };
       this.band += 1;
     } else {
       return true;
@@ -256,18 +290,29 @@ export class RayPanel {
     return true;
   }
 
-  /** The level that is seen, as text; and whether a finer one is wanted. */
+  /** What a picture that is drawn now consists of. */
+  private shown(): { level: number; isFinest: boolean } {
+    const scan = this.scan!.shown();
+    const isFinest = scan.isFinest && (!this.hasOverlay || this.overlay!.shown().isFinest);
+    return { level: scan.level, isFinest };
+  }
+
+  /** The level of the picture on the screen; and whether a better one is on its way. */
   fidelity(): { level: number; isFinal: boolean } | undefined {
-    if (!this.scene || !this.isShown) return undefined;
-    const level = this.scene.shownLevel();
-    return { level, isFinal: level === this.scene.level };
+    if (!this.pictured || !this.isShown) return undefined;
+    const { level, isFinest, isDraft } = this.pictured;
+    return { level, isFinal: isFinest && !isDraft };
+  }
+
+  private get isOfThisSize(): boolean {
+    return this.size.every((side, i) => side === this.tracedSize[i]);
   }
 
   get isSettled(): boolean {
-    return !this.isStale && this.band >= BAND_COUNT;
+    return !this.isStale && this.band >= BAND_COUNT && this.isOfThisSize;
   }
 
-  private annotate(scene: RayScene): void {
+  private annotate(): void {
     const [width, height] = this.size;
     const ratio = window.devicePixelRatio || 1;
     if (this.lines.width !== width) this.lines.width = width;
@@ -275,15 +320,18 @@ export class RayPanel {
     const pen = this.lines.getContext("2d")!;
     pen.setTransform(1, 0, 0, 1, 0, 0);
     pen.clearRect(0, 0, width, height);
-    const { facts } = this.session!;
-    const shown = levelText(facts.levels[scene.shownLevel()]!);
-    this.element.setAttribute("aria-label", `3-D view, ${shown} of full resolution`);
+    const { facts } = this.scan!.session;
+    const level = this.pictured?.level ?? this.scan!.session.preview;
+    const draft = this.pictured?.isDraft === false ? "" : ", draft";
+    const shown = `${levelText(facts.levels[level]!)} of full resolution${draft}`;
+    this.element.setAttribute("aria-label", `3-D view, ${shown}`);
     if (!this.store.now.hasAnnotations) return;
     pen.setTransform(ratio, 0, 0, ratio, 0, 0);
     const [w, h] = [width / ratio, height / ratio];
     const axes = viewAxes(this.store.now.camera);
     pen.font = "bold 14px system-ui, sans-serif";
-    pen.fillStyle = getComputedStyle(this.element).color;
+    const color = getComputedStyle(this.element).color;
+    pen.fillStyle = color;
     pen.textAlign = "center";
     pen.textBaseline = "middle";
     if (facts.isPlaceKnown) {
@@ -294,10 +342,15 @@ export class RayPanel {
       pen.fillText(side(axes.up, 1), w / 2, 14);
       pen.fillText(side(axes.up, -1), w / 2, h - 14);
     }
+    // Rays are parallel: a length is the same at any depth.
+    if (facts.isSpacingKnown) {
+      drawScaleBar(pen, { mmPerPixel: this.pixelMm * ratio, width: w, y: h - 12, color });
+    }
     pen.font = "12px system-ui, sans-serif";
+    pen.fillStyle = color;
     pen.textAlign = "left";
     pen.textBaseline = "top";
-    pen.fillText(`3-D · ${shown} of full resolution`, 8, 8);
+    pen.fillText(`3-D · ${shown}`, 8, 8);
   }
 
   get overlayCanvas(): HTMLCanvasElement {

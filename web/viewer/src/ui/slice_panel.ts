@@ -15,7 +15,12 @@ import {
   sliceLook,
   voxelAtPixel,
 } from "../view/slice_look.js";
-import { type SlicePainter, type SliceTextures, type Viewport } from "../view/slice_painter.js";
+import {
+  type SlicePainter,
+  type SliceTextures,
+  type Viewport,
+  disposeTextures,
+} from "../view/slice_painter.js";
 import {
   type PlaneRect,
   planeCells,
@@ -71,6 +76,7 @@ export class SlicePanel {
 
   /** After the graphics context was lost, or cells changed their meaning. */
   forget(): void {
+    if (this.textures) disposeTextures(this.textures);
     this.textures = undefined;
     this.repaint();
   }

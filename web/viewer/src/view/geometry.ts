@@ -1,5 +1,12 @@
 // Places: voxels of levels, millimeters of the patient, sides of a picture.
-import { AXES, type Axis, type Geometry, type Level, type Vec3 } from "../reader/volume.js";
+import {
+  AXES,
+  type Axis,
+  type Box,
+  type Geometry,
+  type Level,
+  type Vec3,
+} from "../reader/volume.js";
 
 export function toWorld(g: Geometry, index: Vec3): Vec3 {
   const row = (r: number): number => {
@@ -45,6 +52,21 @@ export function clampVoxel(size: Vec3, at: Vec3): Vec3 {
   return AXES.map((a) =>
     Math.min(size[a] - 1, Math.max(0, Math.round(at[a]))),
   ) as unknown as Vec3;
+}
+
+/** The box of another volume's voxels that a box of one covers. */
+export function boxIn(box: Box, to: (corner: Vec3) => Vec3, size: Vec3): Box {
+  const lo: [number, number, number] = [...size];
+  const hi: [number, number, number] = [0, 0, 0];
+  for (let n = 0; n < 8; ++n) {
+    const corner = AXES.map((a) => ((n >> a) & 1 ? box.hi[a] : box.lo[a]) - 0.5);
+    const found = to(corner as unknown as Vec3);
+    for (const a of AXES) {
+      lo[a] = Math.min(lo[a], Math.max(0, Math.floor(found[a] + 0.5)));
+      hi[a] = Math.max(hi[a], Math.min(size[a], Math.ceil(found[a] + 0.5)));
+    }
+  }
+  return { lo, hi };
 }
 
 /** How the two index axes of a slice lie in its picture. */

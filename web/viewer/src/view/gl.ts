@@ -30,9 +30,14 @@ export class Cover {
     fragment: string,
   ) {
     this.program = gl.createProgram();
-    gl.attachShader(this.program, compiled(gl, gl.VERTEX_SHADER, COVER));
-    gl.attachShader(this.program, compiled(gl, gl.FRAGMENT_SHADER, fragment));
+    const shaders = [
+      compiled(gl, gl.VERTEX_SHADER, COVER),
+      compiled(gl, gl.FRAGMENT_SHADER, fragment),
+    ];
+    for (const shader of shaders) gl.attachShader(this.program, shader);
     gl.linkProgram(this.program);
+    // They live as long as the program.
+    for (const shader of shaders) gl.deleteShader(shader);
     if (!gl.getProgramParameter(this.program, gl.LINK_STATUS) && !gl.isContextLost()) {
       throw new ShaderError(gl.getProgramInfoLog(this.program) ?? "a program does not link");
     }
@@ -80,6 +85,10 @@ export class Cover {
 
   draw(): void {
     this.gl.drawArrays(this.gl.TRIANGLES, 0, 3);
+  }
+
+  dispose(): void {
+    this.gl.deleteProgram(this.program);
   }
 }
 

@@ -74,39 +74,44 @@ export interface RoiStatistics {
   readonly max: number;
 }
 
-/** Of real values; what is not a number does not count. */
-export function statistics(
-  values: Iterable<number>,
-  slope: number,
-  intercept: number,
-): RoiStatistics {
-  let count = 0;
-  let mean = 0;
-  let squares = 0;
-  let min = Infinity;
-  let max = -Infinity;
-  for (const stored of values) {
-    const value = slope * stored + intercept;
-    if (!Number.isFinite(value)) continue;
-    count += 1;
-    const step = value - mean;
-    mean += step / count;
-    squares += step * (value - mean);
-    min = Math.min(min, value);
-    max = Math.max(max, value);
-  }
-  return { count, mean, deviation: count > 1 ? Math.sqrt(squares / (count - 1)) : 0, min, max };
-}
+/** Statistics of real values that come part by part; what is not a number does not count. */
+export class RegionSums {
+  private count = 0;
+  private mean = 0;
+  private squares = 0;
+  private min = Infinity;
+  private max = -Infinity;
 
-/** The samples of a box out of those of a larger one. */
-export function* samplesOf(voxels: Voxels, from: Box, part: Box): Generator<number> {
-  const size = boxSize(from);
-  for (let z = part.lo[2]; z < part.hi[2]; ++z) {
-    for (let y = part.lo[1]; y < part.hi[1]; ++y) {
-      for (let x = part.lo[0]; x < part.hi[0]; ++x) {
-        yield voxels[((z - from.lo[2]) * size[1] + y - from.lo[1]) * size[0] + x - from.lo[0]]!;
+  constructor(
+    private readonly slope: number,
+    private readonly intercept: number,
+  ) {}
+
+  /** The samples of a box out of those of a larger one. */
+  add(voxels: Voxels, from: Box, part: Box): void {
+    const size = boxSize(from);
+    for (let z = part.lo[2]; z < part.hi[2]; ++z) {
+      for (let y = part.lo[1]; y < part.hi[1]; ++y) {
+        const row = ((z - from.lo[2]) * size[1] + y - from.lo[1]) * size[0] - from.lo[0];
+        for (let x = part.lo[0]; x < part.hi[0]; ++x) this.addStored(voxels[row + x]!);
       }
     }
+  }
+
+  private addStored(stored: number): void {
+    const value = this.slope * stored + this.intercept;
+    if (!Number.isFinite(value)) return;
+    this.count += 1;
+    const step = value - this.mean;
+    this.mean += step / this.count;
+    this.squares += step * (value - this.mean);
+    if (value < this.min) this.min = value;
+    if (value > this.max) this.max = value;
+  }
+
+  get statistics(): RoiStatistics {
+    const { count, mean, squares, min, max } = this;
+    return { count, mean, deviation: count > 1 ? Math.sqrt(squares / (count - 1)) : 0, min, max };
   }
 }
 

@@ -1,31 +1,36 @@
-// The 3-D view on the screen: an atlas of pages, its table, and rays into a picture that is kept.
+// The 3-D view on the screen: rays through the pages of one or two volumes, into a picture that is
+// kept.
 //
 // While something moves the picture is drawn small; once it rests it is drawn again in full, in
 // bands, so that nothing else has to wait.
-import { AXES, type Box, type Vec3, type VolumeFacts } from "../reader/volume.js";
-import { SLOT_SIDE, type PageVoxels } from "./atlas.js";
-import { type Camera, dot, raysOf, viewAxes } from "./camera.js";
-import { Cover, type Gl, type TexelFormat, nearestTexture, texelFormat } from "./gl.js";
-import { rayShader } from "./ray_shader.js";
+import { AXES, type Box, type Vec3 } from "../reader/volume.js";
+import { type Camera, dot, plus, raysOf, viewAxes } from "./camera.js";
+import { toIndex, toWorld } from "./geometry.js";
+import { Cover, type Gl, nearestTexture, texelFormat } from "./gl.js";
+import { LABEL_COLORS_SIDE } from "./label_index.js";
+import { type PageAtlas } from "./page_atlas.js";
+import { GREY_COLORS, rayShader } from "./ray_shader.js";
 import { type Viewport } from "./slice_painter.js";
 
 export interface RayLook {
   readonly mode: "iso" | "mip" | "volume";
   readonly iso: number;
   readonly window: { readonly center: number; readonly width: number };
-  /** 1024 colors of four bytes: over `span` of values, or of labels modulo 1024. */
-  readonly palette: Uint8Array;
+  /** GREY_COLORS colors of four bytes over `span` of values. */
+  readonly greyColors: Uint8Array;
   readonly span: readonly [number, number];
   readonly layerMm: number;
+  /** Colors of the numbers of labels, and how much of what is behind them they cover. */
+  readonly labelColors: Uint8Array;
+  readonly labelShare: number;
   /** Voxels of level 0. */
   readonly clip: Box;
 }
 
-export interface RayTable {
-  readonly level: number;
-  readonly grid: Vec3;
-  readonly entries: Uint8Array;
-  readonly reach: Float32Array;
+/** What is drawn: grey values, labels, or labels over grey values. */
+export interface RayVolumes {
+  readonly grey: PageAtlas | undefined;
+  readonly labels: PageAtlas | undefined;
 }
 
 const SHOW = `#version 300 es
@@ -68,95 +73,57 @@ function resize(gl: Gl, target: Target, width: number, height: number): void {
 
 const BANDS = 8;
 
-export class RayPainter {
-  private readonly rays: Cover;
-  private readonly show: Cover;
-  private readonly format: TexelFormat;
-  private readonly atlas: WebGLTexture;
-  private readonly entries: WebGLTexture;
-  private readonly reach: WebGLTexture;
-  private readonly palette: WebGLTexture;
-  private readonly targets: [Target, Target];
-  private shown: Target | undefined;
-  private table: RayTable | undefined;
-  private shownPalette: Uint8Array | undefined;
+/** A texture of colors that is written anew where they are others. */
+class Colors {
+  private readonly texture: WebGLTexture;
+  private shown: Uint8Array | undefined;
 
   constructor(
     private readonly gl: Gl,
-    private readonly facts: VolumeFacts,
-    shape: Vec3,
-    private readonly coarsest: number,
+    private readonly width: number,
+    private readonly height: number,
   ) {
-    this.format = texelFormat(gl, facts.type);
-    this.rays = new Cover(gl, rayShader(this.format.sampler, facts.kind === "labels"));
+    this.texture = nearestTexture(gl, gl.TEXTURE_2D);
+  }
+
+  bind(cover: Cover, name: string, unit: number, colors: Uint8Array): void {
+    const { gl, width: w, height: h } = this;
+    cover.texture(name, unit, gl.TEXTURE_2D, this.texture);
+    if (this.shown === colors) return;
+    this.shown = colors;
+    gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA8, w, h, 0, gl.RGBA, gl.UNSIGNED_BYTE, colors);
+  }
+
+  dispose(): void {
+    this.gl.deleteTexture(this.texture);
+  }
+}
+
+type Numbers = [number, number, number];
+
+export class RayPainter {
+  private readonly rays: Cover;
+  private readonly show: Cover;
+  private readonly greyColors: Colors;
+  private readonly labelColors: Colors;
+  private readonly targets: [Target, Target];
+  private shown: Target | undefined;
+  private readonly main: PageAtlas;
+
+  /** There is one volume, or both; labels alone are drawn as such. */
+  constructor(
+    private readonly gl: Gl,
+    private readonly volumes: RayVolumes,
+  ) {
+    const { grey, labels } = volumes;
+    this.main = (grey ?? labels)!;
+    const sampler = grey && texelFormat(gl, grey.facts.type).sampler;
+    this.rays = new Cover(gl, rayShader(sampler, labels !== undefined));
     this.show = new Cover(gl, SHOW);
-    this.atlas = nearestTexture(gl, gl.TEXTURE_3D);
-    const [x, y, z] = shape;
-    gl.texStorage3D(
-      gl.TEXTURE_3D,
-      1,
-      this.format.internal,
-      x * SLOT_SIDE,
-      y * SLOT_SIDE,
-      z * SLOT_SIDE,
-    );
-    this.entries = nearestTexture(gl, gl.TEXTURE_3D);
-    this.reach = nearestTexture(gl, gl.TEXTURE_3D);
-    this.palette = nearestTexture(gl, gl.TEXTURE_2D);
+    this.greyColors = new Colors(gl, GREY_COLORS, 1);
+    this.labelColors = new Colors(gl, LABEL_COLORS_SIDE, LABEL_COLORS_SIDE);
     this.targets = [newTarget(gl), newTarget(gl)];
-  }
-
-  upload(slot: Vec3, page: PageVoxels): void {
-    const gl = this.gl;
-    gl.activeTexture(gl.TEXTURE0);
-    gl.bindTexture(gl.TEXTURE_3D, this.atlas);
-    gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
-    gl.texSubImage3D(
-      gl.TEXTURE_3D,
-      0,
-      slot[0] * SLOT_SIDE,
-      slot[1] * SLOT_SIDE,
-      slot[2] * SLOT_SIDE,
-      SLOT_SIDE,
-      SLOT_SIDE,
-      SLOT_SIDE,
-      this.format.format,
-      this.format.type,
-      page.voxels as ArrayBufferView,
-    );
-  }
-
-  setTable(table: RayTable): void {
-    const gl = this.gl;
-    const [x, y, z] = table.grid;
-    this.table = table;
-    gl.activeTexture(gl.TEXTURE0);
-    gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
-    gl.bindTexture(gl.TEXTURE_3D, this.entries);
-    gl.texImage3D(
-      gl.TEXTURE_3D,
-      0,
-      gl.RGBA8UI,
-      x,
-      y,
-      z,
-      0,
-      gl.RGBA_INTEGER,
-      gl.UNSIGNED_BYTE,
-      table.entries,
-    );
-    gl.bindTexture(gl.TEXTURE_3D, this.reach);
-    gl.texImage3D(gl.TEXTURE_3D, 0, gl.RG32F, x, y, z, 0, gl.RG, gl.FLOAT, table.reach);
-  }
-
-  private putPalette(palette: Uint8Array): void {
-    if (palette === this.shownPalette) return;
-    this.shownPalette = palette;
-    const gl = this.gl;
-    gl.activeTexture(gl.TEXTURE0);
-    gl.bindTexture(gl.TEXTURE_2D, this.palette);
-    gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
-    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA8, 1024, 1, 0, gl.RGBA, gl.UNSIGNED_BYTE, palette);
   }
 
   /** Sets all that the shader needs for a picture of so many pixels. */
@@ -167,50 +134,64 @@ export class RayPainter {
     height: number,
     quality: number,
   ): void {
-    const gl = this.gl;
-    const { facts, rays: c } = this;
-    const table = this.table!;
+    const { rays: c, main } = this;
+    const { grey, labels } = this.volumes;
+    const { facts, factor: f } = main;
     const g = facts.geometry;
-    const f = facts.levels[table.level]!.factor;
     const rays = raysOf(g, facts.levels[0]!.size, camera, width, height);
-    const scaled = (v: Vec3): [number, number, number] => [v[0] / f[0], v[1] / f[1], v[2] / f[2]];
-    // Centers of voxels are whole numbers there, and halves here.
-    const middle = scaled(rays.middle.map((v) => v + 0.5) as unknown as Vec3);
-    const mm = AXES.map((a) => g.spacing[a] * f[a]) as unknown as [number, number, number];
+    const scaled = (v: Vec3): Numbers => [v[0] / f[0], v[1] / f[1], v[2] / f[2]];
     c.use();
-    c.texture("atlas", 0, gl.TEXTURE_3D, this.atlas);
-    c.texture("table", 1, gl.TEXTURE_3D, this.entries);
-    c.texture("reach", 2, gl.TEXTURE_3D, this.reach);
-    c.texture("palette", 3, gl.TEXTURE_2D, this.palette);
-    const ratio = new Float32Array(48).fill(1);
-    for (let k = table.level; k <= this.coarsest && k - table.level < 16; ++k) {
-      AXES.forEach((a) => {
-        ratio[3 * (k - table.level) + a] = facts.levels[k]!.factor[a] / f[a];
-      });
-    }
-    c.vectors("ratio", ratio);
-    c.ints("grid", ...table.grid);
     c.floats("lo", ...scaled(look.clip.lo));
     c.floats("hi", ...scaled(look.clip.hi));
-    c.floats("middle", ...middle);
+    // Centers of voxels are whole numbers there, and halves here.
+    c.floats("middle", ...scaled(rays.middle.map((v) => v + 0.5) as unknown as Vec3));
     c.floats("right", ...scaled(rays.right));
     c.floats("down", ...scaled(rays.down));
     c.floats("forward", ...scaled(rays.forward));
-    c.floats("mm", ...mm);
     c.floats("picture", width, height);
-    const d = g.direction as number[];
-    c.floats("toMm0", d[0]!, d[1]!, d[2]!);
-    c.floats("toMm1", d[3]!, d[4]!, d[5]!);
-    c.floats("toMm2", d[6]!, d[7]!, d[8]!);
     c.floats("reachMm", rays.reachMm);
-    c.floats("stepMm", Math.min(...mm) / quality);
+    c.floats("stepMm", Math.min(...AXES.map((a) => g.spacing[a] * f[a])) / quality);
+    c.floats("light", ...lightOf(camera));
+    c.ints("mode", { iso: 0, mip: 1, volume: 2 }[look.mode]);
+    if (grey) this.aimGrey(grey, look);
+    if (labels) this.aimLabels(labels, look);
+  }
+
+  private aimGrey(grey: PageAtlas, look: RayLook): void {
+    const c = this.rays;
+    const { facts } = grey;
+    this.aimPages(grey, "grey", 0);
+    this.greyColors.bind(c, "greyColors", 3, look.greyColors);
     c.floats("layerMm", look.layerMm);
     c.floats("real", facts.slope, facts.intercept);
-    c.ints("mode", { iso: 0, mip: 1, volume: 2 }[look.mode]);
     c.floats("iso", look.iso);
     c.floats("window", look.window.center - look.window.width / 2, 1 / look.window.width);
     c.floats("span", look.span[0], 1 / Math.max(1e-30, look.span[1] - look.span[0]));
-    c.floats("light", ...lightOf(camera));
+  }
+
+  private aimLabels(labels: PageAtlas, look: RayLook): void {
+    const c = this.rays;
+    this.aimPages(labels, "label", 4);
+    this.labelColors.bind(c, "labelColors", 7, look.labelColors);
+    c.floats("labelShare", look.labelShare);
+    const zero = labelPosition(this.main, labels, [0, 0, 0]);
+    c.floats("labelFrom", ...(zero as Numbers));
+    for (const a of AXES) {
+      const one = AXES.map((b) => (a === b ? 1 : 0)) as unknown as Vec3;
+      const step = plus(labelPosition(this.main, labels, one), zero, -1);
+      c.floats(["labelX", "labelY", "labelZ"][a]!, ...(step as Numbers));
+    }
+  }
+
+  private aimPages(atlas: PageAtlas, name: string, unit: number): void {
+    const c = this.rays;
+    const { geometry: g } = atlas.facts;
+    const f = atlas.factor;
+    atlas.bind(c, name, unit);
+    c.floats(`${name}Mm`, ...(AXES.map((a) => g.spacing[a] * f[a]) as Numbers));
+    for (const r of AXES) {
+      c.floats(`${name}ToMm${r}`, ...(AXES.map((a) => g.direction[3 * r + a]!) as Numbers));
+    }
   }
 
   /** Draws band `band` of BANDS into the picture that is not shown; all of it where `band` is
@@ -223,11 +204,10 @@ export class RayPainter {
     quality: number,
     band?: number,
   ): boolean {
-    if (!this.table) return false;
+    if (!this.main.hasTable || this.volumes.labels?.hasTable === false) return false;
     const gl = this.gl;
     const target = this.targets[this.shown === this.targets[0] ? 1 : 0];
     resize(gl, target, width, height);
-    this.putPalette(look.palette);
     gl.bindFramebuffer(gl.FRAMEBUFFER, target.frame);
     const from = band === undefined ? 0 : Math.floor((height * band) / BANDS);
     const to = band === undefined ? height : Math.floor((height * (band + 1)) / BANDS);
@@ -258,6 +238,24 @@ export class RayPainter {
   get hasPicture(): boolean {
     return this.shown !== undefined;
   }
+
+  /** Gives back what the graphics card keeps for it. The atlases are others'. */
+  dispose(): void {
+    for (const held of [this.rays, this.show, this.greyColors, this.labelColors]) held.dispose();
+    for (const { frame, texture } of this.targets) {
+      this.gl.deleteFramebuffer(frame);
+      this.gl.deleteTexture(texture);
+    }
+  }
+}
+
+/** Where a position among samples of one volume lies among those of labels. */
+function labelPosition(main: PageAtlas, labels: PageAtlas, at: Vec3): Vec3 {
+  if (main === labels) return at;
+  const [f, of] = [main.factor, labels.factor];
+  const voxel = AXES.map((a) => at[a] * f[a] - 0.5) as unknown as Vec3;
+  const found = toIndex(labels.facts.geometry, toWorld(main.facts.geometry, voxel));
+  return AXES.map((a) => (found[a] + 0.5) / of[a]) as unknown as Vec3;
 }
 
 export const BAND_COUNT = BANDS;

@@ -60,10 +60,16 @@ export class RayScene {
     private readonly cells: Cells,
     readonly slots: SlotTable,
     private readonly coarsest: number,
-    private readonly ranges: BlockRanges | undefined,
+    private ranges: BlockRanges | undefined,
   ) {
     this.level = coarsest;
     this.grid = pageGrid(facts.levels[coarsest]!);
+  }
+
+  /** They came after the pages that were chosen without them. */
+  setRanges(ranges: BlockRanges): void {
+    this.ranges = ranges;
+    this.rangeCache.clear();
   }
 
   /** Bounds of the stored values of a page. */

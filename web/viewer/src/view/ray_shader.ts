@@ -1,98 +1,40 @@
-// The shader of the 3-D view: rays through pages of several levels.
+// The shader of the 3-D view: rays through pages of several levels, of grey values, of labels, or
+// of both. For each of the two, called NAME here, it is given
 //
-//     table    one texel per page of the finest level: its slot in the atlas, and 1 + the level's
-//              place in `ratio`; 0 where nothing is seen or nothing is here
-//     ratio    samples of the finest level that one sample of that level spans, along each axis
-//     reach    smallest and largest value of a page, its border counted in
+//     NAMETable   one texel per page of the finest level: its slot in the atlas, and 1 + the
+//                 level's place in the ratios; 0 where nothing is seen or nothing is here
+//     NAMERatio   samples of the finest level that one sample of a level spans, along each axis
+//     NAMEReach   smallest and largest value of a page, its border counted in
 //
-// Positions are in samples of the finest level, whose sample i covers i .. i + 1.
+// Positions are in samples of the finest level, whose sample i covers i .. i + 1: of the grey
+// values, or of the labels where there are no grey values.
 import { SLOT_SIDE, PAGE_SIDE } from "./atlas.js";
+import { LABEL_COLORS_SIDE } from "./label_index.js";
 
-export function rayShader(sampler: "" | "i" | "u", isLabels: boolean): string {
+export type Sampler = "" | "i" | "u";
+
+/** Colors of grey values. */
+export const GREY_COLORS = 1024;
+
+/** grey: the sampler of its atlas, undefined for labels alone. */
+export function rayShader(grey: Sampler | undefined, hasLabels: boolean): string {
   return `#version 300 es
 precision highp float;
 precision highp int;
-precision highp ${sampler}sampler3D;
-precision highp usampler3D;
 precision highp sampler3D;
-uniform ${sampler}sampler3D atlas;
-uniform usampler3D table;
-uniform sampler3D reach;
-uniform sampler2D palette;
-uniform vec3 ratio[16];
-uniform ivec3 grid;
+precision highp isampler3D;
+precision highp usampler3D;
 uniform vec3 lo, hi;             // the box that rays cross
 uniform vec3 middle, right, down, forward;  // of the picture; forward for one mm
-uniform vec3 mm;                 // one sample, mm
 uniform vec2 picture;            // its size in pixels
-uniform vec3 toMm0, toMm1, toMm2;  // rows of the matrix from samples to mm, for light
-uniform float reachMm, stepMm, layerMm;
-uniform vec2 real;
+uniform float reachMm, stepMm;
 uniform int mode;                // 0 iso, 1 maximum, 2 volume
-uniform float iso;
-uniform vec2 window;             // black, and 1 / width
-uniform vec2 span;               // values of the palette: first, and 1 / length
 uniform vec3 light;
 out vec4 color;
 
 const float NOTHING = -3.0e38;
 
 struct Place { uvec4 entry; vec3 scale; };
-
-Place placeOf(vec3 at) {
-  ivec3 page = clamp(ivec3(floor(at / ${PAGE_SIDE}.0)), ivec3(0), grid - 1);
-  uvec4 entry = texelFetch(table, page, 0);
-  return Place(entry, entry.a == 0u ? vec3(1.0) : ratio[int(entry.a) - 1]);
-}
-
-ivec3 slotCorner(Place place, vec3 sampleAt, out vec3 local) {
-  vec3 page = floor(sampleAt / ${PAGE_SIDE}.0);
-  local = sampleAt - page * ${PAGE_SIDE}.0;
-  return ivec3(place.entry.xyz) * ${SLOT_SIDE} + 1;
-}
-
-float texel(ivec3 at) { return float(texelFetch(atlas, at, 0).r); }
-
-// The stored value at a position, interpolated within the page that the position lies in.
-float valueIn(Place place, vec3 at) {
-  vec3 local;
-  ivec3 corner = slotCorner(place, at / place.scale, local);
-  local = clamp(local - 0.5, vec3(-1.0), vec3(${PAGE_SIDE}.0 - 0.001));
-  ivec3 low = ivec3(floor(local));
-  vec3 share = local - vec3(low);
-  ivec3 c = corner + low;
-  float a = mix(texel(c), texel(c + ivec3(1, 0, 0)), share.x);
-  float b = mix(texel(c + ivec3(0, 1, 0)), texel(c + ivec3(1, 1, 0)), share.x);
-  float d = mix(texel(c + ivec3(0, 0, 1)), texel(c + ivec3(1, 0, 1)), share.x);
-  float e = mix(texel(c + ivec3(0, 1, 1)), texel(c + ivec3(1, 1, 1)), share.x);
-  return mix(mix(a, b, share.y), mix(d, e, share.y), share.z);
-}
-
-float valueAt(vec3 at, float otherwise) {
-  Place place = placeOf(at);
-  return place.entry.a == 0u ? otherwise : valueIn(place, at);
-}
-
-float labelAt(vec3 at) {
-  Place place = placeOf(at);
-  if (place.entry.a == 0u) return 0.0;
-  vec3 local;
-  ivec3 corner = slotCorner(place, at / place.scale, local);
-  return texel(corner + ivec3(floor(local)));
-}
-
-vec4 colorOfLabel(float label) {
-  return texelFetch(palette, ivec2(int(mod(label, 1024.0)), 0), 0);
-}
-
-// Towards higher values, in mm.
-vec3 slopeAt(vec3 at, vec3 h, float here) {
-  vec3 g = vec3(valueAt(at + vec3(h.x, 0, 0), here) - valueAt(at - vec3(h.x, 0, 0), here),
-                valueAt(at + vec3(0, h.y, 0), here) - valueAt(at - vec3(0, h.y, 0), here),
-                valueAt(at + vec3(0, 0, h.z), here) - valueAt(at - vec3(0, 0, h.z), here));
-  g /= h * mm;
-  return vec3(dot(toMm0, g), dot(toMm1, g), dot(toMm2, g));
-}
 
 float brightness(vec3 slope) {
   float size = length(slope);
@@ -112,7 +54,8 @@ float exitOf(vec3 at, vec3 step) {
 float noise(vec2 p) {
   return fract(52.9829189 * fract(dot(p, vec2(0.06711056, 0.00583715))));
 }
-
+${grey === undefined ? "" : pagesOf("grey", grey) + GREY_FUNCTIONS}
+${hasLabels ? pagesOf("label", "u") + LABEL_FUNCTIONS : ""}
 void main() {
   vec2 pixel = vec2(gl_FragCoord.x, picture.y - gl_FragCoord.y) - picture * 0.5;
   vec3 start = middle + right * pixel.x + down * pixel.y - forward * reachMm;
@@ -130,36 +73,141 @@ void main() {
   if (t >= end) return;
   float first = t;
   t += stepMm * noise(gl_FragCoord.xy);
-  float most = NOTHING, before = NOTHING, beforeT = t;
+  float most = NOTHING, before = NOTHING, beforeT = t, beforeLabel = 0.0;
   vec3 sum = vec3(0.0);
   float through = 1.0;
   for (int i = 0; i < 6000 && t < end; ++i) {
     vec3 at = start + forward * t;
-    Place place = placeOf(at);
-    bool isEmpty = place.entry.a == 0u;
-    if (!isEmpty && mode == 1) {
-      ivec3 page = clamp(ivec3(floor(at / ${PAGE_SIDE}.0)), ivec3(0), grid - 1);
-      vec2 ends = texelFetch(reach, page, 0).rg * real.x + real.y;
-      isEmpty = max(ends.x, ends.y) <= most;
-    }
-    if (isEmpty) {
-      t += max(exitOf(at, forward), 0.0) + stepMm * 0.5;
+    float empty = 1e30;  // how far nothing is seen
+    ${grey === undefined ? "" : GREY_PLACE}
+    ${hasLabels ? LABEL_PLACE : ""}
+    if (empty > 0.0) {
+      t += empty + stepMm * 0.5;
       before = NOTHING;
+      beforeLabel = 0.0;
       continue;
     }
-    ${isLabels ? LABELS : GREY}
+    ${hasLabels ? LABELS : ""}
+    ${grey === undefined ? "" : GREY}
     t += stepMm;
   }
-  if (mode == 1 && most > NOTHING) {
-    float grey = clamp((most - window.x) * window.y, 0.0, 1.0);
-    color = vec4(vec3(grey), 1.0);
-    return;
-  }
+  ${grey === undefined ? "" : MAXIMUM}
   color = vec4(sum, 1.0 - through);
 }`;
 }
 
+/** Uniforms and functions of the pages of one volume. */
+function pagesOf(name: string, sampler: Sampler): string {
+  return `
+uniform ${sampler}sampler3D ${name}Atlas;
+uniform usampler3D ${name}Table;
+uniform sampler3D ${name}Reach;
+uniform vec3 ${name}Ratio[16];
+uniform ivec3 ${name}Grid;
+uniform vec3 ${name}Mm;                                  // one sample, mm
+uniform vec3 ${name}ToMm0, ${name}ToMm1, ${name}ToMm2;   // rows of the matrix to mm, for light
+
+ivec3 ${name}Page(vec3 at) { return ivec3(floor(at / ${PAGE_SIDE}.0)); }
+
+Place ${name}Place(vec3 at) {
+  ivec3 page = ${name}Page(at);
+  if (any(lessThan(page, ivec3(0))) || any(greaterThanEqual(page, ${name}Grid)))
+    return Place(uvec4(0u), vec3(1.0));
+  uvec4 entry = texelFetch(${name}Table, page, 0);
+  return Place(entry, entry.a == 0u ? vec3(1.0) : ${name}Ratio[int(entry.a) - 1]);
+}
+
+ivec3 ${name}Corner(Place place, vec3 sampleAt, out vec3 local) {
+  local = sampleAt - floor(sampleAt / ${PAGE_SIDE}.0) * ${PAGE_SIDE}.0;
+  return ivec3(place.entry.xyz) * ${SLOT_SIDE} + 1;
+}
+
+float ${name}Texel(ivec3 at) { return float(texelFetch(${name}Atlas, at, 0).r); }
+
+vec3 ${name}Slope(vec3 g) {
+  g /= ${name}Mm;
+  return vec3(dot(${name}ToMm0, g), dot(${name}ToMm1, g), dot(${name}ToMm2, g));
+}
+`;
+}
+
+const GREY_FUNCTIONS = `
+uniform sampler2D greyColors;
+uniform float layerMm, iso;
+uniform vec2 real;
+uniform vec2 window;             // black, and 1 / width
+uniform vec2 span;               // values of the colors: first, and 1 / length
+
+// The stored value at a position, interpolated within the page that the position lies in.
+float valueIn(Place place, vec3 at) {
+  vec3 local;
+  ivec3 corner = greyCorner(place, at / place.scale, local);
+  local = clamp(local - 0.5, vec3(-1.0), vec3(${PAGE_SIDE}.0 - 0.001));
+  ivec3 low = ivec3(floor(local));
+  vec3 share = local - vec3(low);
+  ivec3 c = corner + low;
+  float a = mix(greyTexel(c), greyTexel(c + ivec3(1, 0, 0)), share.x);
+  float b = mix(greyTexel(c + ivec3(0, 1, 0)), greyTexel(c + ivec3(1, 1, 0)), share.x);
+  float d = mix(greyTexel(c + ivec3(0, 0, 1)), greyTexel(c + ivec3(1, 0, 1)), share.x);
+  float e = mix(greyTexel(c + ivec3(0, 1, 1)), greyTexel(c + ivec3(1, 1, 1)), share.x);
+  return mix(mix(a, b, share.y), mix(d, e, share.y), share.z);
+}
+
+float valueAt(vec3 at, float otherwise) {
+  Place place = greyPlace(at);
+  return place.entry.a == 0u ? otherwise : valueIn(place, at);
+}
+
+// Towards higher values, in mm.
+vec3 slopeAt(vec3 at, vec3 h, float here) {
+  vec3 g = vec3(valueAt(at + vec3(h.x, 0, 0), here) - valueAt(at - vec3(h.x, 0, 0), here),
+                valueAt(at + vec3(0, h.y, 0), here) - valueAt(at - vec3(0, h.y, 0), here),
+                valueAt(at + vec3(0, 0, h.z), here) - valueAt(at - vec3(0, 0, h.z), here));
+  return greySlope(g / h);
+}
+`;
+
+const LABEL_FUNCTIONS = `
+uniform sampler2D labelColors;   // of the numbers of labels, row by row
+uniform float labelShare;
+uniform vec3 labelX, labelY, labelZ, labelFrom;  // from positions to those of labels
+
+float labelAt(vec3 at) {
+  Place place = labelPlace(at);
+  if (place.entry.a == 0u) return 0.0;
+  vec3 local;
+  ivec3 corner = labelCorner(place, at / place.scale, local);
+  return labelTexel(corner + ivec3(floor(local)));
+}
+
+vec4 colorOfLabel(float label) {
+  int number = int(label);
+  return texelFetch(labelColors,
+                    ivec2(number % ${LABEL_COLORS_SIDE}, number / ${LABEL_COLORS_SIDE}), 0);
+}
+
+vec3 toLabels(vec3 v) { return labelX * v.x + labelY * v.y + labelZ * v.z; }
+`;
+
+const GREY_PLACE = `Place place = greyPlace(at);
+    bool hasGrey = place.entry.a != 0u;
+    if (hasGrey && mode == 1) {
+      vec2 ends = texelFetch(greyReach, greyPage(at), 0).rg * real.x + real.y;
+      hasGrey = max(ends.x, ends.y) > most;
+    }
+    empty = hasGrey ? 0.0 : min(empty, exitOf(at, forward));`;
+
+const LABEL_PLACE = `vec3 labelPosition = toLabels(at) + labelFrom;
+    Place labels = labelPlace(labelPosition);
+    bool hasLabel = labels.entry.a != 0u;
+    empty = hasLabel ? 0.0 : min(empty, exitOf(labelPosition, toLabels(forward)));`;
+
 const GREY = `
+    if (!hasGrey) {
+      before = NOTHING;
+      t += stepMm;
+      continue;
+    }
     float stored = valueIn(place, at);
     float value = stored * real.x + real.y;
     if (mode == 1) {
@@ -177,7 +225,7 @@ const GREY = `
         vec3 slope = slopeAt(hit, place.scale, here) * real.x;
         vec3 bone = vec3(0.93, 0.89, 0.80);
         float depth = 1.0 - 0.35 * clamp((t - first) / (end - first + 1e-6), 0.0, 1.0);
-        sum = bone * brightness(slope) * depth;
+        sum += through * bone * brightness(slope) * depth;
         through = 0.0;
         break;
       }
@@ -185,7 +233,7 @@ const GREY = `
       beforeT = t;
     } else {
       float share = clamp((value - span.x) * span.y, 0.0, 1.0);
-      vec4 look = texelFetch(palette, ivec2(int(share * 1023.0 + 0.5), 0), 0);
+      vec4 look = texelFetch(greyColors, ivec2(int(share * ${GREY_COLORS - 1}.0 + 0.5), 0), 0);
       float alpha = 1.0 - pow(1.0 - min(look.a, 0.9999), stepMm / layerMm);
       if (alpha > 0.002) {
         vec3 slope = slopeAt(at, place.scale, stored) * real.x;
@@ -195,25 +243,31 @@ const GREY = `
       }
     }`;
 
+// A label is seen where a ray enters it.
 const LABELS = `
-    float label = labelAt(at);
-    vec4 look = colorOfLabel(label);
-    if (label > 0.5 && look.a > 0.0) {
-      vec3 h = place.scale;
-      vec3 g = vec3(0.0);
-      for (int a = 0; a < 3; ++a) {
-        vec3 s = vec3(a == 0 ? h.x : 0.0, a == 1 ? h.y : 0.0, a == 2 ? h.z : 0.0);
-        for (int k = 1; k <= 2; ++k) {
-          g[a] += float(labelAt(at + s * float(k)) == label) -
-                  float(labelAt(at - s * float(k)) == label);
+    float label = hasLabel ? labelAt(labelPosition) : 0.0;
+    if (label > 0.5 && label != beforeLabel) {
+      vec4 look = colorOfLabel(label);
+      float alpha = look.a * labelShare;
+      if (alpha > 0.0) {
+        vec3 h = labels.scale;
+        vec3 g = vec3(0.0);
+        for (int a = 0; a < 3; ++a) {
+          vec3 s = vec3(a == 0 ? h.x : 0.0, a == 1 ? h.y : 0.0, a == 2 ? h.z : 0.0);
+          for (int k = 1; k <= 2; ++k) {
+            g[a] += float(labelAt(labelPosition + s * float(k)) == label) -
+                    float(labelAt(labelPosition - s * float(k)) == label);
+          }
         }
-      }
-      g /= h * mm;
-      vec3 slope = vec3(dot(toMm0, g), dot(toMm1, g), dot(toMm2, g));
-      if (label != before) {
-        sum += through * look.a * look.rgb * brightness(slope);
-        through *= 1.0 - look.a;
+        sum += through * alpha * look.rgb * brightness(labelSlope(g / h));
+        through *= 1.0 - alpha;
         if (through < 0.02) { through = 0.0; break; }
       }
     }
-    before = label;`;
+    beforeLabel = label;`;
+
+const MAXIMUM = `if (mode == 1 && most > NOTHING) {
+    float grey = clamp((most - window.x) * window.y, 0.0, 1.0);
+    color = vec4(sum + through * vec3(grey), 1.0);
+    return;
+  }`;

@@ -79,7 +79,7 @@ export interface SliceMap {
 
 /** A texture that follows a plane, or the colors made of one. */
 export class PlaneTexture {
-  private texture: WebGLTexture;
+  private readonly texture: WebGLTexture;
   private shown: object | undefined;
   rect: readonly [number, number, number, number] = [0, 0, 1, 1];
   level = 0;
@@ -120,12 +120,21 @@ export class PlaneTexture {
   get handle(): WebGLTexture {
     return this.texture;
   }
+
+  dispose(): void {
+    this.gl.deleteTexture(this.texture);
+  }
 }
 
 export interface SliceTextures {
   readonly base: PlaneTexture;
   readonly fine: PlaneTexture;
   readonly colors: PlaneTexture;
+}
+
+/** Gives their memory back at once; what is only forgotten stays until it is collected. */
+export function disposeTextures(textures: SliceTextures): void {
+  for (const texture of [textures.base, textures.fine, textures.colors]) texture.dispose();
 }
 
 export interface SliceDrawing {
