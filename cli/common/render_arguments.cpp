@@ -107,6 +107,38 @@ AskedMark parse_mark(const std::string& text) {
   return mark;
 }
 
+[[noreturn]] void reject_label_look(const std::string& text) {
+  throw Error(ErrorKind::invalid_argument,
+              fmt::format("--label-look: '{}'; expected LABEL=COLOR[:OPACITY], LABEL=none, "
+                          "LABEL=same or LABEL=TRANSFER, an opacity of 0 to 1, LABEL a number, a "
+                          "name or 'other'",
+                          escaped(text)));
+}
+
+/// LABEL=none, LABEL=COLOR[:OPACITY] or LABEL=TRANSFER
+AskedLabelLook parse_label_look(const std::string& text) {
+  const std::size_t at = text.rfind('=');
+  if (at == std::string::npos || at == 0 || at + 1 == text.size()) reject_label_look(text);
+  AskedLabelLook look;
+  const std::string label = text.substr(0, at);
+  if (label != "other") look.labels = parse_labels({label});
+  const std::string value = text.substr(at + 1);
+  if (value == "none") {
+    look.is_hidden = true;
+    return look;
+  }
+  const std::vector<std::string> parts = split(value, ':');
+  look.color = find_color(parts.front());
+  if (!look.color) {
+    look.transfer = value;
+    return look;
+  }
+  if (parts.size() > 2) reject_label_look(text);
+  if (parts.size() == 2) look.opacity = parse_number(parts.back(), "--label-look");
+  if (look.opacity && !(*look.opacity >= 0 && *look.opacity <= 1)) reject_label_look(text);
+  return look;
+}
+
 /// Whether it is a box, not a side.
 bool is_box(const std::string& cut) { return cut.find(':') != std::string::npos; }
 
@@ -187,6 +219,17 @@ void add_ray_options(Verb verb, RenderArguments& arguments) {
   verb.add_option("--mark", arguments.marks, "rays: a ball at a place in mm, with a name")
       ->type_name("X,Y,Z[=NAME]")
       ->allow_extra_args(false);
+  verb.add_option("--mask", arguments.mask, "rays: they see no voxel where this label map is 0")
+      ->type_name("FILE");
+  verb.add_option("--labels", arguments.label_map,
+                  "volume and iso: a label map whose labels are seen in their colors; --label "
+                  "chooses some")
+      ->type_name("FILE");
+  verb.add_option("--label-look", arguments.label_looks,
+                  "How a label looks: COLOR[:OPACITY], none, or a transfer function, as 7=red:0.2, "
+                  "liver=mr, other=none")
+      ->type_name("LABEL=LOOK")
+      ->allow_extra_args(false);
   verb.add_flag("--ambient-shade", arguments.has_ambient_shade,
                 "volume and iso: less light comes to hollows");
   verb.add_flag("--shadows", arguments.has_shadows, "volume and iso: the lamp throws shadows");
@@ -224,6 +267,11 @@ RenderOptions render_options(const RenderArguments& arguments, const Context& co
   options.fps = arguments.fps;
   for (const std::string& text : arguments.meshes) options.meshes.push_back(parse_mesh(text));
   for (const std::string& text : arguments.marks) options.marks.push_back(parse_mark(text));
+  options.mask = arguments.mask;
+  options.label_map = arguments.label_map;
+  for (const std::string& text : arguments.label_looks) {
+    options.label_looks.push_back(parse_label_look(text));
+  }
   options.has_ambient_shade = arguments.has_ambient_shade;
   options.has_shadows = arguments.has_shadows;
   options.time_budget_s = arguments.time_budget_s;

@@ -32,6 +32,9 @@ struct RenderArguments {
   std::optional<double> perspective;
   std::vector<std::string> meshes;
   std::vector<std::string> marks;
+  std::string mask;
+  std::string label_map;
+  std::vector<std::string> label_looks;
   bool has_ambient_shade = false;
   bool has_shadows = false;
   std::optional<double> time_budget_s;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <numeric>
 #include <string>
 #include <utility>
 
@@ -18,6 +19,14 @@ namespace {
 
 constexpr std::size_t kReadBeyond = 16;  // bytes that vectors read behind the last sample
 constexpr std::uint64_t kMaxOffset = std::numeric_limits<std::int32_t>::max();  // of gathers
+
+constexpr LookSet kAllLooks = std::numeric_limits<LookSet>::max();
+
+/// The first cube along an axis that reaches a sample of a brick with its aprons.
+std::int64_t first_cube(std::int64_t sample) {
+  constexpr std::int64_t kReach = kSkipSide + kApronBelow + kApronAbove;
+  return std::max<std::int64_t>(0, (sample - kReach + kSkipSide) / kSkipSide);
+}
 
 bool is_pooled_wide(VoxelType type) { return bytes_per_voxel(type) > 2; }
 
@@ -76,13 +85,20 @@ RayBricks::RayBricks(const SampleSource& source, const Options& options)
       slot_samples_(row_ * row_ * row_),
       cubes_(std::size_t{1} << 3 * (options.brick_shift - kSkipShift)),
       is_wide_(is_pooled_wide(source.type())),
-      scale_(scale_of(source.type(), source.range())) {
+      scale_(scale_of(source.type(), source.range())),
+      look_source_(options.looks) {
   for (int axis = 0; axis < 3; ++axis) {
     grid_[axis] = (size_[axis] + (std::int64_t{1} << shift_) - 1) >> shift_;
   }
   const std::uint64_t sample_bytes = is_wide_ ? 4 : 2;
   const std::uint64_t slot_bytes = static_cast<std::uint64_t>(slot_samples_) * sample_bytes;
-  const std::uint64_t with_ends = slot_bytes + cubes_ * (sizeof(Ends) + sizeof(float));
+  const std::uint64_t look_bytes =
+      look_source_ == nullptr
+          ? 0
+          : static_cast<std::uint64_t>(slot_samples_) * sizeof(std::uint16_t) +
+                cubes_ * sizeof(LookSet);
+  const std::uint64_t with_ends =
+      slot_bytes + look_bytes + cubes_ * (sizeof(Ends) + sizeof(float));
   const auto bricks = static_cast<std::uint64_t>(grid_.voxel_count());
   const std::uint64_t of_tables = bricks * (sizeof(float) + sizeof(std::int32_t));
   if (bricks > kMaxOffset || of_tables + with_ends > options.memory_bytes) {
@@ -92,15 +108,22 @@ RayBricks::RayBricks(const SampleSource& source, const Options& options)
                     std::to_string(of_tables + with_ends))
         .with_field("max_memory_bytes");
   }
-  const std::uint64_t addressed = kMaxOffset / (is_wide_ ? slot_bytes / 4 : slot_bytes);
+  const bool is_counted = is_wide_ && look_source_ == nullptr;  // not bytes, but samples
+  const std::uint64_t addressed =
+      kMaxOffset / (is_counted ? slot_bytes / 4 : slot_bytes);
   capacity_ = static_cast<std::size_t>(
       std::min({bricks, addressed, (options.memory_bytes - of_tables) / with_ends}));
   // Pages that no brick comes to are never touched.
   samples_.reset(new std::uint8_t[capacity_ * slot_bytes + kReadBeyond]);
+  if (look_source_ != nullptr) {
+    looks_.reset(new std::uint16_t[capacity_ * static_cast<std::size_t>(slot_samples_) +
+                                   kReadBeyond]);
+  }
+  used_ = std::make_unique<std::uint8_t[]>(capacity_);
   slots_.assign(bricks, -1);
   brick_bounds_.assign(bricks, 1);
   cube_bounds_.assign(1, 0);  // what rays look at that look at nothing
-  bound_of_ = [](float, float) { return 1.0f; };
+  bound_of_ = [](float, float, LookSet) { return 1.0f; };
 }
 
 SampleRange RayBricks::range() const {
@@ -130,16 +153,28 @@ Box RayBricks::held_box(std::int32_t brick) const {
   return {first, {first.x + row_, first.y + row_, first.z + row_}};
 }
 
-void RayBricks::set_bounds(BoundOf bound_of) {
+void RayBricks::set_bounds(const BoundOf& bound_of) {
+  set_bounds([bound_of](float lowest, float highest, LookSet) {
+    return bound_of(lowest, highest);
+  });
+}
+
+void RayBricks::set_bounds(LookBoundOf bound_of) {
   bound_of_ = std::move(bound_of);
   for (std::size_t brick = 0; brick < slots_.size(); ++brick) {
     // Between its last sample and the next of its neighbors as well.
     Box box = own_box(static_cast<std::int32_t>(brick));
     box.hi = {box.hi.x + 1, box.hi.y + 1, box.hi.z + 1};
     const SampleRange range = source_.range(intersection(box_of(size_), box));
+    LookSet looks = kAllLooks;
+    if (look_source_ != nullptr) {
+      // A part's middle lies up to a step from its ends.
+      looks = look_source_->within(
+          intersection(box_of(size_), held_box(static_cast<std::int32_t>(brick))));
+    }
     brick_bounds_[brick] =
         bound_of_(widened(static_cast<float>(scale_.pooled(range.lowest)), -1),
-                  widened(static_cast<float>(scale_.pooled(range.highest)), 1));
+                  widened(static_cast<float>(scale_.pooled(range.highest)), 1), looks);
   }
   for (std::size_t slot = 0; slot < occupants_.size(); ++slot) {
     set_cube_bounds(static_cast<std::int32_t>(slot));
@@ -149,6 +184,8 @@ void RayBricks::set_bounds(BoundOf bound_of) {
 BrickTables RayBricks::tables() const {
   BrickTables tables;
   tables.samples = samples_.get();
+  tables.looks = looks_.get();
+  tables.used = used_.get();
   tables.is_wide = is_wide_;
   tables.row = static_cast<std::int32_t>(row_);
   tables.plane = static_cast<std::int32_t>(row_ * row_);
@@ -164,24 +201,46 @@ BrickTables RayBricks::tables() const {
   return tables;
 }
 
-std::int32_t RayBricks::free_slot() {
-  if (occupants_.size() < capacity_) {
-    occupants_.push_back(-1);
-    cube_ends_.resize(occupants_.size() * cubes_);
-    cube_bounds_.resize(occupants_.size() * cubes_);
-    return static_cast<std::int32_t>(occupants_.size() - 1);
+void RayBricks::note_uses() {
+  load_number_ += 2;
+  for (std::size_t slot = 0; slot < occupants_.size(); ++slot) {
+    if (used_[slot] != 0) last_uses_[slot] = load_number_;
+    used_[slot] = 0;
   }
-  const std::size_t slot = oldest_;
-  oldest_ = (oldest_ + 1) % capacity_;
-  if (occupants_[slot] >= 0) slots_[static_cast<std::size_t>(occupants_[slot])] = -1;
-  return static_cast<std::int32_t>(slot);
+}
+
+std::vector<std::int32_t> RayBricks::free_slots(std::size_t count) {
+  // Those that were never taken, then those that were not used for the longest time.
+  std::vector<std::int32_t> free;
+  std::vector<std::int32_t> taken(occupants_.size());
+  while (free.size() < count && occupants_.size() < capacity_) {
+    free.push_back(static_cast<std::int32_t>(occupants_.size()));
+    occupants_.push_back(-1);
+  }
+  last_uses_.resize(occupants_.size());
+  cube_ends_.resize(occupants_.size() * cubes_);
+  cube_bounds_.resize(occupants_.size() * cubes_);
+  if (look_source_ != nullptr) cube_sets_.resize(occupants_.size() * cubes_);
+  if (free.size() == count) return free;
+  std::iota(taken.begin(), taken.end(), 0);
+  std::stable_sort(taken.begin(), taken.end(), [&](std::int32_t a, std::int32_t b) {
+    return last_uses_[static_cast<std::size_t>(a)] < last_uses_[static_cast<std::size_t>(b)];
+  });
+  for (std::size_t i = 0; free.size() < count; ++i) {
+    const std::int32_t occupant = occupants_[static_cast<std::size_t>(taken[i])];
+    if (occupant >= 0) slots_[static_cast<std::size_t>(occupant)] = -1;
+    free.push_back(taken[i]);
+  }
+  return free;
 }
 
 void RayBricks::load(std::span<const std::int32_t> bricks) {
-  for (const std::int32_t brick : bricks) {
-    const std::int32_t slot = free_slot();
-    occupants_[static_cast<std::size_t>(slot)] = brick;
-    slots_[static_cast<std::size_t>(brick)] = slot;
+  note_uses();
+  const std::vector<std::int32_t> free = free_slots(bricks.size());
+  for (std::size_t i = 0; i < bricks.size(); ++i) {
+    occupants_[static_cast<std::size_t>(free[i])] = bricks[i];
+    last_uses_[static_cast<std::size_t>(free[i])] = load_number_ + 1;
+    slots_[static_cast<std::size_t>(bricks[i])] = free[i];
   }
   try {
     load_samples(bricks);
@@ -189,6 +248,7 @@ void RayBricks::load(std::span<const std::int32_t> bricks) {
     for (const std::int32_t brick : bricks) {
       std::int32_t& slot = slots_[static_cast<std::size_t>(brick)];
       occupants_[static_cast<std::size_t>(slot)] = -1;
+      last_uses_[static_cast<std::size_t>(slot)] = 0;
       slot = -1;
     }
     throw;
@@ -198,29 +258,51 @@ void RayBricks::load(std::span<const std::int32_t> bricks) {
 
 void RayBricks::load_samples(std::span<const std::int32_t> bricks) {
   const auto slot_of = [&](std::size_t i) { return slots_[static_cast<std::size_t>(bricks[i])]; };
+  if (look_source_ != nullptr) {
+    load_layer(bricks, looks_.get(),
+               [&](const Box& box, std::uint16_t* out) { look_source_->read(box, out); });
+    tbb::parallel_for(std::size_t{0}, bricks.size(), [&](std::size_t i) { find_sets(slot_of(i)); });
+  }
   with_voxel_type(source_.type(), [&](auto id) {
     using T = typename decltype(id)::type;
     using Pooled = std::conditional_t<(sizeof(T) > 2), float, std::int16_t>;
-    tbb::parallel_for(std::size_t{0}, bricks.size(),
-                      [&](std::size_t i) { fill_own<T, Pooled>(bricks[i]); });
-
-    // One task a neighbor: no two write to one place.
-    const std::vector<Apron> aprons = aprons_of(bricks);
-    std::vector<std::size_t> begins;
-    for (std::size_t i = 0; i < aprons.size(); ++i) {
-      if (i == 0 || aprons[i].neighbor != aprons[i - 1].neighbor) begins.push_back(i);
-    }
-    begins.push_back(aprons.size());
-    tbb::parallel_for(std::size_t{1}, begins.size(), [&](std::size_t i) {
-      fill_aprons<T, Pooled>(std::span(aprons).subspan(begins[i - 1], begins[i] - begins[i - 1]));
+    load_layer(bricks, reinterpret_cast<Pooled*>(samples_.get()), [&](const Box& box, Pooled* out) {
+      std::vector<T> read(static_cast<std::size_t>(box.size().voxel_count()));
+      source_.read(box, read.data());
+      for (std::size_t i = 0; i < read.size(); ++i) out[i] = pooled_value<Pooled>(read[i], scale_);
     });
-
     tbb::parallel_for(std::size_t{0}, bricks.size(), [&](std::size_t i) {
-      repeat_outermost<Pooled>(bricks[i]);
       find_ends<Pooled>(slot_of(i));
       set_cube_bounds(slot_of(i));
     });
   });
+}
+
+/// Fills a value for each sample of bricks; those of one brick after the other stand in `layer`.
+/// read  (box, out) reads a box, dense
+template <class Value, class Read>
+void RayBricks::load_layer(std::span<const std::int32_t> bricks, Value* layer, const Read& read) {
+  tbb::parallel_for(std::size_t{0}, bricks.size(), [&](std::size_t i) {
+    const Box own = own_box(bricks[i]);
+    std::vector<Value> values(static_cast<std::size_t>(own.size().voxel_count()));
+    read(own, values.data());
+    const std::int32_t slot = slots_[static_cast<std::size_t>(bricks[i])];
+    const SampleBlock<Value> to{layer + slot * slot_samples_, held_box(bricks[i])};
+    copy_box(SampleBlock<Value>{values.data(), own}, own, to);
+  });
+
+  // One task a neighbor: no two write to one place.
+  const std::vector<Apron> aprons = aprons_of(bricks);
+  std::vector<std::size_t> begins;
+  for (std::size_t i = 0; i < aprons.size(); ++i) {
+    if (i == 0 || aprons[i].neighbor != aprons[i - 1].neighbor) begins.push_back(i);
+  }
+  begins.push_back(aprons.size());
+  tbb::parallel_for(std::size_t{1}, begins.size(), [&](std::size_t i) {
+    fill_aprons(std::span(aprons).subspan(begins[i - 1], begins[i] - begins[i - 1]), layer, read);
+  });
+  tbb::parallel_for(std::size_t{0}, bricks.size(),
+                    [&](std::size_t i) { repeat_outermost(bricks[i], layer); });
 }
 
 std::vector<RayBricks::Apron> RayBricks::aprons_of(std::span<const std::int32_t> bricks) const {
@@ -239,40 +321,16 @@ std::vector<RayBricks::Apron> RayBricks::aprons_of(std::span<const std::int32_t>
   return aprons;
 }
 
-template <class Pooled>
-Pooled* RayBricks::slot_samples(std::int32_t slot) {
-  return reinterpret_cast<Pooled*>(samples_.get()) + slot * slot_samples_;
-}
-
-/// Reads a box; pooled, dense.
-template <class T, class Pooled>
-void RayBricks::read_pooled(const Box& box, std::vector<T>& read, Pooled* out) {
-  read.resize(static_cast<std::size_t>(box.size().voxel_count()));
-  source_.read(box, read.data());
-  for (std::size_t i = 0; i < read.size(); ++i) out[i] = pooled_value<Pooled>(read[i], scale_);
-}
-
-template <class T, class Pooled>
-void RayBricks::fill_own(std::int32_t brick) {
-  const Box own = own_box(brick);
-  std::vector<T> read;
-  std::vector<Pooled> pooled(static_cast<std::size_t>(own.size().voxel_count()));
-  read_pooled<T, Pooled>(own, read, pooled.data());
-  const SampleBlock<Pooled> to{slot_samples<Pooled>(slots_[static_cast<std::size_t>(brick)]),
-                               held_box(brick)};
-  copy_box(SampleBlock<Pooled>{pooled.data(), own}, own, to);
-}
-
 /// aprons  of one neighbor
-template <class T, class Pooled>
-void RayBricks::fill_aprons(std::span<const Apron> aprons) {
+template <class Value, class Read>
+void RayBricks::fill_aprons(std::span<const Apron> aprons, Value* layer, const Read& read) {
   const std::int32_t neighbor = aprons.front().neighbor;
   const std::int32_t slot = slots_[static_cast<std::size_t>(neighbor)];
   const Box own = own_box(neighbor);
-  SampleBlock<Pooled> from;
-  std::vector<Pooled> pooled;
+  SampleBlock<Value> from;
+  std::vector<Value> values;
   if (slot >= 0) {
-    from = {slot_samples<Pooled>(slot), held_box(neighbor)};
+    from = {layer + slot * slot_samples_, held_box(neighbor)};
   } else {
     // All of one that rays may come to: then the source has it at hand. Of others what is needed.
     Box needed;
@@ -280,27 +338,26 @@ void RayBricks::fill_aprons(std::span<const Apron> aprons) {
       needed = united(needed, intersection(own, held_box(apron.brick)));
     }
     if (brick_bounds_[static_cast<std::size_t>(neighbor)] > 0) needed = own;
-    std::vector<T> read;
-    pooled.resize(static_cast<std::size_t>(needed.size().voxel_count()));
-    read_pooled<T, Pooled>(needed, read, pooled.data());
-    from = {pooled.data(), needed};
+    values.resize(static_cast<std::size_t>(needed.size().voxel_count()));
+    read(needed, values.data());
+    from = {values.data(), needed};
   }
   for (const Apron& apron : aprons) {
     const Box held = held_box(apron.brick);
     const std::int32_t to = slots_[static_cast<std::size_t>(apron.brick)];
-    copy_box(from, intersection(own, held), {slot_samples<Pooled>(to), held});
+    copy_box(from, intersection(own, held), {layer + to * slot_samples_, held});
   }
 }
 
 /// Beyond the volume.
-template <class Pooled>
-void RayBricks::repeat_outermost(std::int32_t brick) {
+template <class Value>
+void RayBricks::repeat_outermost(std::int32_t brick, Value* layer) {
   const Box held = held_box(brick);
   const Box part = intersection(box_of(size_), held);
   if (part == held) return;
   const Box in{{part.lo.x - held.lo.x, part.lo.y - held.lo.y, part.lo.z - held.lo.z},
                {part.hi.x - held.lo.x, part.hi.y - held.lo.y, part.hi.z - held.lo.z}};
-  Pooled* const samples = slot_samples<Pooled>(slots_[static_cast<std::size_t>(brick)]);
+  Value* const samples = layer + slots_[static_cast<std::size_t>(brick)] * slot_samples_;
   const auto row_at = [&](std::int64_t y, std::int64_t z) {
     return samples + (z * row_ + y) * row_;
   };
@@ -308,8 +365,8 @@ void RayBricks::repeat_outermost(std::int32_t brick) {
     const std::int64_t from_z = std::clamp(z, in.lo.z, in.hi.z - 1);
     for (std::int64_t y = 0; y < row_; ++y) {
       const std::int64_t from_y = std::clamp(y, in.lo.y, in.hi.y - 1);
-      const Pooled* const from = row_at(from_y, from_z);
-      Pooled* const to = row_at(y, z);
+      const Value* const from = row_at(from_y, from_z);
+      Value* const to = row_at(y, z);
       if (from != to) std::copy(from + in.lo.x, from + in.hi.x, to + in.lo.x);
       std::fill(to, to + in.lo.x, to[in.lo.x]);
       std::fill(to + in.hi.x, to + row_, to[in.hi.x - 1]);
@@ -351,11 +408,38 @@ void RayBricks::find_ends(std::int32_t slot) {
   }
 }
 
+/// Of each cube with what lies up to an apron around it.
+void RayBricks::find_sets(std::int32_t slot) {
+  const std::span<const LookSet> sets = look_source_->sets();
+  const std::uint16_t* const looks = looks_.get() + slot * slot_samples_;
+  const std::int64_t cubes = std::int64_t{1} << (shift_ - kSkipShift);
+  constexpr std::int64_t kReach = kSkipSide + kApronBelow + kApronAbove;
+  LookSet* const found = cube_sets_.data() + static_cast<std::size_t>(slot) * cubes_;
+  std::fill_n(found, cubes_, 0);
+  for (std::int64_t z = 0; z < row_; ++z) {
+    for (std::int64_t y = 0; y < row_; ++y) {
+      const std::uint16_t* const row = looks + (z * row_ + y) * row_;
+      for (std::int64_t cx = 0; cx < cubes; ++cx) {
+        LookSet in_row = 0;
+        for (std::int64_t x = 0; x < kReach; ++x) in_row |= sets[row[cx * kSkipSide + x]];
+        if (in_row == 0) continue;
+        // The cubes that reach as far as this row.
+        for (std::int64_t cz = first_cube(z); cz < cubes && cz * kSkipSide <= z; ++cz) {
+          for (std::int64_t cy = first_cube(y); cy < cubes && cy * kSkipSide <= y; ++cy) {
+            found[(cz * cubes + cy) * cubes + cx] |= in_row;
+          }
+        }
+      }
+    }
+  }
+}
+
 void RayBricks::set_cube_bounds(std::int32_t slot) {
   const std::size_t first = static_cast<std::size_t>(slot) * cubes_;
   for (std::size_t i = first; i < first + cubes_; ++i) {
     cube_bounds_[i] =
-        bound_of_(widened(cube_ends_[i].lowest, -1), widened(cube_ends_[i].highest, 1));
+        bound_of_(widened(cube_ends_[i].lowest, -1), widened(cube_ends_[i].highest, 1),
+                  look_source_ != nullptr ? cube_sets_[i] : kAllLooks);
   }
 }
 

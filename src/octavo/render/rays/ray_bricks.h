@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "octavo/core/box.h"
+#include "octavo/render/rays/look_source.h"
 #include "octavo/render/rays/ray_job.h"
 #include "octavo/render/rays/sample_source.h"
 
@@ -35,15 +36,18 @@ struct PooledScale {
 /// The bound of a brick or cube whose pooled values are lowest .. highest: what gives nothing is
 /// not above what a ray holds.
 using BoundOf = std::function<float(float lowest, float highest)>;
+/// The same where voxels have looks: all that may be there.
+using LookBoundOf = std::function<float(float lowest, float highest, LookSet looks)>;
 
 class RayBricks {
  public:
   struct Options {
     int brick_shift = 6;                                 ///< their side is 1 << it, at least 8
     std::uint64_t memory_bytes = std::uint64_t{1} << 30;  ///< for bricks, at most
+    const LookSource* looks = nullptr;  ///< on the same grid; none: all voxels look alike
   };
 
-  /// `source` must outlive this.
+  /// `source` and looks must outlive this.
   /// Throws  Error{limit_exceeded} when not even one brick fits
   RayBricks(const SampleSource& source, const Options& options);
 
@@ -53,7 +57,8 @@ class RayBricks {
   SampleRange range() const;
 
   /// Sets what can be skipped, of the bricks in memory and those to come.
-  void set_bounds(BoundOf bound_of);
+  void set_bounds(const BoundOf& bound_of);
+  void set_bounds(LookBoundOf bound_of);
 
   /// Valid until bricks are loaded or bounds set.
   BrickTables tables() const;
@@ -65,8 +70,8 @@ class RayBricks {
   }
   Index3 place_of(std::int32_t brick) const;
 
-  /// Reads bricks that are not in memory, on the threads of the caller; those that were loaded
-  /// longest ago make room. Requires no more than the capacity.
+  /// Reads bricks that are not in memory, on the threads of the caller; those that no ray has come
+  /// to for the longest time make room. Requires no more than the capacity.
   /// Throws what the source throws; then none of them is in memory
   void load(std::span<const std::int32_t> bricks);
 
@@ -85,26 +90,26 @@ class RayBricks {
     std::int32_t brick = 0;
   };
 
-  std::int32_t free_slot();
+  /// What was used since bricks were loaded before.
+  void note_uses();
+  /// Slots for so many bricks, without what was there.
+  std::vector<std::int32_t> free_slots(std::size_t count);
   std::int32_t number_of(const Index3& place) const;
   /// Its own samples, as far as the volume goes.
   Box own_box(std::int32_t brick) const;
   /// With its aprons, beyond the volume as well.
   Box held_box(std::int32_t brick) const;
-  template <class Pooled>
-  Pooled* slot_samples(std::int32_t slot);
   std::vector<Apron> aprons_of(std::span<const std::int32_t> bricks) const;
   void load_samples(std::span<const std::int32_t> bricks);
-  template <class T, class Pooled>
-  void read_pooled(const Box& box, std::vector<T>& read, Pooled* out);
-  template <class T, class Pooled>
-  void fill_own(std::int32_t brick);
-  template <class T, class Pooled>
-  void fill_aprons(std::span<const Apron> aprons);
-  template <class Pooled>
-  void repeat_outermost(std::int32_t brick);
+  template <class Value, class Read>
+  void load_layer(std::span<const std::int32_t> bricks, Value* layer, const Read& read);
+  template <class Value, class Read>
+  void fill_aprons(std::span<const Apron> aprons, Value* layer, const Read& read);
+  template <class Value>
+  void repeat_outermost(std::int32_t brick, Value* layer);
   template <class Pooled>
   void find_ends(std::int32_t slot);
+  void find_sets(std::int32_t slot);
   void set_cube_bounds(std::int32_t slot);
 
   const SampleSource& source_;
@@ -121,10 +126,15 @@ class RayBricks {
   std::vector<std::int32_t> slots_;      // by brick
   std::vector<float> brick_bounds_;      // by brick
   std::vector<std::int32_t> occupants_;  // by slot
-  std::size_t oldest_ = 0;               // the slot that goes next once all are taken
+  std::unique_ptr<std::uint8_t[]> used_;  // by slot
+  std::vector<std::int64_t> last_uses_;   // by slot: twice the loads until then
+  std::int64_t load_number_ = 0;
   std::vector<Ends> cube_ends_;          // by slot and cube
   std::vector<float> cube_bounds_;
-  BoundOf bound_of_;
+  const LookSource* look_source_;
+  std::unique_ptr<std::uint16_t[]> looks_;
+  std::vector<LookSet> cube_sets_;  // by slot and cube, where there are looks
+  LookBoundOf bound_of_;
   std::int64_t loaded_count_ = 0;
 };
 

@@ -24,6 +24,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -52,6 +53,8 @@ inline constexpr int kApronAbove = 3;
 
 /// The bricks of a grid, those in memory and the others.
 struct BrickTables {
+  /// What each sample looks like besides its value, in the order of the samples; or none.
+  const std::uint16_t* looks = nullptr;
   /// int16, or float where is_wide; one after the other, x fastest, aprons included.
   const void* samples = nullptr;
   bool is_wide = false;
@@ -64,6 +67,20 @@ struct BrickTables {
   const float* brick_bounds = nullptr;  ///< by brick, x fastest
   const std::int32_t* slots = nullptr;  ///< by brick; below 0: not in memory
   const float* cube_bounds = nullptr;   ///< by slot and cube
+  std::uint8_t* used = nullptr;         ///< by slot: 1 where a ray came to it
+};
+
+/// Marks a brick in memory that a ray comes to; threads may do so at once.
+inline void mark_used(const BrickTables& bricks, std::int32_t slot) {
+  const std::atomic_ref<std::uint8_t> used(bricks.used[slot]);
+  if (used.load(std::memory_order_relaxed) == 0) used.store(1, std::memory_order_relaxed);
+}
+
+/// What voxels look like, by the numbers beside the samples; the voxel nearest to a place counts.
+struct LookTable {
+  /// Where its colors and opacities begin in a ColorTable; below 0: it is not seen.
+  const std::int32_t* begins = nullptr;
+  const std::uint32_t* colors = nullptr;  ///< 0xffbbggrr in place of those of the table, or 0
 };
 
 /// A table of colors and opacities by the values at both ends of a step, between which values run
@@ -117,6 +134,7 @@ struct RayFrame {
   RayMode mode = RayMode::volume;
   BrickTables bricks;
   ColorTable table;
+  LookTable looks;  ///< where bricks have looks
   RayLight light;
   ShadeTable shade;
   /// origin = corner + u * across + v * down, (u, v) being the place of a pixel's middle from the
@@ -191,7 +209,8 @@ struct RayTile {
   alignas(64) std::array<float, kTileRays> red{};
   alignas(64) std::array<float, kTileRays> green{};
   alignas(64) std::array<float, kTileRays> blue{};
-  /// Opacity, of an isosurface 0 or 1; length of what is averaged, in steps; the highest value.
+  /// Opacity, of an isosurface 0 or 1 + its look; length of what is averaged, in steps; the highest
+  /// value.
   alignas(64) std::array<float, kTileRays> gathered{};
   alignas(64) std::array<std::int32_t, kTileRays> waits_for{};  ///< a brick, or below 0
   const RayStops* stops = nullptr;  ///< of modes volume and iso; none where no ray stops

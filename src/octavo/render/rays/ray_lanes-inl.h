@@ -78,6 +78,17 @@ HWY_INLINE Reals value_at(const BrickTables& b, const Corners& c) {
   return mixed(near, far, c.share[2]);
 }
 
+/// The looks of the voxels nearest to places.
+HWY_INLINE Wholes looks_at(const BrickTables& b, const Corners& c) {
+  const auto by = [&](std::size_t axis, std::int32_t stride) HWY_ATTR {
+    return hn::IfThenElseZero(of_wholes(hn::Ge(c.share[axis], real(0.5f))), whole(stride));
+  };
+  const Wholes at = hn::Add(hn::Add(c.at, by(0, 1)), hn::Add(by(1, b.row), by(2, b.plane)));
+  const Wholes both = hn::GatherOffset(kWhole, reinterpret_cast<const std::int32_t*>(b.looks),
+                                       hn::ShiftLeft<1>(at));
+  return hn::And(both, whole(0xffff));
+}
+
 struct Gradients {
   Reals along[3];
 };

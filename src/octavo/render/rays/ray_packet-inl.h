@@ -239,7 +239,16 @@ class Packet {
       brick_begin_[axis] = hn::ShiftLeftSame(brick[axis], b.shift);
     }
     brick_at_ = hn::Mul(slot_, whole(b.slot));
+    mark_bricks(hn::And(moved, hn::Gt(slot_, whole(-1))));
     brick_ = hn::IfThenElse(of_wholes(active), brick_, whole(-1));
+  }
+
+  HWY_INLINE void mark_bricks(hn::Mask<decltype(kWhole)> in_memory) const {
+    alignas(64) std::int32_t slots[16];
+    hn::Store(hn::IfThenElse(in_memory, slot_, whole(-1)), kWhole, slots);
+    for (std::size_t i = 0; i < hn::Lanes(kWhole); ++i) {
+      if (slots[i] >= 0) mark_used(f_.bricks, slots[i]);
+    }
   }
 
   HWY_INLINE Wholes cube_number() const {
@@ -301,18 +310,22 @@ class Packet {
       return take_parts(taking, corner);
     } else if constexpr (kMode == RayMode::mean) {
       const Reals length = hn::Sub(hn::Min(next, leave_), k_);
-      const Reals middle = hn::Add(k_, hn::Mul(real(0.5f), length));
-      const Reals value = value_near(middle, corner);
-      red_ = hn::IfThenElse(taking, hn::Add(red_, hn::Mul(value, length)), red_);
-      gathered_ = hn::IfThenElse(taking, hn::Add(gathered_, length), gathered_);
+      const Reals k_middle = hn::Add(k_, hn::Mul(real(0.5f), length));
+      const Corners middle = near_corners(k_middle, before_, corner.at);
+      const Reals value = value_at<kIsWide>(f_.bricks, middle);
+      const RayMask seen = seen_of(taking, middle);
+      red_ = hn::IfThenElse(seen, hn::Add(red_, hn::Mul(value, length)), red_);
+      gathered_ = hn::IfThenElse(seen, hn::Add(gathered_, length), gathered_);
       return next;
     }
     const Reals value = hn::Mul(value_at<kIsWide>(f_.bricks, corner), real(f_.sign));
     if constexpr (kMode == RayMode::extreme) {
-      gathered_ = hn::IfThenElse(taking, hn::Max(gathered_, value), gathered_);
+      const RayMask seen = seen_of(taking, corner);
+      gathered_ = hn::IfThenElse(seen, hn::Max(gathered_, value), gathered_);
       return next;
     } else {
-      const RayMask inside = hn::And(taking, hn::Ge(value, real(f_.isovalue)));
+      const RayMask inside =
+          seen_of(hn::And(taking, hn::Ge(value, real(f_.isovalue))), corner);
       hits_ = hn::Or(hits_, inside);
       hit_k_ = hn::IfThenElse(inside, k_, hit_k_);
       hit_at_ = hn::IfThenElse(of_wholes(inside), corner.at, hit_at_);
@@ -322,6 +335,14 @@ class Packet {
       }
       return hn::IfThenElse(inside, real(kRayDone), next);
     }
+  }
+
+  /// Lanes at whose places a voxel is seen.
+  HWY_INLINE RayMask seen_of(RayMask lanes, const Corners& corner) const {
+    if (f_.bricks.looks == nullptr) return lanes;
+    const Wholes begins =
+        hn::GatherIndex(kWhole, f_.looks.begins, looks_at(f_.bricks, corner));
+    return hn::And(lanes, of_reals(hn::Gt(begins, whole(-1))));
   }
 
   HWY_INLINE Reals value_near(Reals k, const Corners& corner) const {
@@ -352,30 +373,46 @@ class Packet {
     back_k_ = hn::IfThenElse(taking, to, back_k_);
     back_entry_ = hn::IfThenElse(of_wholes(taking), back, back_entry_);
 
-    const Wholes entry = hn::IfThenElseZero(
+    Wholes entry = hn::IfThenElseZero(
         of_wholes(taking), hn::Add(hn::Mul(front, whole(ColorTable::kSide)), back));
+    const Reals middle = hn::Mul(hn::Add(from, to), real(0.5f));
+    RayMask visible = taking;
+    Wholes look = hn::Zero(kWhole);
+    if (f_.bricks.looks != nullptr) {
+      look = looks_at(f_.bricks, near_corners(middle, before_, corner.at));
+      const Wholes begins = hn::GatherIndex(kWhole, f_.looks.begins, look);
+      visible = hn::And(taking, of_reals(hn::Gt(begins, whole(-1))));
+      entry = hn::Add(entry, hn::Max(begins, whole(0)));
+    }
     const Reals length = hn::IfThenElse(taking, hn::Sub(to, from), real(1));
     const Reals opacity =
         opacities_of_parts(hn::GatherIndex(kRays, f_.table.opacities, entry), length);
-    const RayMask seen = hn::And(taking, hn::Gt(opacity, hn::Zero(kRays)));
+    const RayMask seen = hn::And(visible, hn::Gt(opacity, hn::Zero(kRays)));
     Reals next = hn::IfThenElse(hn::Lt(to, leave_), to, real(kRayDone));
     if (hn::AllFalse(kRays, seen)) return next;
-    const Reals middle = hn::Mul(hn::Add(from, to), real(0.5f));
-    composite(seen, opacity, entry, middle, near_corners(middle, before_, corner.at));
+    composite(seen, {opacity, entry, look, middle}, near_corners(middle, before_, corner.at));
     const RayMask is_enough = hn::And(seen, hn::Ge(gathered_, real(f_.enough)));
     return hn::IfThenElse(is_enough, real(kRayDone), next);
   }
 
-  HWY_INLINE void composite(RayMask seen, Reals opacity, Wholes entry, Reals k,
-                            const Corners& middle) {
+  /// Parts of rays.
+  struct PacketPart {
+    Reals opacity;
+    Wholes entry;
+    Wholes look;
+    Reals k;  // of their middles
+  };
+
+  HWY_INLINE void composite(RayMask seen, const PacketPart& part, const Corners& middle) {
     const ColorTable& table = f_.table;
-    Reals weight = hn::IfThenElseZero(seen, hn::Mul(opacity, hn::Sub(real(1), gathered_)));
+    Reals weight = hn::IfThenElseZero(seen, hn::Mul(part.opacity, hn::Sub(real(1), gathered_)));
     PacketLight light{real(kFlatLight), hn::Zero(kRays), hn::Zero(kRays)};
     const bool has_slope = table.gradient_rise > 0;
-    const RayMask is_lit = has_slope ? seen : hn::And(seen, hn::Gt(opacity, real(kUnlitOpacity)));
+    const RayMask is_lit =
+        has_slope ? seen : hn::And(seen, hn::Gt(part.opacity, real(kUnlitOpacity)));
     if (!hn::AllFalse(kRays, is_lit)) {
       const PacketLight full =
-          light_on(f_, gradient_at<kIsWide>(f_.bricks, middle), shade_around(k));
+          light_on(f_, gradient_at<kIsWide>(f_.bricks, middle), shade_around(part.k));
       light = {hn::IfThenElse(is_lit, full.light, light.light),
                hn::IfThenElseZero(is_lit, full.highlight), full.slope};
     }
@@ -384,12 +421,17 @@ class Packet {
                                  real(table.gradient_rise));
       weight = hn::Mul(weight, hn::Min(hn::Max(rise, hn::Zero(kRays)), real(1)));
     }
-    const Wholes color =
-        hn::GatherIndex(kWhole, reinterpret_cast<const std::int32_t*>(table.colors), entry);
+    Wholes color =
+        hn::GatherIndex(kWhole, reinterpret_cast<const std::int32_t*>(table.colors), part.entry);
+    if (f_.bricks.looks != nullptr) {
+      const Wholes own = hn::GatherIndex(
+          kWhole, reinterpret_cast<const std::int32_t*>(f_.looks.colors), part.look);
+      color = hn::IfThenElse(hn::Ne(own, hn::Zero(kWhole)), own, color);
+    }
     const Reals lit = hn::Mul(hn::Mul(weight, light.light), real(1 / 255.0f));
     const Reals shine = hn::Mul(weight, light.highlight);
-    const auto add = [&](Wholes part, Reals& sum) HWY_ATTR {
-      const Reals channel = hn::ConvertTo(kRays, hn::And(part, whole(255)));
+    const auto add = [&](Wholes shifted, Reals& sum) HWY_ATTR {
+      const Reals channel = hn::ConvertTo(kRays, hn::And(shifted, whole(255)));
       sum = hn::Add(sum, hn::Add(hn::Mul(channel, lit), shine));
     };
     add(color, red_);
@@ -425,8 +467,9 @@ class Packet {
   }
 
   HWY_INLINE RayMask is_inside(Reals k) const {
-    const Reals value = value_at<kIsWide>(f_.bricks, near_corners(k, hit_before_, hit_at_));
-    return hn::Ge(hn::Mul(value, real(f_.sign)), real(f_.isovalue));
+    const Corners corner = near_corners(k, hit_before_, hit_at_);
+    const Reals value = value_at<kIsWide>(f_.bricks, corner);
+    return seen_of(hn::Ge(hn::Mul(value, real(f_.sign)), real(f_.isovalue)), corner);
   }
 
   HWY_INLINE void hit() {
@@ -444,8 +487,8 @@ class Packet {
       inside = hn::IfThenElse(is_in, middle, inside);
       outside = hn::IfThenElse(is_in, outside, middle);
     }
-    Gradients gradient =
-        gradient_at<kIsWide>(f_.bricks, near_corners(inside, hit_before_, hit_at_));
+    const Corners corner = near_corners(inside, hit_before_, hit_at_);
+    Gradients gradient = gradient_at<kIsWide>(f_.bricks, corner);
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const auto is_axis = hn::Eq(enter_axis_, whole(static_cast<std::int32_t>(axis)));
       const Reals face = hn::IfThenElseZero(of_reals(is_axis), real(kCutGradient));
@@ -455,7 +498,11 @@ class Packet {
     red_ = hn::IfThenElse(lanes, light.light, red_);
     green_ = hn::IfThenElse(lanes, light.highlight, green_);
     blue_ = hn::IfThenElse(lanes, inside, blue_);
-    gathered_ = hn::IfThenElse(lanes, real(1), gathered_);
+    Reals shown = real(1);
+    if (f_.bricks.looks != nullptr) {
+      shown = hn::Add(shown, hn::ConvertTo(kRays, looks_at(f_.bricks, corner)));
+    }
+    gathered_ = hn::IfThenElse(lanes, shown, gathered_);
   }
 
   HWY_INLINE void keep(Wholes waits_for) {

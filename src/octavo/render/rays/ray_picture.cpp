@@ -42,8 +42,11 @@ Channels volume_channels(const RayTile& tile, std::size_t ray, const RayLook& lo
   Channels seen = {tile.red[ray], tile.green[ray], tile.blue[ray]};
   if (look.mode == RayMode::iso) {
     if (!(opacity > 0)) return behind;
+    const auto number = static_cast<std::uint16_t>(opacity - 1);
+    const Color surface =
+        look.surface_of ? look.surface_of(number, look.surface) : look.surface;
     for (std::size_t i = 0; i < seen.size(); ++i) {
-      seen[i] = std::min(1.0, look.surface[i] / 255.0 * tile.red[ray] + tile.green[ray]);
+      seen[i] = std::min(1.0, surface[i] / 255.0 * tile.red[ray] + tile.green[ray]);
     }
     return seen;
   }

@@ -1,6 +1,8 @@
 // From what rays have gathered to pixels.
 #pragma once
 
+#include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "octavo/core/volume.h"
@@ -14,6 +16,8 @@ struct RayLook {
   RayMode mode = RayMode::volume;
   Color background = kBlack;
   Color surface = {236, 222, 196};  ///< of an isosurface
+  /// Its color where voxels have looks, `surface` being that of those without one; or none.
+  std::function<Color(std::uint16_t look, const Color& otherwise)> surface_of;
   Window window;                    ///< extreme and mean: of real values
   Rescale to_real;                  ///< from pooled values
   float sign = 1;                   ///< extreme: that of the frame

@@ -127,6 +127,15 @@ float value_at(const BrickTables& b, const SampleCorner& c) {
   return ray_mixed(near, far, c.share[2]);
 }
 
+/// The look of the voxel nearest to a place.
+std::uint16_t look_at(const BrickTables& b, const SampleCorner& c) {
+  std::int32_t at = c.at;
+  if (c.share[0] >= 0.5f) at += 1;
+  if (c.share[1] >= 0.5f) at += b.row;
+  if (c.share[2] >= 0.5f) at += b.plane;
+  return b.looks[at];
+}
+
 /// Of the values between samples, by central differences a sample wide.
 template <bool kIsWide>
 RayPlace gradient_at(const BrickTables& b, const SampleCorner& c) {
@@ -278,6 +287,7 @@ class PortableFollower {
         tile_.waits_for[number_] = number;
         break;
       }
+      mark_used(f_.bricks, slot);
       if (!(f_.bricks.cube_bounds[cube_of(slot, inside, brick)] > held())) {
         k = skip(k, inside, kSkipShift);
         continue;
@@ -389,6 +399,10 @@ class PortableFollower {
     return moved;
   }
 
+  bool is_seen(const SampleCorner& corner) const {
+    return f_.bricks.looks == nullptr || f_.looks.begins[look_at(f_.bricks, corner)] >= 0;
+  }
+
   float value_near(float k, const RayCell& before, const SampleCorner& corner) const {
     return value_at<kIsWide>(f_.bricks, near_corner(k, before, corner));
   }
@@ -399,17 +413,18 @@ class PortableFollower {
     const float next = limited(k, std::floor(k) + 1);
     if constexpr (kMode == RayMode::mean) {
       const float length = std::min(next, span_.leave) - k;
-      const float middle = k + 0.5f * length;
-      tile_.red[number_] += value_near(middle, before, corner) * length;
+      const SampleCorner middle = near_corner(k + 0.5f * length, before, corner);
+      if (!is_seen(middle)) return next;
+      tile_.red[number_] += value_at<kIsWide>(f_.bricks, middle) * length;
       tile_.gathered[number_] += length;
       return next;
     }
     const float value = value_at<kIsWide>(f_.bricks, corner) * f_.sign;
     if constexpr (kMode == RayMode::extreme) {
-      tile_.gathered[number_] = std::max(tile_.gathered[number_], value);
+      if (is_seen(corner)) tile_.gathered[number_] = std::max(tile_.gathered[number_], value);
       return next;
     }
-    if (!(value >= f_.isovalue)) return next;
+    if (!(value >= f_.isovalue) || !is_seen(corner)) return next;
     hit(k, before, corner);
     return kRayDone;
   }
@@ -427,11 +442,19 @@ class PortableFollower {
     back_k_ = to;
     back_entry_ = back;
     if (!(from < to)) --taken_;  // the front of the next one
+    const float k_middle = (from + to) * 0.5f;
+    const SampleCorner middle = near_corner(k_middle, before, corner);
+    std::int32_t entry = front * ColorTable::kSide + back;
+    std::uint32_t own_color = 0;
+    if (f_.bricks.looks != nullptr) {
+      const std::uint16_t look = look_at(f_.bricks, middle);
+      own_color = f_.looks.colors[look];
+      entry = f_.looks.begins[look] < 0 ? -1 : entry + f_.looks.begins[look];
+    }
     const float opacity =
-        opacity_of_part(f_.table.opacities[front * ColorTable::kSide + back], to - from);
+        entry < 0 ? 0 : opacity_of_part(f_.table.opacities[entry], to - from);
     if (opacity > 0) {
-      composite(opacity, f_.table.colors[front * ColorTable::kSide + back],
-                (from + to) * 0.5f, near_corner((from + to) * 0.5f, before, corner));
+      composite(opacity, own_color != 0 ? own_color : f_.table.colors[entry], k_middle, middle);
       if (tile_.gathered[number_] >= f_.enough) return kRayDone;
     }
     return to < span_.leave ? to : kRayDone;
@@ -465,7 +488,8 @@ class PortableFollower {
     float outside = std::max(k_before, span_.enter);
     float inside = k;
     const auto is_inside = [&](float at) {
-      return value_near(at, before, corner) * f_.sign >= f_.isovalue;
+      const SampleCorner near = near_corner(at, before, corner);
+      return value_at<kIsWide>(f_.bricks, near) * f_.sign >= f_.isovalue && is_seen(near);
     };
     const bool is_cut = is_at_face && is_inside(outside);
     if (is_cut) inside = outside;
@@ -474,7 +498,8 @@ class PortableFollower {
       if (is_inside(middle)) inside = middle;
       else outside = middle;
     }
-    RayPlace gradient = gradient_at<kIsWide>(f_.bricks, near_corner(inside, before, corner));
+    const SampleCorner at_hit = near_corner(inside, before, corner);
+    RayPlace gradient = gradient_at<kIsWide>(f_.bricks, at_hit);
     if (is_cut) {
       // A cut has the side of the face, whatever lies behind.
       gradient = {};
@@ -486,6 +511,9 @@ class PortableFollower {
     tile_.green[number_] = light.highlight;
     tile_.blue[number_] = inside;
     tile_.gathered[number_] = 1;
+    if (f_.bricks.looks != nullptr) {
+      tile_.gathered[number_] += static_cast<float>(look_at(f_.bricks, at_hit));
+    }
   }
 
   const RayFrame& f_;

@@ -173,14 +173,32 @@ TransferFunction in_real_values(const TransferFunction& transfer, const Window& 
 
 TransferTable::TransferTable(const TransferFunction& transfer, const Rescale& rescale,
                              const PooledScale& scale, const SampleRange& pooled,
-                             double layer_share) {
-  // Pieces: below the points, between them, and above.
-  const auto pooled_of = [&](const TransferPoint& point) {
-    const double stored = (point.value - rescale.intercept) / rescale.slope;
-    return std::clamp(scale.pooled(stored), pooled.lowest, pooled.highest);
-  };
-  const auto [low, high] =
-      std::minmax({pooled_of(transfer.points.front()), pooled_of(transfer.points.back())});
+                             double layer_share)
+    : TransferTable(std::array{SteppedTransfer{transfer, layer_share}}, rescale, scale, pooled) {}
+
+TransferTable::TransferTable(std::span<const SteppedTransfer> transfers, const Rescale& rescale,
+                             const PooledScale& scale, const SampleRange& pooled) {
+  set_pieces(transfers, rescale, scale, pooled);
+  for (const SteppedTransfer& stepped : transfers) add(stepped, rescale, scale);
+}
+
+/// Pieces: below the points, between them, and above.
+void TransferTable::set_pieces(std::span<const SteppedTransfer> transfers, const Rescale& rescale,
+                               const PooledScale& scale, const SampleRange& pooled) {
+  double low = pooled.highest;
+  double high = pooled.lowest;
+  for (const SteppedTransfer& stepped : transfers) {
+    const auto& points = stepped.transfer.points;
+    // What is alike for all values has no points of its own.
+    if (transfers.size() > 1 && points.size() == 1) continue;
+    for (const TransferPoint& point : {points.front(), points.back()}) {
+      const double stored = (point.value - rescale.intercept) / rescale.slope;
+      const double value = std::clamp(scale.pooled(stored), pooled.lowest, pooled.highest);
+      low = std::min(low, value);
+      high = std::max(high, value);
+    }
+  }
+  high = std::max(low, high);
   colored_width_ = high - low;
   last_value_ = pooled.highest;
   const double ends[] = {pooled.lowest, low, high, pooled.highest};
@@ -192,7 +210,11 @@ TransferTable::TransferTable(const TransferFunction& transfer, const Rescale& re
     pieces_[i].entries = static_cast<float>(entries);
     pieces_[i].entries_per_value = static_cast<float>(entries / width);
   }
+}
 
+void TransferTable::add(const SteppedTransfer& stepped, const Rescale& rescale,
+                        const PooledScale& scale) {
+  const TransferFunction& transfer = stepped.transfer;
   // Integrals of extinction and color up to each part of an entry.
   constexpr std::size_t kSide = ColorTable::kSide;
   std::vector<LayerIntegral> sums(1);
@@ -207,21 +229,21 @@ TransferTable::TransferTable(const TransferFunction& transfer, const Rescale& re
   }
 
   // A step from the middle of an entry to that of another one; within an entry over all of it.
-  opacities_.reserve(kSide * kSide);
-  colors_.reserve(kSide * kSide);
+  const std::size_t first_entry = opacities_.size();
   for (std::size_t front = 0; front < kSide; ++front) {
     for (std::size_t back = 0; back < kSide; ++back) {
       const auto [first, last] = std::minmax(front, back);
       const std::size_t half = first == last ? 0 : kEntryParts / 2;
       const LayerIntegral& begin = sums[first * kEntryParts + half];
       const LayerIntegral& end = sums[(last + 1) * kEntryParts - half];
-      opacities_.push_back(end.opacity_since(begin, layer_share));
+      opacities_.push_back(end.opacity_since(begin, stepped.layer_share));
       colors_.push_back(end.color_since(begin));
     }
   }
-  seen_before_ = {0};
+  seen_before_.push_back(0);
   for (std::size_t i = 0; i < kSide; ++i) {
-    seen_before_.push_back(seen_before_.back() + (opacities_[i * kSide + i] > 0 ? 1 : 0));
+    const bool is_seen = opacities_[first_entry + i * kSide + i] > 0;
+    seen_before_.push_back(seen_before_.back() + (is_seen ? 1 : 0));
   }
 }
 
@@ -244,11 +266,11 @@ std::int32_t TransferTable::entry_of(float value) const {
   return std::min(static_cast<std::int32_t>(entry), ColorTable::kSide - 1);
 }
 
-bool TransferTable::is_seen(float lowest, float highest) const {
-  const std::int32_t first = entry_of(lowest);
-  const std::int32_t last = entry_of(highest);
-  return seen_before_[static_cast<std::size_t>(last) + 1] >
-         seen_before_[static_cast<std::size_t>(first)];
+bool TransferTable::is_seen(float lowest, float highest, std::size_t function) const {
+  const std::size_t begin = function * (ColorTable::kSide + 1);
+  const auto first = static_cast<std::size_t>(entry_of(lowest));
+  const auto last = static_cast<std::size_t>(entry_of(highest));
+  return seen_before_[begin + last + 1] > seen_before_[begin + first];
 }
 
 }  // namespace octavo

@@ -63,22 +63,36 @@ TransferFunction usual_transfer_function();
 /// The same with real values in place of shares of a window.
 TransferFunction in_real_values(const TransferFunction& transfer, const Window& window);
 
-/// A transfer function for pooled values, integrated over steps from each value to each other one.
-/// Most entries lie between the first point and the last, the others below and above.
+/// A transfer function of real values.
+struct SteppedTransfer {
+  TransferFunction transfer;
+  double layer_share = 1;  ///< a step as a share of a layer
+};
+
+/// Transfer functions for pooled values, integrated over steps from each value to each other one.
+/// Most entries lie between the first point and the last of all, the others below and above.
 class TransferTable {
  public:
-  /// transfer     of real values
-  /// layer_share  a step as a share of a layer
   TransferTable(const TransferFunction& transfer, const Rescale& rescale, const PooledScale& scale,
                 const SampleRange& pooled, double layer_share);
+  /// Several, one after the other; values lie at the same entries in all of them.
+  TransferTable(std::span<const SteppedTransfer> transfers, const Rescale& rescale,
+                const PooledScale& scale, const SampleRange& pooled);
 
   ColorTable table() const;
+  /// Where the entries of a function begin.
+  static std::int32_t begin_of(std::size_t function) {
+    return static_cast<std::int32_t>(function) * ColorTable::kSide * ColorTable::kSide;
+  }
   /// From the first point to the last, of pooled values.
   double colored_width() const { return colored_width_; }
   /// Whether values between two have an opacity.
-  bool is_seen(float lowest, float highest) const;
+  bool is_seen(float lowest, float highest, std::size_t function = 0) const;
 
  private:
+  void set_pieces(std::span<const SteppedTransfer> transfers, const Rescale& rescale,
+                  const PooledScale& scale, const SampleRange& pooled);
+  void add(const SteppedTransfer& stepped, const Rescale& rescale, const PooledScale& scale);
   std::int32_t entry_of(float value) const;
   double value_at(double entry) const;
 
@@ -87,7 +101,7 @@ class TransferTable {
   double colored_width_ = 0;
   std::vector<float> opacities_;
   std::vector<std::uint32_t> colors_;
-  std::vector<std::int32_t> seen_before_;  // entries before each that have an opacity
+  std::vector<std::int32_t> seen_before_;  // by function: entries before each that have an opacity
 };
 
 }  // namespace octavo

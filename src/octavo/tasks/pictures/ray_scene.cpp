@@ -17,6 +17,7 @@
 #include "octavo/tasks/files/finite_voxels.h"
 #include "octavo/tasks/pictures/render_scene.h"
 #include "octavo/tasks/pictures/scene_light.h"
+#include "octavo/tasks/pictures/scene_looks.h"
 #include "octavo/tasks/pictures/scene_meshes.h"
 #include "octavo/tasks/pictures/transfer_file.h"
 #include "octavo/tasks/volume_facts.h"
@@ -43,14 +44,23 @@ RayMode ray_mode_of(RenderMode mode) {
 /// Lists of layers where there are meshes: a share of the memory limit.
 constexpr std::uint64_t kLayerShare = 8;
 
+std::unique_ptr<SceneLooks> make_looks(const RenderOptions& asked, const FileReader& reader,
+                                       int level, const TaskContext& context) {
+  if (asked.mask.empty() && asked.label_map.empty()) return nullptr;
+  return std::make_unique<SceneLooks>(asked, reader, level, context);
+}
+
 /// Half of the memory limit is the reader's, the rest that of rays, meshes and bricks.
 RayBricks::Options brick_options(const RenderOptions& asked, const SceneMeshes& meshes,
-                                 const TaskContext& context) {
+                                 const LookSource* looks, const TaskContext& context) {
   RayBricks::Options options;
+  options.looks = looks;
   if (context.max_memory_bytes != 0) {
     const std::uint64_t left = context.max_memory_bytes / 2;
     std::uint64_t taken = ray_field_bytes(asked.width, asked.height) + meshes.memory_bytes();
     if (!meshes.is_empty()) taken += context.max_memory_bytes / kLayerShare;
+    if (!asked.mask.empty()) taken += context.max_memory_bytes / kLookShare;
+    if (!asked.label_map.empty()) taken += context.max_memory_bytes / kLookShare;
     options.memory_bytes = std::min(options.memory_bytes, left - std::min(left, taken));
   }
   return options;
@@ -94,8 +104,9 @@ class RayScene final : public RenderScene {
         geometry_(reader->levels().geometry(reader->description().geometry, level_)),
         has_values_(has_finite_voxels(*reader)),
         meshes_(options, geometry_, shown_, context),
+        looks_(make_looks(options, *reader, level_, context)),
         source_(reader, level_),
-        bricks_(source_, brick_options(options, meshes_, context)) {
+        bricks_(source_, brick_options(options, meshes_, looks_.get(), context)) {
     const VolumeDescription& volume = reader_->description();
     if (without_boxes(shown_, removed_).empty()) {
       throw Error(ErrorKind::invalid_argument, "the cuts leave no voxel of the volume")
@@ -126,6 +137,7 @@ class RayScene final : public RenderScene {
     frame.sign = sign_;
     frame.isovalue = isovalue_;
     if (table_) frame.table = table_->table();
+    if (looks_) frame.looks = looks_->table();
     frame.table.gradient_begin = gradient_begin_;
     frame.table.gradient_rise = gradient_rise_;
     set_camera(frame,
@@ -154,6 +166,11 @@ class RayScene final : public RenderScene {
     warn_of_nothing(field);
 
     RayLook look;
+    if (looks_ && mode_ == RayMode::iso) {
+      look.surface_of = [this](std::uint16_t of, const Color& otherwise) {
+        return looks_->color_of(of, otherwise);
+      };
+    }
     look.mode = mode_;
     look.background = background;
     look.sign = sign_;
@@ -170,6 +187,9 @@ class RayScene final : public RenderScene {
 
   std::vector<LegendRow> legend() const override {
     std::vector<LegendRow> rows = meshes_.legend();
+    if (looks_) {
+      for (LegendRow& row : looks_->legend()) rows.push_back(std::move(row));
+    }
     const std::string unit = unit_of(reader_->description());
     if (mode_ == RayMode::iso) {
       const Color color = asked_.transfer ? transfer_.color_at(*asked_.isovalue)
@@ -226,28 +246,44 @@ class RayScene final : public RenderScene {
   }
 
  private:
+  TransferFunction in_volume(const TransferFunction& transfer) const {
+    if (!transfer.is_relative) return transfer;
+    const Window stored = robust_window(*reader_);
+    const double low = rescale_.to_real(stored.center - stored.width / 2);
+    const double high = rescale_.to_real(stored.center + stored.width / 2);
+    return in_real_values(transfer, {(low + high) / 2, std::abs(high - low)});
+  }
+
+  void require_unit(const std::string& name) const {
+    for (const TransferPreset& preset : transfer_presets()) {
+      if (preset.name == name && preset.is_in_hu) {
+        require_hu(reader_->description(), asked_.input, "the preset " + name, context_,
+                   "transfer.preset");
+      }
+    }
+  }
+
   void choose_transfer() {
-    const VolumeDescription& volume = reader_->description();
     if (asked_.transfer) {
       transfer_ = read_transfer(*asked_.transfer);
-      for (const TransferPreset& preset : transfer_presets()) {
-        if (preset.name == *asked_.transfer && preset.is_in_hu) {
-          require_hu(volume, asked_.input, "the preset " + *asked_.transfer, context_,
-                     "transfer.preset");
-        }
-      }
+      require_unit(*asked_.transfer);
     } else {
-      transfer_ = unit_of(volume) == "HU" ? *find_transfer_preset("skin")
-                                          : usual_transfer_function();
+      transfer_ = unit_of(reader_->description()) == "HU" ? *find_transfer_preset("skin")
+                                                          : usual_transfer_function();
     }
-    if (transfer_.is_relative) {
-      const Window stored = robust_window(*reader_);
-      const double low = rescale_.to_real(stored.center - stored.width / 2);
-      const double high = rescale_.to_real(stored.center + stored.width / 2);
-      transfer_ = in_real_values(transfer_, {(low + high) / 2, std::abs(high - low)});
+    transfer_ = in_volume(transfer_);
+    const auto stepped = [&](const TransferFunction& transfer) {
+      return SteppedTransfer{transfer, step_mm_ / transfer.layer_mm.value_or(finest_mm())};
+    };
+    std::vector<SteppedTransfer> transfers = {stepped(transfer_)};
+    if (looks_) {
+      for (const AskedLabelLook& look : asked_.label_looks) require_unit(look.transfer);
+      for (const TransferFunction& of_label : looks_->functions()) {
+        label_transfers_.push_back(in_volume(of_label));
+        transfers.push_back(stepped(label_transfers_.back()));
+      }
     }
-    table_.emplace(transfer_, rescale_, bricks_.scale(), bricks_.range(),
-                   step_mm_ / transfer_.layer_mm.value_or(finest_mm()));
+    table_.emplace(transfers, rescale_, bricks_.scale(), bricks_.range());
     if (transfer_.gradient) {
       const double pooled_per_step = bricks_.scale().scale / std::abs(rescale_.slope) * step_mm_;
       const GradientRamp& ramp = *transfer_.gradient;
@@ -276,24 +312,36 @@ class RayScene final : public RenderScene {
     if (mode_ == RayMode::iso) {
       const double isovalue = *asked_.isovalue;
       matter.has_gradient = true;
-      matter.extinction = [isovalue](double value, double gradient, double side) {
+      matter.extinction = [this, isovalue](const SceneMatter::Cell& cell) {
+        if (looks_ && looks_->function_of(cell.look) < 0) return 0.0;
         // How much of the cell lies inside, by how far the surface is.
-        const double ahead = gradient > 0 ? (value - isovalue) / (gradient * side)
-                                          : value >= isovalue ? 1.0 : -1.0;
-        return std::clamp(0.5 + ahead, 0.0, 1.0) * kExtinctionOfCell / side;
+        const double ahead = cell.gradient > 0
+                                 ? (cell.value - isovalue) / (cell.gradient * cell.side_mm)
+                             : cell.value >= isovalue ? 1.0 : -1.0;
+        return std::clamp(0.5 + ahead, 0.0, 1.0) * kExtinctionOfCell / cell.side_mm;
       };
     } else {
-      const double layer = transfer_.layer_mm.value_or(finest_mm());
       matter.has_gradient = transfer_.gradient.has_value();
-      matter.extinction = [this, layer](double value, double gradient, double) {
-        double opacity = transfer_.opacity_at(value);
-        if (const auto& ramp = transfer_.gradient) {
-          opacity *= std::clamp((gradient - ramp->low) / (ramp->high - ramp->low), 0.0, 1.0);
-        }
-        return -std::log1p(-std::min(opacity, 0.9999)) / layer;
-      };
+      matter.extinction = [this](const SceneMatter::Cell& cell) { return extinction_of(cell); };
+    }
+    if (looks_) {
+      matter.looks = [this](int level) { return make_looks(asked_, *reader_, level, context_); };
     }
     light_ = scene_light(*reader_, level_, matter, context_);
+  }
+
+  /// In volumes, per mm.
+  double extinction_of(const SceneMatter::Cell& cell) const {
+    const int function = looks_ ? looks_->function_of(cell.look) : 0;
+    if (function < 0) return 0;
+    const TransferFunction& transfer =
+        function == 0 ? transfer_ : label_transfers_[static_cast<std::size_t>(function - 1)];
+    double opacity = transfer.opacity_at(cell.value);
+    if (const auto& ramp = transfer_.gradient) {
+      opacity *= std::clamp((cell.gradient - ramp->low) / (ramp->high - ramp->low), 0.0, 1.0);
+    }
+    const double layer = transfer.layer_mm.value_or(finest_mm());
+    return -std::log1p(-std::min(opacity, 0.9999)) / layer;
   }
 
   /// On the threads of the context.
@@ -352,15 +400,25 @@ class RayScene final : public RenderScene {
   }
 
   void set_bounds() {
-    bricks_.set_bounds([this](float lowest, float highest) {
+    bricks_.set_bounds([this](float lowest, float highest, LookSet looks) {
       const float most = sign_ > 0 ? highest : -lowest;
       switch (mode_) {
-        case RayMode::extreme: return most;
-        case RayMode::iso: return has_values_ && most >= isovalue_ ? 1.0f : 0.0f;
-        case RayMode::mean: return 1.0f;
-        default: return has_values_ && table_->is_seen(lowest, highest) ? 1.0f : 0.0f;
+        case RayMode::extreme:
+          return looks != 0 ? most : -std::numeric_limits<float>::infinity();
+        case RayMode::iso: return has_values_ && looks != 0 && most >= isovalue_ ? 1.0f : 0.0f;
+        case RayMode::mean: return looks != 0 ? 1.0f : 0.0f;
+        default: return has_values_ && is_any_seen(lowest, highest, looks) ? 1.0f : 0.0f;
       }
     });
+  }
+
+  bool is_any_seen(float lowest, float highest, LookSet looks) const {
+    if (!looks_) return table_->is_seen(lowest, highest);
+    for (std::size_t function = 0; function <= label_transfers_.size(); ++function) {
+      const bool is_there = (looks >> function & 1) != 0;
+      if (is_there && table_->is_seen(lowest, highest, function)) return true;
+    }
+    return false;
   }
 
   Rescale real_of_pooled() const {
@@ -406,6 +464,7 @@ class RayScene final : public RenderScene {
   Geometry geometry_;
   bool has_values_;  // false: every voxel is NaN or infinite, and none is seen
   SceneMeshes meshes_;
+  std::unique_ptr<SceneLooks> looks_;
   FileSamples source_;
   RayBricks bricks_;
   Rescale rescale_;
@@ -413,6 +472,7 @@ class RayScene final : public RenderScene {
   float sign_ = 1;
   float isovalue_ = 0;
   TransferFunction transfer_;
+  std::vector<TransferFunction> label_transfers_;
   std::optional<TransferTable> table_;
   float gradient_begin_ = 0;
   float gradient_rise_ = 0;

@@ -68,7 +68,16 @@ void check_ray_options(const RenderOptions& options) {
       reject_render("the opacity of a mesh is 0 to 1", "meshes.format");
     }
   }
+  if (!options.mask.empty() && !is_ray_mode(options.mode)) {
+    reject_render("a mask is of modes volume, mip, minip, mean and iso", "mask.mode");
+  }
   const bool has_light = options.mode == RenderMode::volume || is_iso;
+  if (!options.label_map.empty() && !has_light) {
+    reject_render("labels beside grey values are of modes volume and iso", "label_map.mode");
+  }
+  if (!options.label_looks.empty() && options.label_map.empty()) {
+    reject_render("looks are of the labels of a label map", "label_looks.missing");
+  }
   if ((options.has_ambient_shade || options.has_shadows) && !has_light) {
     reject_render("ambient shade and shadows are of modes volume and iso", "light.mode");
   }
@@ -100,7 +109,7 @@ void check_series(const RenderOptions& options) {
 void check_rays(const RenderOptions& options) {
   if (options.fade) reject_render("rays do not fade", "fade");
   if (options.shade) reject_render("rays have no shades to choose", "shade");
-  if (!options.labels.is_empty()) {
+  if (!options.labels.is_empty() && options.label_map.empty()) {
     reject_render("rays are of grey values, not of labels", "labels.mode");
   }
   if (!options.ranges.empty() || !options.tissues.empty()) {

@@ -67,6 +67,19 @@ struct AskedMark {
   std::optional<Color> color;
 };
 
+/// Of a look: the transfer function of the whole picture.
+inline constexpr const char* kSameTransfer = "same";
+
+/// How the voxels of labels beside a grey volume look. By default in the color of their label, each
+/// as opaque as the others.
+struct AskedLabelLook {
+  AskedLabels labels;  ///< none: of voxels of label 0, and of labels that were not chosen
+  std::optional<Color> color;
+  std::optional<double> opacity;  ///< of a layer, 0 .. 1, whatever the grey value
+  std::string transfer;           ///< in place of both: a preset, a file or kSameTransfer
+  bool is_hidden = false;
+};
+
 /// Where the viewer stands: angles before steps before a side.
 struct AskedView {
   std::string side{kUsualViewpoint};  ///< as find_viewpoint knows it
@@ -111,6 +124,9 @@ struct RenderOptions {
   std::optional<double> angle_degrees;   ///< of rays that begin in an eye: from top to bottom
   std::vector<AskedMesh> meshes;         ///< of rays
   std::vector<AskedMark> marks;          ///< of rays
+  std::string mask;       ///< of rays: a label map; they see no voxel where it is 0
+  std::string label_map;  ///< of volume and iso: how voxels look; `labels` chooses some
+  std::vector<AskedLabelLook> label_looks;
   bool has_ambient_shade = false;        ///< of volume and iso: hollows are darker
   bool has_shadows = false;              ///< of volume and iso
   /// Of one picture of rays: coarse levels first, and the finest that is drawn in so many seconds.

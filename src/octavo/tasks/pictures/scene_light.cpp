@@ -75,6 +75,8 @@ std::unique_ptr<RayShade> scene_light(const FileReader& reader, int level,
       kBytesPerShadeSample * static_cast<std::uint64_t>(grid.size.voxel_count()),
       "the light in the volume");
   const std::vector<float> values = real_values(reader, level);
+  std::vector<std::uint16_t> looks(values.size(), 1);
+  if (matter.looks) matter.looks(level)->read(box_of(grid.size), looks.data());
 
   // Extinctions of what is shown.
   const Box kept = box_at_level(matter.kept, levels, level);
@@ -92,7 +94,7 @@ std::unique_ptr<RayShade> scene_light(const FileReader& reader, int level,
       const double gradient =
           matter.has_gradient ? gradient_of(values, grid.size, spacing, at) : 0;
       grid.per_mm[i] = static_cast<float>(
-          matter.extinction(static_cast<double>(values[i]), gradient, side));
+          matter.extinction({static_cast<double>(values[i]), gradient, side, looks[i]}));
     }
     ++i;
     return true;

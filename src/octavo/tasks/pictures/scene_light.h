@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "octavo/file/reader.h"
+#include "octavo/render/rays/look_source.h"
 #include "octavo/render/rays/ray_shade.h"
 #include "octavo/tasks/task_context.h"
 
@@ -13,8 +14,17 @@ namespace octavo {
 
 /// What light has to come through.
 struct SceneMatter {
-  /// Extinction per mm of a real value with a gradient, in values per mm, in a cell of a side.
-  std::function<double(double value, double gradient, double side_mm)> extinction;
+  /// A cell of a side, with its value, its gradient in values per mm, and its look.
+  struct Cell {
+    double value = 0;
+    double gradient = 0;
+    double side_mm = 1;
+    std::uint16_t look = 1;
+  };
+  /// Extinction per mm.
+  std::function<double(const Cell& cell)> extinction;
+  /// The looks of a level; none: all look alike.
+  std::function<std::unique_ptr<LookSource>(int level)> looks;
   bool has_gradient = false;   ///< otherwise gradients are 0
   Box kept;                    ///< voxels of level 0; what lies around them lets all light through
   std::vector<Box> removed;    ///< and what lies in these

@@ -109,6 +109,28 @@ TEST_F(LoadedBricks, OfWhatNoRayComesToOnlyTheNeighborsPartIsRead) {
   expect_whole(0);
 }
 
+TEST_F(LoadedBricks, ThatRaysHaveNotComeToForTheLongestTimeMakeRoom) {
+  // Memory for four.
+  const std::uint64_t of_one = 21 * 21 * 21 * 2 + 8 * 12;
+  RayBricks few(source_, {4, 4 * of_one + 18 * 8 + 100});
+  ASSERT_EQ(few.capacity(), 4u);
+  few.load(std::vector<std::int32_t>{0, 1, 2, 3});
+  const auto use = [&](std::int32_t brick) {
+    const BrickTables tables = few.tables();
+    mark_used(tables, tables.slots[brick]);
+  };
+  use(0);
+  use(2);
+  few.load(std::vector<std::int32_t>{4});
+  EXPECT_FALSE(few.is_loaded(1));
+  use(0);
+  few.load(std::vector<std::int32_t>{5, 6});
+  EXPECT_TRUE(few.is_loaded(0));
+  for (const std::int32_t gone : {1, 2, 3}) EXPECT_FALSE(few.is_loaded(gone)) << gone;
+  few.load(std::vector<std::int32_t>{7, 8, 9, 10});
+  EXPECT_FALSE(few.is_loaded(0));
+}
+
 TEST_F(LoadedBricks, AreNotInMemoryWhereOneOfThemOrANeighborIsDamaged) {
   bricks_.load(std::vector<std::int32_t>{0});
   source_.fails_at = {36, 0, 0};  // brick 2

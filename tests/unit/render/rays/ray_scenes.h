@@ -76,6 +76,9 @@ struct RaySetup {
   std::vector<RayRegion> regions;  ///< in place of `shown`, in any order
   bool keeps_order = false;        ///< of regions
   ShadeTable shade;
+  const LookSource* looks = nullptr;
+  LookTable look_table;
+  std::vector<TransferFunction> look_functions;  ///< besides `transfer`
 };
 
 struct CastScene {
@@ -89,7 +92,7 @@ struct CastScene {
 template <class T>
 CastScene cast_scene(const RayVolume<T>& volume, const RaySetup& setup) {
   const DenseSamples source(volume.samples.data(), voxel_type_of<T>(), volume.size, 32);
-  RayBricks bricks(source, {setup.brick_shift, setup.memory_bytes});
+  RayBricks bricks(source, {setup.brick_shift, setup.memory_bytes, setup.looks});
   CastScene scene;
   scene.scale = bricks.scale();
   const Box shown = setup.shown.value_or(box_of(volume.size));
@@ -103,18 +106,25 @@ CastScene cast_scene(const RayVolume<T>& volume, const RaySetup& setup) {
   frame.enough = setup.enough;
   frame.isovalue = static_cast<float>(scene.scale.pooled(setup.isovalue)) * setup.sign;
   set_camera(frame, {scene.view, shown, setup.angle_degrees, step_mm, setup.frame.zoom});
-  const TransferTable table(setup.transfer, {}, bricks.scale(), bricks.range(), 1);
+  std::vector<SteppedTransfer> transfers = {{setup.transfer, 1}};
+  for (const TransferFunction& transfer : setup.look_functions) transfers.push_back({transfer, 1});
+  const TransferTable table(transfers, {}, bricks.scale(), bricks.range());
   frame.table = table.table();
+  frame.looks = setup.look_table;
   frame.shade = setup.shade;
   frame.table.gradient_begin = setup.gradient_begin;
   frame.table.gradient_rise = setup.gradient_rise;
-  bricks.set_bounds([&](float lowest, float highest) {
+  bricks.set_bounds([&](float lowest, float highest, LookSet looks) {
     const float sign = setup.sign;
     const float most = sign > 0 ? highest : -lowest;
     if (!setup.skips || setup.mode == RayMode::mean) return std::numeric_limits<float>::max();
+    if (looks == 0) return -std::numeric_limits<float>::infinity();
     if (setup.mode == RayMode::extreme) return most;
     if (setup.mode == RayMode::iso) return most >= frame.isovalue ? 1.0f : 0.0f;
-    return table.is_seen(lowest, highest) ? 1.0f : 0.0f;
+    for (std::size_t i = 0; i < transfers.size(); ++i) {
+      if ((looks >> i & 1) != 0 && table.is_seen(lowest, highest, i)) return 1.0f;
+    }
+    return 0.0f;
   });
   const RayMeshes meshes(setup.meshes, {volume.geometry, scene.view, setup.memory_bytes});
   if (!setup.meshes.empty()) frame.meshes = &meshes;

@@ -25,7 +25,7 @@ TEST(SceneLight, KeepsToWhatIsShown) {
   const testing::ScratchFolder folder;
   const auto reader = floor_file(folder.file("floor.8vo"));
   SceneMatter matter;
-  matter.extinction = [](double value, double, double) { return value > 50 ? 5.0 : 0.0; };
+  matter.extinction = [](const SceneMatter::Cell& cell) { return cell.value > 50 ? 5.0 : 0.0; };
   matter.kept = box_of({64, 64, 32});
   EXPECT_LT(scene_light(*reader, 0, matter, {})->ambient_at({32, 32, 4}), 0.2f);
   matter.removed = {{{0, 0, 0}, {64, 64, 8}}};
@@ -40,9 +40,9 @@ TEST(SceneLight, KnowsHowSteepValuesAre) {
   const auto reader = floor_file(folder.file("floor.8vo"));
   SceneMatter matter;
   double steepest = 0;
-  matter.extinction = [&](double, double gradient, double side) {
-    steepest = std::max(steepest, gradient);
-    EXPECT_EQ(side, 1);
+  matter.extinction = [&](const SceneMatter::Cell& cell) {
+    steepest = std::max(steepest, cell.gradient);
+    EXPECT_EQ(cell.side_mm, 1);
     return 0.0;
   };
   matter.kept = box_of({64, 64, 32});
