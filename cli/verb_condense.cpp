@@ -1,10 +1,16 @@
-// octavo condense: the region octree of a grey volume, its cubes evened out to their means.
+// octavo condense: the region octree of a grey volume, its cubes evened out to their means; or how
+// many of its cubes look like another one.
+#include <fmt/format.h>
+
 #include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
 
 #include "common/failure.h"
 #include "common/options.h"
 #include "common/task_run.h"
 #include "octavo/tasks/files/condense_volume.h"
+#include "octavo/tasks/structure/self_similarity.h"
 #include "text/built_words.h"
 #include "text/quantities.h"
 #include "verbs.h"
@@ -20,17 +26,88 @@ constexpr VerbText kCondenseText = {
     "multiples of one number, and a mean is the nearest of these. Of a cube at the border the\n"
     "voxels inside count, so slices and thin stacks condense too. No voxel changes by more. The\n"
     "result is an ordinary grey volume with large uniform cubes.\n\n"
+    "--self-similar T writes nothing: it counts the cubes of side 16, 8 and 4 that equal another\n"
+    "one of their level, or of the next coarser one halved, turned or mirrored, within T at every\n"
+    "voxel. What references would save is the share of the codec's bytes that these cubes have,\n"
+    "less the bits of the references. With --up-to-mean only what differs from each cube's mean\n"
+    "counts. --coded names the file whose bytes are saved, as one built with --max-error T.\n\n"
     "Examples:\n"
     "  octavo condense head.8vo --flat 20 -o cubes.8vo\n"
-    "  octavo render cubes.8vo --mode transparency -o cubes.png"};
+    "  octavo render cubes.8vo --mode transparency -o cubes.png\n"
+    "  octavo condense head.8vo --self-similar 0"};
 
 struct CondenseArguments {
   std::string input;
   std::string output;
   std::string flat;
+  std::string similar;
+  std::string coded;
+  bool up_to_mean = false;
 };
 
+nlohmann::ordered_json similarity_json(const std::string& input,
+                                       const SelfSimilarityOptions& options,
+                                       const SelfSimilarityResult& result) {
+  nlohmann::ordered_json levels = nlohmann::ordered_json::array();
+  for (const SimilarityLevel& level : result.levels) {
+    levels.push_back({{"side", level.side},
+                      {"cubes", level.cubes},
+                      {"uniform", level.uniform},
+                      {"asked", level.asked},
+                      {"same_level", level.same_level},
+                      {"next_level", level.next_level},
+                      {"turned", level.turned},
+                      {"cut_short", level.cut_short},
+                      {"coded_bytes", level.coded_bytes},
+                      {"reference_bytes", level.reference_bytes},
+                      {"saved_bytes", level.saved_bytes()}});
+  }
+  return {{"input", input},
+          {"max_difference", options.max_difference},
+          {"up_to_mean", options.is_up_to_mean},
+          {"file_bytes", result.file_bytes},
+          {"levels", levels},
+          {"saved_bytes", result.saved_bytes()}};
+}
+
+std::string similarity_text(const SelfSimilarityResult& result) {
+  std::string text;
+  for (const SimilarityLevel& level : result.levels) {
+    text += fmt::format("cubes of side {}: {} of {} asked; {} equal another of their level, {} of "
+                        "the next; {} turned\n",
+                        level.side, level.asked, level.cubes, level.same_level, level.next_level,
+                        level.turned);
+    if (level.same_level + level.next_level > 0) {
+      text += fmt::format("  {:.0f} bytes of the codec, {:.0f} of references: {}\n",
+                          level.coded_bytes, level.reference_bytes,
+                          level.saved_bytes() > 0 ? "saved" : "not worth it");
+    }
+    if (level.cut_short > 0) {
+      text += fmt::format("  {} given up after too many candidates\n", level.cut_short);
+    }
+  }
+  const double share =
+      100 * result.saved_bytes() / static_cast<double>(result.file_bytes);
+  return text + fmt::format("references would save {:.0f} of {} bytes ({:.2f} %)\n",
+                            result.saved_bytes(), result.file_bytes, share);
+}
+
+int run_similarity(const CondenseArguments& arguments, Context& context) {
+  const SelfSimilarityOptions options = {arguments.input,
+                                         parse_number(arguments.similar, "--self-similar"),
+                                         arguments.up_to_mean, arguments.coded};
+  const SelfSimilarityResult result = run_task(self_similarity, options, context);
+  print_result(context, similarity_json(arguments.input, options, result),
+               similarity_text(result));
+  return kExitDone;
+}
+
 int run_condense(const CondenseArguments& arguments, Context& context) {
+  if (!arguments.similar.empty()) return run_similarity(arguments, context);
+  if (arguments.flat.empty() || arguments.output.empty()) {
+    throw Error(ErrorKind::invalid_argument,
+                "give --flat and -o for a condensed volume, or --self-similar");
+  }
   const double flat = parse_number(arguments.flat, "--flat");
   if (flat < 0) {
     throw Error(ErrorKind::invalid_argument, "--flat " + arguments.flat + ": must not be negative");
@@ -47,11 +124,23 @@ void add_condense(CLI::App& app, Context& context) {
   Verb verb = add_verb(app, context, kCondenseText,
                             [arguments, &context] { return run_condense(*arguments, context); });
   verb.add_input(arguments->input);
-  verb.add_output(arguments->output, "The .8vo file to write");
-  verb.add_option("--flat", arguments->flat,
-                  "The most by which the voxels of a cube may differ, real units")
+  const Option output =
+      verb.add_option("-o,--output", arguments->output, "The .8vo file to write")
+          ->type_name("FILE");
+  const Option flat =
+      verb.add_option("--flat", arguments->flat,
+                      "The most by which the voxels of a cube may differ, real units")
+          ->type_name("T");
+  verb.add_option("--self-similar", arguments->similar,
+                  "Count cubes that equal another one within T at every voxel, real units")
       ->type_name("T")
-      ->required();
+      ->excludes(flat)
+      ->excludes(output);
+  verb.add_flag("--up-to-mean", arguments->up_to_mean,
+                "With --self-similar: compare what differs from each cube's mean");
+  verb.add_option("--coded", arguments->coded,
+                  "With --self-similar: the file whose bytes references would save")
+      ->type_name("FILE");
 }
 
 }  // namespace octavo::cli
