@@ -13,7 +13,7 @@ endforeach()
 add_library(octavo::octavo ALIAS octavo_library)
 
 # What a static library of ours needs where it is linked.
-set(OCTAVO_DEPENDENCIES Threads TBB TIFF PNG Freetype ZLIB CURL OpenSSL GDCM fmt meshoptimizer)
+set(OCTAVO_DEPENDENCIES Threads TBB TIFF PNG Freetype ZLIB OpenSSL GDCM fmt meshoptimizer)
 
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/octavo)
 install(TARGETS octavo_library EXPORT octavoTargets)

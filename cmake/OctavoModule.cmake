@@ -36,6 +36,11 @@ target_link_options(octavo_flags INTERFACE
   "$<${octavo_hardened}:LINKER:-z,relro,-z,now,-z,noexecstack>")
 
 include(GNUInstallDirs)
+# Libraries that are loaded when they are needed, and how an installed program finds them.
+set(OCTAVO_LIBRARY_FOLDER ${CMAKE_INSTALL_LIBDIR}/octavo)
+file(RELATIVE_PATH octavo_library_path
+  /${CMAKE_INSTALL_BINDIR} /${OCTAVO_LIBRARY_FOLDER})
+set(OCTAVO_PROGRAM_RPATH $ORIGIN/${octavo_library_path})
 
 # Half of a compiler's time goes into headers that every source of a target reads again.
 option(OCTAVO_UNITY "Compile the sources of a target sixteen at a time" OFF)

@@ -28,6 +28,12 @@ function(expect words)
   endif()
 endfunction()
 
+# What is loaded when it is needed is where the program looks for it, and does not start with it.
+run(readelf -d ${prefix}/bin/octavo)
+expect("\\$ORIGIN/\\.\\./[a-z0-9_/-]+/octavo\\]")
+if(output MATCHES "libgdcm|octavo_gdcm|libcurl")
+  message(FATAL_ERROR "loaded at the start:\n${output}")
+endif()
 run(${prefix}/bin/octavo phantom --size 64 -o ${work_folder}/phantom.8vo)
 run(${work_folder}/read_box/read_box ${work_folder}/phantom.8vo)
 expect("^32768 voxels from ")

@@ -1,14 +1,11 @@
 #include "octavo/io/dicom/dicom_identity.h"
 
-#include <gdcmDict.h>
-#include <gdcmDicts.h>
-#include <gdcmGlobal.h>
-
 #include <algorithm>
 #include <map>
 #include <set>
 
 #include "octavo/io/dicom/dicom_attributes.h"
+#include "octavo/io/dicom/dicom_library.h"
 
 namespace octavo {
 
@@ -16,45 +13,6 @@ namespace {
 
 constexpr DicomTag kCharacterSet = 0x00080005;
 constexpr DicomTag kSegmentLabel = 0x00620005;
-
-const gdcm::Dict& dictionary() {
-  static const gdcm::Dict& all = gdcm::Global::GetInstance().GetDicts().GetPublicDict();
-  return all;
-}
-
-/// Empty for tags that the dictionary lacks.
-std::string keyword_of(DicomTag tag) {
-  const char* keyword = dictionary().GetKeywordFromTag(gdcm::Tag(tag));
-  return keyword == nullptr ? "" : keyword;
-}
-
-enum class Content { words, text, binary };
-
-/// words  what people or programs chose: names, identifiers, notes; text: dates, codes, numbers
-Content content_of(DicomTag tag) {
-  if (keyword_of(tag).empty()) return Content::binary;
-  const gdcm::VR::VRType type = dictionary().GetDictEntry(gdcm::Tag(tag)).GetVR();
-  switch (type) {
-    case gdcm::VR::PN:
-    case gdcm::VR::LO:
-    case gdcm::VR::SH:
-    case gdcm::VR::LT:
-    case gdcm::VR::ST:
-    case gdcm::VR::UC:
-    case gdcm::VR::UT:
-    case gdcm::VR::UI:
-    case gdcm::VR::UR: return Content::words;
-    case gdcm::VR::AE:
-    case gdcm::VR::AS:
-    case gdcm::VR::CS:
-    case gdcm::VR::DA:
-    case gdcm::VR::DS:
-    case gdcm::VR::DT:
-    case gdcm::VR::IS:
-    case gdcm::VR::TM: return Content::text;
-    default: return Content::binary;
-  }
-}
 
 /// How the file and the picture are laid out: taken up by the volume, or by nothing at all.
 bool is_layout(DicomTag tag) {
@@ -66,7 +24,7 @@ bool is_layout(DicomTag tag) {
   if ((tag & 0xffffU) == 0 || kLayout.contains(tag)) return true;
   const DicomTag group = tag >> 16;
   if (group == 0x7fe0 || group == 0xfffe) return true;
-  return group == 0x0028 && content_of(tag) != Content::words;
+  return group == 0x0028 && dicom_library().content(tag) != DicomContent::words;
 }
 
 /// Latin 1 as UTF-8.
@@ -93,7 +51,7 @@ std::int64_t labels_of(const DicomLayout& layout) {
 void note_segments(const DicomLayout& layout, bool is_latin, SourceIdentity& identity) {
   for (const DicomSegment& segment : layout.segments) {
     if (segment.label.empty()) continue;
-    identity.note(keyword_of(kSegmentLabel), std::to_string(segment.number) + " " +
+    identity.note(dicom_library().keyword(kSegmentLabel), std::to_string(segment.number) + " " +
                       (is_latin ? widened(segment.label) : segment.label));
   }
 }
@@ -116,9 +74,9 @@ SourceIdentity dicom_identity(const DicomStack& stack) {
   for (auto& [tag, count] : counts) {
     if (tag == kSegmentLabel) count -= labels_of(layout);
     if (is_dicom_attribute(tag) ? is_dicom_metadata(first.data, tag) : is_layout(tag)) continue;
-    const std::string known = keyword_of(tag);
+    const std::string known = dicom_library().keyword(tag);
     const std::string keyword = known.empty() ? dicom_tag_text(tag) : known;
-    if (content_of(tag) != Content::binary) {
+    if (dicom_library().content(tag) != DicomContent::binary) {
       const std::string text = first.data.text(tag);
       identity.note(keyword, is_latin ? widened(text) : text);
       if (!text.empty()) --count;

@@ -1,18 +1,14 @@
 #include "octavo/io/dicom/dicom_pixels.h"
 
-#include <gdcmImage.h>
-#include <gdcmSequenceOfFragments.h>
-#include <gdcmTrace.h>
-#include <gdcmTransferSyntax.h>
-
 #include <algorithm>
 #include <cstring>
 #include <limits>
-#include <mutex>
 #include <optional>
+#include <utility>
 
 #include "octavo/core/error.h"
 #include "octavo/core/unset_bytes.h"
+#include "octavo/io/dicom/dicom_library.h"
 #include "octavo/io/dicom/dicom_palette.h"
 #include "octavo/io/dicom/jpeg2000_size.h"
 #include "octavo/io/source/alternating_values.h"
@@ -25,15 +21,6 @@ namespace octavo {
 namespace {
 
 constexpr const char* kJpeg2000 = "1.2.840.10008.1.2.4.9";  // and a digit more
-
-void silence_gdcm() {
-  static std::once_flag once;
-  std::call_once(once, [] {
-    gdcm::Trace::DebugOff();
-    gdcm::Trace::WarningOff();
-    gdcm::Trace::ErrorOff();
-  });
-}
 
 /// The fragments of one frame: all of a single frame, one each, or those between two table entries.
 std::vector<ByteRun> fragments_of(const DicomLayout& layout, std::int64_t frame) {
@@ -66,39 +53,26 @@ void require_claimed_size(const DicomLayout& layout, std::span<const std::byte> 
                      std::to_string(layout.stored_rows()));
 }
 
-gdcm::Image image_of(const DicomLayout& layout, const std::vector<ByteRun>& fragments) {
-  gdcm::Image image;
-  image.SetNumberOfDimensions(2);
-  image.SetDimension(0, static_cast<unsigned>(layout.stored_columns()));
-  image.SetDimension(1, static_cast<unsigned>(layout.stored_rows()));
-  image.SetPixelFormat(gdcm::PixelFormat(
-      1, static_cast<unsigned short>(layout.bits_allocated),
-      static_cast<unsigned short>(layout.bits_stored), static_cast<unsigned short>(layout.high_bit),
-      static_cast<unsigned short>(layout.is_signed ? 1 : 0)));
-  image.SetPhotometricInterpretation(gdcm::PhotometricInterpretation::MONOCHROME2);
-  image.SetTransferSyntax(gdcm::TransferSyntax::GetTSType(layout.transfer_syntax.c_str()));
-
-  gdcm::SmartPointer<gdcm::SequenceOfFragments> sequence = new gdcm::SequenceOfFragments;
+CodedPicture coded_picture(const DicomLayout& layout, const std::vector<ByteRun>& fragments) {
+  CodedPicture picture;
+  picture.columns = layout.stored_columns();
+  picture.rows = layout.stored_rows();
+  picture.bits_allocated = layout.bits_allocated;
+  picture.bits_stored = layout.bits_stored;
+  picture.high_bit = layout.high_bit;
+  picture.is_signed = layout.is_signed;
+  picture.transfer_syntax = layout.transfer_syntax;
   const SourceFile file(layout.path);
-  std::vector<std::byte> bytes;
   for (const ByteRun& run : fragments) {
-    bytes.resize(static_cast<std::size_t>(run.length));
+    std::vector<std::byte> bytes(static_cast<std::size_t>(run.length));
     file.read_exactly(run.offset, bytes);
     if (&run == &fragments.front()) require_claimed_size(layout, bytes);
-    gdcm::Fragment fragment;
-    fragment.SetByteValue(reinterpret_cast<const char*>(bytes.data()),
-                          static_cast<std::uint32_t>(bytes.size()));
-    sequence->AddFragment(fragment);
+    picture.fragments.push_back(std::move(bytes));
   }
-  gdcm::DataElement pixels(gdcm::Tag(0x7fe0, 0x0010));
-  pixels.SetVR(gdcm::VR::OB);
-  pixels.SetValue(*sequence);
-  image.SetDataElement(pixels);
-  return image;
+  return picture;
 }
 
 void decode_frame(const DicomSlice& slice, std::span<std::byte> plane) {
-  silence_gdcm();
   const DicomLayout& layout = *slice.layout;
   constexpr std::size_t kMostBytes = std::numeric_limits<std::uint32_t>::max();
   if (plane.size() > kMostBytes) {
@@ -106,17 +80,12 @@ void decode_frame(const DicomSlice& slice, std::span<std::byte> plane) {
                        " bytes is not read; GDCM reads " + std::to_string(kMostBytes) +
                        " at most");
   }
-  const gdcm::Image image = image_of(layout, fragments_of(layout, slice.frame));
-  const std::size_t found = image.GetBufferLength();
+  const CodedPicture picture = coded_picture(layout, fragments_of(layout, slice.frame));
+  std::size_t found = 0;
+  const bool is_decoded = dicom_library().decode(picture, plane, found);
   if (found != plane.size()) {
     reject(layout, "the compressed picture holds " + std::to_string(found) +
                        " bytes, the header says " + std::to_string(plane.size()));
-  }
-  bool is_decoded = false;
-  try {
-    is_decoded = image.GetBuffer(reinterpret_cast<char*>(plane.data()));
-  } catch (const std::exception&) {
-    is_decoded = false;
   }
   if (!is_decoded) {
     reject(layout, "its compressed picture (transfer syntax " + escaped(layout.transfer_syntax) +

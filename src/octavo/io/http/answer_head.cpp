@@ -1,12 +1,11 @@
 #include "octavo/io/http/answer_head.h"
 
-#include <curl/curl.h>
-
 #include <algorithm>
 #include <charconv>
 #include <limits>
 
 #include "octavo/core/error.h"
+#include "octavo/io/http/curl_library.h"
 #include "octavo/io/source/header_text.h"
 #include "octavo/io/source/source_file.h"
 
@@ -86,7 +85,7 @@ std::optional<double> AnswerHead::pause_seconds(std::int64_t unix_now) const {
     const auto seconds = take_number(text, 0);
     return seconds ? static_cast<double>(*seconds) : std::numeric_limits<double>::infinity();
   }
-  const std::int64_t date = curl_getdate(retry_after.c_str(), nullptr);
+  const std::int64_t date = curl_library().getdate(retry_after.c_str(), nullptr);
   if (date < 0) return {};
   return static_cast<double>(std::max<std::int64_t>(0, date - unix_now));
 }

@@ -1,13 +1,12 @@
 #include "octavo/io/http/http_connection.h"
 
-#include <curl/curl.h>
-
 #include <algorithm>
 #include <cstdlib>
 #include <type_traits>
 #include <utility>
 
 #include "octavo/core/error.h"
+#include "octavo/io/http/curl_library.h"
 
 namespace octavo {
 
@@ -36,11 +35,6 @@ bool is_lost(CURLcode code) {
     case CURLE_HTTP2_STREAM: return true;
     default: return false;
   }
-}
-
-void start_curl() {
-  static const CURLcode started = curl_global_init(CURL_GLOBAL_DEFAULT);
-  if (started != CURLE_OK) throw Error(ErrorKind::io, "libcurl does not start");
 }
 
 }  // namespace
@@ -134,11 +128,9 @@ struct HttpConnection::Transfer {
   }
 };
 
-HttpConnection::HttpConnection() {
-  start_curl();
-  easy_ = curl_easy_init();
+HttpConnection::HttpConnection() : curl_(curl_library()), easy_(curl_.easy_init()) {
   if (easy_ == nullptr) throw Error(ErrorKind::out_of_memory, "no memory for a connection");
-  headers_ = curl_slist_append(nullptr, "Accept-Encoding: identity");
+  headers_ = curl_.slist_append(nullptr, "Accept-Encoding: identity");
   set(CURLOPT_HTTPHEADER, headers_);
   set(CURLOPT_PROTOCOLS_STR, "http,https");
   set(CURLOPT_FOLLOWLOCATION, 0L);
@@ -152,15 +144,15 @@ HttpConnection::HttpConnection() {
 }
 
 HttpConnection::~HttpConnection() {
-  curl_easy_cleanup(easy_);
-  curl_slist_free_all(headers_);
+  curl_.easy_cleanup(easy_);
+  curl_.slist_free_all(headers_);
 }
 
 template <class T>
 void HttpConnection::set(int option, T value) {
-  const CURLcode code = curl_easy_setopt(easy_, static_cast<CURLoption>(option), value);
+  const CURLcode code = curl_.easy_setopt(easy_, static_cast<CURLoption>(option), value);
   if (code != CURLE_OK) {
-    throw Error(ErrorKind::io, std::string("libcurl: ") + curl_easy_strerror(code));
+    throw Error(ErrorKind::io, std::string("libcurl: ") + curl_.easy_strerror(code));
   }
 }
 
@@ -200,12 +192,12 @@ RequestResult HttpConnection::request(const std::string& url, RangeInProgress& r
   set(CURLOPT_WRITEDATA, &transfer);
   set(CURLOPT_XFERINFODATA, &transfer);
 
-  const CURLcode code = curl_easy_perform(easy_);
+  const CURLcode code = curl_.easy_perform(easy_);
   if (transfer.failure) std::rethrow_exception(transfer.failure);
   RequestResult& result = transfer.result;
   if (transfer.is_ended) return result;
   if (code != CURLE_OK && !transfer.is_cut) {
-    result.problem = std::string("cannot be read: ") + curl_easy_strerror(code);
+    result.problem = std::string("cannot be read: ") + curl_.easy_strerror(code);
     result.end = is_lost(code) ? RequestEnd::lost : RequestEnd::rejected;
     return result;
   }

@@ -15,6 +15,8 @@ struct curl_slist;
 
 namespace octavo {
 
+struct CurlLibrary;
+
 /// A range of a file that is being fetched: what of it has come, and how long it may still take.
 struct RangeInProgress {
   std::uint64_t offset = 0;  ///< of the first byte
@@ -70,6 +72,7 @@ class HttpConnection {
   static std::size_t on_body(char* bytes, std::size_t size, std::size_t count, void* user);
   static int on_second(void* user, std::int64_t, std::int64_t, std::int64_t, std::int64_t);
 
+  const CurlLibrary& curl_;
   CURL* easy_;
   curl_slist* headers_ = nullptr;
   bool was_put_aside_ = false;

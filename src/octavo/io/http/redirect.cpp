@@ -1,10 +1,9 @@
 #include "octavo/io/http/redirect.h"
 
-#include <curl/curl.h>
-
 #include <memory>
 
 #include "octavo/core/error.h"
+#include "octavo/io/http/curl_library.h"
 
 namespace octavo {
 
@@ -13,26 +12,27 @@ namespace {
 /// A URL in its parts.
 class UrlParts {
  public:
-  UrlParts() : parts_(curl_url()) {
+  UrlParts() : parts_(curl_library().url()) {
     if (!parts_) throw Error(ErrorKind::out_of_memory, "no memory for a URL");
   }
 
   bool set(CURLUPart part, const std::string& text) {
-    return curl_url_set(parts_.get(), part, text.c_str(), CURLU_NON_SUPPORT_SCHEME) == CURLUE_OK;
+    return curl_library().url_set(parts_.get(), part, text.c_str(), CURLU_NON_SUPPORT_SCHEME) ==
+           CURLUE_OK;
   }
 
   /// Empty where there is none.
   std::string get(CURLUPart part) const {
     const unsigned flags = part == CURLUPART_PORT ? CURLU_DEFAULT_PORT : 0;
     char* text = nullptr;
-    if (curl_url_get(parts_.get(), part, &text, flags) != CURLUE_OK) return "";
-    const std::unique_ptr<char, decltype(&curl_free)> owner(text, &curl_free);
+    if (curl_library().url_get(parts_.get(), part, &text, flags) != CURLUE_OK) return "";
+    const std::unique_ptr<char, decltype(&curl_free)> owner(text, curl_library().free);
     return text;
   }
 
  private:
   struct Cleanup {
-    void operator()(CURLU* parts) const { curl_url_cleanup(parts); }
+    void operator()(CURLU* parts) const { curl_library().url_cleanup(parts); }
   };
   std::unique_ptr<CURLU, Cleanup> parts_;
 };
