@@ -4,19 +4,21 @@
 //
 // VOLUME  NAME=PATH,LOWEST: a grey .8vo file, the mask is what is not below LOWEST (real units)
 //
-// One thread each, taking turns. "octavo balance": leaves out of the tree, balanced;
-// "octavo nodes": their corners, those that hang, and the corners of each. "p4est balance": the
-// same leaves as a forest that is refined to them, balanced over faces, edges and corners
-// (p8est_balance); "p4est nodes": its trilinear nodes (p8est_lnodes of degree 1, and the ghost
-// layer that they need). The forest fills the whole cube, so that it has elements outside the mask
-// as well: column bytes are the elements of each, and seconds are compared per element. Refining
-// is in no time. p4est runs in bench_hexahedra_p4est beside this program.
+// One thread each, taking turns; seconds are those of the processor. "octavo leaves": those of the
+// tree, taken one by one; "octavo balance": these balanced; "octavo nodes": their corners, those
+// that hang, and the corners of each. "p4est balance": the same leaves as a forest that is refined
+// to them, balanced over faces, edges and corners (p8est_balance); "p4est nodes": its trilinear
+// nodes (p8est_lnodes of degree 1, and the ghost layer that they need). The forest fills the whole
+// cube, so that it has elements outside the mask as well: column bytes are the elements of each,
+// and seconds are compared per element. Refining is in no time. p4est runs in
+// bench_hexahedra_p4est beside this program.
 
 #include <tbb/global_control.h>
 
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <iostream>
 #include <string>
 #include <utility>
@@ -54,6 +56,12 @@ PeerRun run_peer(const std::string& program, const std::string& leaves) {
   return run;
 }
 
+double processor_seconds_of(const std::function<void()>& work) {
+  const double began = cpu_seconds();
+  work();
+  return cpu_seconds() - began;
+}
+
 class HexahedraBench {
  public:
   HexahedraBench(const std::string& text, std::string peer, const Settings& settings)
@@ -77,17 +85,21 @@ class HexahedraBench {
     const std::string leaves =
         (std::filesystem::temp_directory_path() / ("octavo-leaves-" + name_)).string();
     write_leaves(leaves);
-    std::vector<Row> rows = {row("octavo balance"), row("octavo nodes"), row("p4est balance"),
-                             row("p4est nodes")};
+    std::vector<Row> rows = {row("octavo leaves"), row("octavo balance"), row("octavo nodes"),
+                             row("p4est balance"), row("p4est nodes")};
     for (int round = 0; round < settings_.rounds; ++round) {
+      LeafBalance balance;
       std::vector<OCode> balanced;
-      rows[0].seconds.push_back(seconds_of([&] { balanced = balance_own(); }));
-      rows[1].seconds.push_back(seconds_of([&] { number_own(balanced); }));
+      rows[0].seconds.push_back(processor_seconds_of([&] {
+        for_each_leaf(mask_, [&](const OCode& leaf) { balance.add(leaf); });
+      }));
+      rows[1].seconds.push_back(processor_seconds_of([&] { balanced = balance.finish(); }));
+      rows[2].seconds.push_back(processor_seconds_of([&] { number_own(balanced); }));
       const PeerRun peer = run_peer(peer_, leaves);
-      rows[2].seconds.push_back(peer.balance_s);
-      rows[3].seconds.push_back(peer.nodes_s);
-      rows[0].bytes = rows[1].bytes = balanced.size();
-      rows[2].bytes = rows[3].bytes = peer.elements;
+      rows[3].seconds.push_back(peer.balance_s);
+      rows[4].seconds.push_back(peer.nodes_s);
+      rows[0].bytes = rows[1].bytes = rows[2].bytes = balanced.size();
+      rows[3].bytes = rows[4].bytes = peer.elements;
     }
     std::filesystem::remove(leaves);
     for (const Row& one : rows) std::cout << csv_line(one, settings_.commit) << std::endl;
@@ -101,12 +113,6 @@ class HexahedraBench {
     row.voxel_count = static_cast<std::uint64_t>(mask_.size().voxel_count());
     row.raw_bytes = row.voxel_count;
     return row;
-  }
-
-  std::vector<OCode> balance_own() const {
-    LeafBalance balance;
-    for_each_leaf(mask_, [&](const OCode& leaf) { balance.add(leaf); });
-    return balance.finish();
   }
 
   static void number_own(const std::vector<OCode>& leaves) {

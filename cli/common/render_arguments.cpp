@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <iterator>
+#include <system_error>
 
 #include "common/label_option.h"
 #include "octavo/core/error.h"
@@ -86,13 +88,25 @@ AskedLook parse_look(const std::string& text) {
   return look;
 }
 
-/// FILE[=COLOR[:OPACITY]]; what follows the last "=" is a part of the name where it is no color.
+bool is_file(const std::string& path) {
+  std::error_code none;
+  return std::filesystem::exists(path, none);
+}
+
+/// FILE[=COLOR[:OPACITY]]; what follows the last "=" is a part of the name where it is no color,
+/// unless there is a file without it alone.
 AskedMesh parse_mesh(const std::string& text) {
   const std::size_t at = text.rfind('=');
   if (at == std::string::npos) return {text, std::nullopt, 1};
   const std::vector<std::string> parts = split(text.substr(at + 1), ':');
   const auto color = find_color(parts.front());
-  if (!color || parts.size() > 2) return {text, std::nullopt, 1};
+  if (!color || parts.size() > 2) {
+    if (is_file(text) || !is_file(text.substr(0, at))) return {text, std::nullopt, 1};
+    throw Error(ErrorKind::invalid_argument,
+                fmt::format("--mesh: '{}'; expected COLOR[:OPACITY] behind the file, a color as "
+                            "#rrggbb or one of {}",
+                            escaped(text.substr(at + 1)), color_names()));
+  }
   AskedMesh mesh{text.substr(0, at), color, 1};
   if (parts.size() == 2) mesh.opacity = parse_number(parts.back(), "--mesh");
   return mesh;

@@ -256,6 +256,8 @@ class Pictures(cli_test.InFolder):
             (2, [".stl, .ply or .obj", "--mesh"],
              ["v.8vo", "--mode", "volume", "--mesh", "v.raw=red:0.5"]),
             (5, ["m.ply"], ["v.8vo", "--mode", "volume", "--mesh", "m.ply"]),
+            (2, ["--mesh", "'reddish'", "#rrggbb"],
+             ["v.8vo", "--mode", "volume", "--mesh", "l.8vo=reddish"]),
             (2, ["--mark"], ["v.8vo", "--mode", "volume", "--mark", "1,2"]),
             (2, ["--turntable"], ["v.8vo", "--mode", "volume", "--grow"]),
             (2, ["--time-budget"], ["v.8vo", "--range", "7:", "--time-budget", "3"]),

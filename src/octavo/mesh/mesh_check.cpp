@@ -6,7 +6,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
+#include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "octavo/core/vectors.h"
@@ -24,30 +27,40 @@ struct CornerSides {
   std::uint32_t from;
 };
 
-/// The triangles around each point.
+/// The corners of triangles at each point: a list through them, so that one look at the triangles
+/// makes it. A corner is three times the number of its triangle, and its place there.
+template <class Corner>
 class PointCorners {
  public:
   explicit PointCorners(const TriangleMesh& mesh)
-      : ends_(mesh.points.size() + 1), sides_(3 * mesh.triangles.size()) {
+      : mesh_(mesh),
+        last_(mesh.points.size(), kNone),
+        before_(std::make_unique_for_overwrite<Corner[]>(3 * mesh.triangles.size())) {
+    Corner corner = 0;
     for (const MeshTriangle& t : mesh.triangles) {
-      for (const std::uint32_t point : t) ++ends_[point + 1];
-    }
-    for (std::size_t i = 1; i < ends_.size(); ++i) ends_[i] += ends_[i - 1];
-    std::vector<std::size_t> next(ends_.begin(), ends_.end() - 1);
-    for (const MeshTriangle& t : mesh.triangles) {
-      for (std::size_t k = 0; k < 3; ++k) {
-        sides_[next[t[k]]++] = {t[(k + 1) % 3], t[(k + 2) % 3]};
+      for (const std::uint32_t point : t) {
+        before_[corner] = std::exchange(last_[point], corner);
+        ++corner;
       }
     }
   }
 
-  std::span<const CornerSides> at(std::size_t point) const {
-    return {sides_.data() + ends_[point], ends_[point + 1] - ends_[point]};
+  /// Those of a point.
+  void gather(std::size_t point, std::vector<CornerSides>& corners) const {
+    corners.clear();
+    for (Corner corner = last_[point]; corner != kNone; corner = before_[corner]) {
+      const MeshTriangle& t = mesh_.triangles[corner / 3];
+      const auto place = static_cast<std::size_t>(corner % 3);
+      corners.push_back({t[(place + 1) % 3], t[(place + 2) % 3]});
+    }
   }
 
  private:
-  std::vector<std::size_t> ends_;
-  std::vector<CornerSides> sides_;
+  static constexpr Corner kNone = std::numeric_limits<Corner>::max();
+
+  const TriangleMesh& mesh_;
+  std::vector<Corner> last_;          // of each point
+  std::unique_ptr<Corner[]> before_;  // of each corner: the one at the same point before it
 };
 
 /// Whether the triangles around a point make one fan: from each to the next by the side that they
@@ -99,17 +112,28 @@ MeshCheck sum_of(const MeshCheck& a, const MeshCheck& b) {
   return sum;
 }
 
-}  // namespace
-
-MeshCheck check_mesh(const TriangleMesh& mesh) {
-  const PointCorners corners(mesh);
-  MeshCheck check = tbb::parallel_reduce(
+/// What the triangles around all points say.
+template <class Corner>
+MeshCheck check_points(const TriangleMesh& mesh) {
+  const PointCorners<Corner> corners(mesh);
+  return tbb::parallel_reduce(
       tbb::blocked_range<std::size_t>(0, mesh.points.size(), 4096), MeshCheck(),
       [&](const tbb::blocked_range<std::size_t>& range, MeshCheck part) {
-        for (std::size_t i = range.begin(); i < range.end(); ++i) add_point(corners.at(i), part);
+        std::vector<CornerSides> around;
+        for (std::size_t i = range.begin(); i < range.end(); ++i) {
+          corners.gather(i, around);
+          add_point(around, part);
+        }
         return part;
       },
       sum_of);
+}
+
+}  // namespace
+
+MeshCheck check_mesh(const TriangleMesh& mesh) {
+  const bool is_short = mesh.triangles.size() < std::numeric_limits<std::uint32_t>::max() / 3;
+  MeshCheck check = is_short ? check_points<std::uint32_t>(mesh) : check_points<std::uint64_t>(mesh);
   // Every triangle has three sides, half an edge each.
   check.euler_number -= static_cast<std::int64_t>(mesh.triangles.size() + 1) / 2;
   check.coincident_points = coincident_points(mesh.points);

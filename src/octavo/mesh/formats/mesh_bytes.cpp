@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstring>
 #include <utility>
 
 #include "octavo/core/error.h"
@@ -16,20 +17,27 @@ MeshBytes::MeshBytes(PendingFile& file, const Progress& watcher)
     : MeshBytes([&file](ByteSpan bytes) { file.append(bytes); }, watcher) {}
 
 MeshBytes::MeshBytes(std::function<void(ByteSpan)> take, const Progress& watcher)
-    : take_(std::move(take)), watcher_(watcher) {
-  buffer_.reserve(kBytes);
-}
+    : take_(std::move(take)), watcher_(watcher) {}
 
 void MeshBytes::flush() {
   stop_if_cancelled(watcher_);
-  if (!buffer_.empty()) take_(buffer_);
-  buffer_.clear();
+  if (used_ > 0) take_({buffer_.data(), used_});
+  used_ = 0;
+}
+
+std::uint8_t* MeshBytes::room(std::size_t size) {
+  if (used_ + size > kBytes) flush();
+  used_ += size;
+  return buffer_.data() + used_ - size;
 }
 
 void MeshBytes::raw(const void* data, std::size_t size) {
-  if (buffer_.size() + size > kBytes) flush();
-  const auto* bytes = static_cast<const std::uint8_t*>(data);
-  buffer_.insert(buffer_.end(), bytes, bytes + size);
+  if (size <= kBytes) {
+    std::memcpy(room(size), data, size);
+    return;
+  }
+  flush();
+  take_({static_cast<const std::uint8_t*>(data), size});
 }
 
 std::string space_words(MeshSpace space) {

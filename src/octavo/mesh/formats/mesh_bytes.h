@@ -38,6 +38,8 @@ class MeshBytes {
     const auto end = std::to_chars(digits, digits + sizeof digits, value);
     raw(digits, static_cast<std::size_t>(end.ptr - digits));
   }
+  /// Room for some bytes, unset: at most a megabyte, to be filled before anything else is appended.
+  std::uint8_t* room(std::size_t size);
   void flush();
 
  private:
@@ -47,7 +49,8 @@ class MeshBytes {
 
   std::function<void(ByteSpan)> take_;
   const Progress& watcher_;
-  Bytes buffer_;
+  Bytes buffer_ = Bytes(kBytes);
+  std::size_t used_ = 0;  // of the buffer
 };
 
 /// A point or a normal in the axes that are asked for.

@@ -44,9 +44,9 @@ void write_stl(const MeshDescription& described, const Progress& watcher, Pendin
     const MeshPoint b = in_space(mesh.points[t[1]], described.space);
     const MeshPoint c = in_space(mesh.points[t[2]], described.space);
     const std::array<MeshPoint, 4> vectors = {normal_of(a, b, c), a, b, c};
-    std::array<std::uint8_t, kStlRecordBytes> record{};  // ends with two bytes of attributes
-    std::memcpy(record.data(), vectors.data(), sizeof vectors);
-    out.number(record);
+    std::uint8_t* const record = out.room(kStlRecordBytes);
+    std::memcpy(record, vectors.data(), sizeof vectors);
+    std::memset(record + sizeof vectors, 0, kStlRecordBytes - sizeof vectors);  // attributes
   }
   out.flush();
 }

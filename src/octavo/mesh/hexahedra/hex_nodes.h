@@ -35,6 +35,12 @@ struct HexMasters {
   int count = 0;
 };
 
+/// Of a point in its block of 16^3: a word of the block, and one bit of it.
+struct NodePlace {
+  std::size_t word = 0;
+  std::uint64_t bit = 0;
+};
+
 class HexNodes {
  public:
   static constexpr std::uint32_t kNone = ~std::uint32_t{0};
@@ -98,7 +104,11 @@ class HexNodes {
   std::uint32_t find(const GridPoint& block) const noexcept;
   void look_around(const HexCell& cell, Near& near) const noexcept;
   std::uint32_t block_of(const GridPoint& point, const Near& near) const noexcept;
-  std::uint32_t number_in(std::uint32_t block, const GridPoint& point) const noexcept;
+  std::uint32_t number_in(std::uint32_t block, const NodePlace& place) const noexcept;
+  template <class Visit>
+  void visit_corners(const HexCell& cell, const Near& near, Visit&& visit) const;
+  template <class Visit>
+  void visit_middles(const HexCell& cell, const Near& near, Visit&& visit) const;
   void make_blocks(std::span<const HexCell> cells, const Progress& watcher);
   void set_corners(std::span<const HexCell> cells, const Progress& watcher);
   void find_hanging(std::span<const HexCell> cells, const Progress& watcher);

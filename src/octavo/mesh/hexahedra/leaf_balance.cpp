@@ -67,6 +67,13 @@ std::uint8_t halved_row(std::uint32_t row) {
   return static_cast<std::uint8_t>((row | row >> 2) & 0x0fu);
 }
 
+/// Each of four bits twice.
+constexpr std::uint32_t doubled_row(std::uint32_t row) {
+  row = (row | row << 2) & 0x33u;
+  row = (row | row << 1) & 0x55u;
+  return row | row << 1;
+}
+
 }  // namespace
 
 class LeafBalance::Blocks {
@@ -79,14 +86,15 @@ class LeafBalance::Blocks {
       large_leaves_.push_back(leaf);
       return;
     }
-    BalanceBlock& block = block_of(ancestor_of(leaf, kBalanceBlockLevel).code);
+    const int bits = 3 * (kBalanceBlockLevel - leaf.level);
+    BalanceBlock& block = block_of(leaf.code >> bits);
     block.is_split = true;
-    const std::uint64_t local = leaf.code & ((std::uint64_t{1} << 3 * (4 - leaf.level)) - 1);
+    const std::uint64_t local = leaf.code & ((std::uint64_t{1} << bits) - 1);
     if (leaf.level == 0) {
       block.voxels[local >> 6] |= std::uint64_t{1} << (local & 63);
       return;
     }
-    fill(block, leaf.level, deinterleave(local));
+    fill(block, leaf.level, kCellPlaces[local]);
   }
 
   std::uint64_t memory_bytes() const noexcept {
@@ -119,22 +127,27 @@ class LeafBalance::Blocks {
   BalanceBlock& block_of(std::uint64_t code) {
     if (last_ < blocks_.size() && blocks_[last_].code == code) return blocks_[last_];
     const auto [place, is_new] = places_.try_emplace(code, blocks_.size());
-    if (is_new) blocks_.emplace_back().code = code;
+    if (is_new) {
+      // Room that is not used yet takes no memory; to grow by less takes time.
+      constexpr std::size_t kBlockGrowth = 4;
+      if (blocks_.size() == blocks_.capacity()) {
+        blocks_.reserve(std::max<std::size_t>(kBlockGrowth * blocks_.capacity(), 256));
+      }
+      blocks_.emplace_back().code = code;
+    }
     last_ = place->second;
     return blocks_[last_];
   }
 
   /// Marks a leaf full at its level and at those below.
-  static void fill(BalanceBlock& block, int level, Index3 cell) {
+  static void fill(BalanceBlock& block, int level, const CellPlace& cell) {
     for (int side = 1; level >= 1; --level, side *= 2) {
-      const auto bits = static_cast<std::uint8_t>(((1 << side) - 1) << cell.x);
+      const auto bits = static_cast<std::uint8_t>(((1 << side) - 1) << side * cell.x);
       for (int z = 0; z < side; ++z) {
         for (int y = 0; y < side; ++y) {
-          block.row(block.full, level, static_cast<int>(cell.y) + y,
-                    static_cast<int>(cell.z) + z) |= bits;
+          block.row(block.full, level, side * cell.y + y, side * cell.z + z) |= bits;
         }
       }
-      cell = {2 * cell.x, 2 * cell.y, 2 * cell.z};
     }
   }
 
@@ -295,58 +308,109 @@ class LeafBalance::Blocks {
     return split_[static_cast<std::size_t>(level)].contains(code);
   }
 
+  /// What stands in the order of first voxels: a leaf, or a block that is split.
+  struct LeafPart {
+    OCode cube;
+    const BalanceBlock* block = nullptr;  ///< nullptr: a leaf
+  };
+
   std::vector<OCode> leaves() const {
-    // What stands in the order of first voxels: leaves that are blocks or larger, and blocks that
-    // are split but lie in no such leaf.
-    std::vector<OCode> parts = large_leaves_;
-    for (const BalanceBlock& block : blocks_) {
-      if (block.is_split && !is_in_large_leaf(kBalanceBlockLevel, block.code)) {
-        parts.push_back({kBalanceBlockLevel, block.code});
-      }
-    }
-    std::sort(parts.begin(), parts.end(), [](const OCode& a, const OCode& b) {
-      return a.code << 3 * a.level < b.code << 3 * b.level;
+    const std::vector<LeafPart> parts = leaf_parts();
+    std::vector<std::size_t> begins(parts.size() + 1);
+    tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) {
+      begins[i + 1] = parts[i].block == nullptr ? 1 : leaf_count(*parts[i].block);
     });
-    std::vector<OCode> all;
-    for (const OCode& part : parts) add_leaves(part, all);
+    for (std::size_t i = 0; i < parts.size(); ++i) begins[i + 1] += begins[i];
+    std::vector<OCode> all(begins.back());
+    tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) {
+      OCode* const out = all.data() + begins[i];
+      if (parts[i].block == nullptr) *out = parts[i].cube;
+      else put_leaves(*parts[i].block, out);
+    });
     return all;
   }
 
-  void add_leaves(const OCode& cube, std::vector<OCode>& all) const {
-    if (!is_split(cube.level, cube.code)) {
-      all.push_back(cube);
-      return;
+  std::vector<LeafPart> leaf_parts() const {
+    // Leaves that are blocks or larger, and blocks that are split but lie in no such leaf.
+    std::vector<OCode> cubes = large_leaves_;
+    for (const BalanceBlock& block : blocks_) {
+      if (block.is_split && !is_in_large_leaf(kBalanceBlockLevel, block.code)) {
+        cubes.push_back({kBalanceBlockLevel, block.code});
+      }
     }
-    if (cube.level > kBalanceBlockLevel) {
-      for (const OCode& child : children_of(cube)) add_leaves(child, all);
-      return;
-    }
-    add_cells(blocks_[places_.at(cube.code)], {3, 0}, all);
+    std::sort(cubes.begin(), cubes.end(), [](const OCode& a, const OCode& b) {
+      return a.code << 3 * a.level < b.code << 3 * b.level;
+    });
+    std::vector<LeafPart> parts;
+    parts.reserve(cubes.size());
+    for (const OCode& cube : cubes) add_parts(cube, parts);
+    return parts;
   }
 
-  /// The leaves in the eight cells of a level that begin with `first`, codes inside the block.
-  void add_cells(const BalanceBlock& block, const OCode& first, std::vector<OCode>& all) const {
-    const std::uint64_t base = block.code << 3 * (kBalanceBlockLevel - first.level);
-    for (std::uint64_t code = first.code; code < first.code + 8; ++code) {
-      const CellPlace& cell = kCellPlaces[code];
-      const std::size_t row =
-          first_row(first.level) + static_cast<std::size_t>(cell.z * cells_along(first.level) +
-                                                            cell.y);
-      if ((block.split[row] >> cell.x & 1) != 0) {
-        if (first.level > 1) add_cells(block, {first.level - 1, code << 3}, all);
-        else add_voxels(block, code, all);
-      } else if ((block.full[row] >> cell.x & 1) != 0) {
-        all.push_back({first.level, base | code});
+  void add_parts(const OCode& cube, std::vector<LeafPart>& parts) const {
+    if (!is_split(cube.level, cube.code)) parts.push_back({cube});
+    else if (cube.level == kBalanceBlockLevel) {
+      parts.push_back({cube, &blocks_[places_.at(cube.code)]});
+    } else {
+      for (const OCode& child : children_of(cube)) add_parts(child, parts);
+    }
+  }
+
+  /// The leaves in a block that is split: voxels, and cells of a level that lie in a split cell of
+  /// the next.
+  static std::size_t leaf_count(const BalanceBlock& block) {
+    int count = 0;
+    for (const std::uint64_t voxels : block.voxels) count += std::popcount(voxels);
+    for (int level = 1; level < kBalanceBlockLevel; ++level) {
+      const int side = cells_along(level);
+      for (int row = 0; row < side * side; ++row) {
+        const std::size_t at = first_row(level) + static_cast<std::size_t>(row);
+        std::uint32_t above = (1u << side) - 1;  // rows may have other bits behind their cells
+        if (level + 1 < kBalanceBlockLevel) {
+          const int row_above = row / side / 2 * (side / 2) + row % side / 2;
+          above &= doubled_row(
+              block.split[first_row(level + 1) + static_cast<std::size_t>(row_above)]);
+        }
+        count += std::popcount(block.full[at] & ~std::uint32_t{block.split[at]} & above);
+      }
+    }
+    return static_cast<std::size_t>(count);
+  }
+
+  static bool is_cell(const std::array<std::uint8_t, 84>& rows, int level, std::uint64_t code) {
+    const CellPlace& cell = kCellPlaces[code];
+    return (rows[first_row(level) + static_cast<std::size_t>(cell.z * cells_along(level) +
+                                                             cell.y)] >>
+                cell.x & 1) != 0;
+  }
+
+  /// Puts the leaves of a block that is split where there is room for all of them.
+  static void put_leaves(const BalanceBlock& block, OCode* out) {
+    for (std::uint64_t large = 0; large < 8; ++large) {
+      if (!is_cell(block.split, 3, large)) {
+        if (is_cell(block.full, 3, large)) *out++ = {3, block.code << 3 | large};
+        continue;
+      }
+      for (std::uint64_t code = 8 * large; code < 8 * large + 8; ++code) {
+        if (is_cell(block.split, 2, code)) out = put_small_leaves(block, code, out);
+        else if (is_cell(block.full, 2, code)) *out++ = {2, block.code << 6 | code};
       }
     }
   }
 
-  static void add_voxels(const BalanceBlock& block, std::uint64_t cell, std::vector<OCode>& all) {
-    const std::uint64_t byte = block.voxels[cell >> 3] >> 8 * (cell & 7) & 0xff;
-    const std::uint64_t base = block.code << 12 | cell << 3;
-    for (std::uint64_t left = byte; left != 0; left &= left - 1) {
-      all.push_back({0, base | static_cast<std::uint64_t>(std::countr_zero(left))});
+  /// The same of a cell of level 2, whose voxels are a word.
+  static OCode* put_small_leaves(const BalanceBlock& block, std::uint64_t cell, OCode* out) {
+    const std::uint64_t word = block.voxels[cell];
+    const std::uint64_t base = block.code << 12 | cell << 6;
+    for (std::uint64_t octant = 0; octant < 8; ++octant) {
+      const std::uint64_t code = cell << 3 | octant;
+      std::uint64_t left = word >> 8 * octant & 0xff;
+      if (left == 0 && is_cell(block.full, 1, code)) *out++ = {1, block.code << 9 | code};
+      for (; left != 0; left &= left - 1) {
+        *out++ = {0, base | octant << 3 | static_cast<std::uint64_t>(std::countr_zero(left))};
+      }
     }
+    return out;
   }
 
   std::vector<BalanceBlock> blocks_;

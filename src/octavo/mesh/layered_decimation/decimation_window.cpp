@@ -4,8 +4,10 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <string>
 #include <utility>
 
+#include "octavo/core/error.h"
 #include "octavo/mesh/point_distance.h"
 #include "octavo/mesh/point_triangles.h"
 #include "octavo/mesh/quiet_progress.h"
@@ -51,6 +53,15 @@ std::vector<std::uint8_t> proven_by_fixed(const DecimationProof& proof, IsFixed&
   return is_proven;
 }
 
+/// Room for some more. What is never written takes no memory, so there is much at once: to grow
+/// takes longer than to extract what comes.
+template <class T>
+void make_room(std::vector<T>& items, std::size_t more) {
+  constexpr std::size_t kGrowth = 4;
+  const std::size_t count = items.size() + more;
+  if (count > items.capacity()) items.reserve(std::max(count, kGrowth * items.capacity()));
+}
+
 }  // namespace
 
 DecimationWindow::DecimationWindow(const DecimationOptions& options) : options_(options) {
@@ -71,16 +82,26 @@ double DecimationWindow::plane_of(const MeshPoint& point) const {
 }
 
 void DecimationWindow::add_points(std::span<const MeshPoint> points) {
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    numbers_.push_back(static_cast<std::uint32_t>(full_.points.size() + i));
+  const std::size_t count = full_.points.size() + points.size();
+  if (count >= kNoPoint) {
+    throw Error(ErrorKind::limit_exceeded,
+                "a part of the surface has " + std::to_string(count) + " points, more than " +
+                    std::to_string(kNoPoint - 1))
+        .with_field("level");
   }
+  make_room(numbers_, points.size());
+  for (std::size_t number = full_.points.size(); number < count; ++number) {
+    numbers_.push_back(static_cast<std::uint32_t>(number));
+  }
+  make_room(full_.points, points.size());
   full_.points.insert(full_.points.end(), points.begin(), points.end());
 }
 
 void DecimationWindow::add_triangles(std::span<const MeshTriangle> triangles) {
+  make_room(full_.triangles, triangles.size());
   for (const MeshTriangle& t : triangles) {
-    MeshTriangle& own = full_.triangles.emplace_back();
-    for (std::size_t k = 0; k < 3; ++k) own[k] = numbers_[t[k] - first_number_];
+    full_.triangles.push_back({numbers_[t[0] - first_number_], numbers_[t[1] - first_number_],
+                               numbers_[t[2] - first_number_]});
   }
 }
 
@@ -104,6 +125,7 @@ void DecimationWindow::reduce_all(FixedSurface& fixed, const Progress& progress)
 
 void DecimationWindow::reduce(const Reach& reach, FixedSurface& fixed, const Progress& progress) {
   if (full_.triangles.empty() && reduced_.empty()) return;
+  require_numbered(full_.triangles.size() + reduced_.size());
   DecimationProof proof;
   std::vector<bool> is_waiting(full_.points.size(), true);
   {

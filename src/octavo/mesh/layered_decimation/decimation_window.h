@@ -41,6 +41,7 @@ class DecimationWindow {
   explicit DecimationWindow(const DecimationOptions& options);
 
   /// The next points of the full surface, numbered through.
+  /// Throws  Error{limit_exceeded} where the window has 2^32 - 1 points or more
   void add_points(std::span<const MeshPoint> points);
   /// The next triangles, of points of the last two layers.
   void add_triangles(std::span<const MeshTriangle> triangles);
@@ -53,7 +54,7 @@ class DecimationWindow {
 
   /// Reduces what is there up to a plane, in voxels, behind which other layers may come, and hands
   /// out what is fixed. Uses the threads of the calling task arena.
-  /// Throws  Error{cancelled}
+  /// Throws  Error{cancelled}, as require_numbered
   void reduce_to(double border_plane, FixedSurface& fixed, const Progress& progress);
   /// Reduces the rest, and hands out all of it.
   void reduce_all(FixedSurface& fixed, const Progress& progress);

@@ -64,6 +64,7 @@ LayeredSurface LayeredDecimation::take() {
   window_.reduce_all(fixed_, progress_);
   surface.is_turned = is_turned();
   surface.mesh = std::move(fixed_.mesh);
+  require_numbered(surface.mesh.triangles.size());
   surface.crossing_triangles =
       crossing_triangles(TriangleTree(surface.mesh), progress_).size();
   return surface;

@@ -9,6 +9,7 @@
 
 #include "octavo/core/error.h"
 #include "octavo/core/path_text.h"
+#include "octavo/file/layout.h"
 #include "octavo/file/storage/temporary.h"
 #include "octavo/mesh/formats/mesh_file.h"
 #include "octavo/tasks/outputs.h"
@@ -31,17 +32,30 @@ std::string replaced_name(const std::string& name) {
 constexpr std::array<std::string_view, 7> kSiteEndings = {".8vo",  ".html", ".js",  ".css",
                                                           ".wasm", ".json", ".md"};
 
-/// A file that a part folder can hold while it is hidden.
-bool is_part_file(const fs::directory_entry& entry) {
-  std::error_code none;
-  const std::string name = entry.path().filename().string();
-  return entry.symlink_status(none).type() == fs::file_type::regular &&
-         (name.starts_with('.') || mesh_format_of(name) ||
-          std::any_of(kSiteEndings.begin(), kSiteEndings.end(),
-                      [&](std::string_view ending) { return name.ends_with(ending); }));
+bool has_part_name(const std::string& name) {
+  return name.starts_with('.') || mesh_format_of(name) ||
+         std::any_of(kSiteEndings.begin(), kSiteEndings.end(),
+                     [&](std::string_view ending) { return name.ends_with(ending); });
 }
 
 }  // namespace
+
+/// A file that a part folder can hold while it is hidden; volumes may have any name.
+bool PartFolder::is_part_file(const std::string& path) const {
+  std::error_code none;
+  const fs::path place(path);
+  if (fs::symlink_status(place, none).type() != fs::file_type::regular) return false;
+  if (has_part_name(place.filename().string())) return true;
+  try {
+    const auto source = open_byte_source(storage_, path);
+    std::vector<std::uint8_t> header(std::min<std::uint64_t>(kHeaderBytes, source->size()));
+    source->read(0, header);
+    parse_header(header, source->size());
+    return true;
+  } catch (const Error&) {
+    return false;
+  }
+}
 
 PartFolder::PartFolder(Storage& storage, std::string path, bool overwrite)
     : storage_(storage), path_(without_end_slashes(std::move(path))), overwrite_(overwrite) {
@@ -87,7 +101,7 @@ void PartFolder::remove_left(const std::string& left) const {
   if (!lock) return;
   std::error_code none;
   for (const fs::directory_entry& entry : fs::directory_iterator(left, none)) {
-    if (!is_part_file(entry)) continue;
+    if (!is_part_file(entry.path().string())) continue;
     const std::string replaced = replaced_name(entry.path().filename().string());
     if (!replaced.empty() && !is_new_ && !storage_.exists(file(replaced))) {
       storage_.rename(entry.path().string(), file(replaced));

@@ -49,6 +49,7 @@ class PartFolder {
   template <class F>
   auto named(F f) const;
   void begin();
+  bool is_part_file(const std::string& path) const;
   void remove_left(const std::string& left) const;
   void place(const std::string& name);
   void put_back() noexcept;

@@ -137,6 +137,16 @@ TEST(PartFolder, WhatOthersLeftInAHiddenFolderStays) {
   EXPECT_EQ(files_in(hidden), (Files{{"letter.txt", "mine"}}));
 }
 
+TEST(PartFolder, VolumesOfAnyNameThatWereLeftGo) {
+  ScratchFolder scratch;
+  const testing::BuiltLabels volume({4, 4, 4}, testing::random_labels({4, 4, 4}, 1, 3));
+  const std::string hidden = scratch.file(".parts.tmp-1");
+  std::filesystem::create_directory(hidden);
+  std::filesystem::copy_file(volume.path(), hidden + "/scan");
+  write_three(local_storage(), scratch.file("parts"), "new", false);
+  EXPECT_FALSE(std::filesystem::exists(hidden));
+}
+
 TEST(PartFolder, SaysAtOnceWhatCannotBeAFolder) {
   ScratchFolder scratch;
   std::ofstream(scratch.file("file")) << "text";
