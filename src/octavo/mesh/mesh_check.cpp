@@ -133,7 +133,8 @@ MeshCheck check_points(const TriangleMesh& mesh) {
 
 MeshCheck check_mesh(const TriangleMesh& mesh) {
   const bool is_short = mesh.triangles.size() < std::numeric_limits<std::uint32_t>::max() / 3;
-  MeshCheck check = is_short ? check_points<std::uint32_t>(mesh) : check_points<std::uint64_t>(mesh);
+  MeshCheck check =
+      is_short ? check_points<std::uint32_t>(mesh) : check_points<std::uint64_t>(mesh);
   // Every triangle has three sides, half an edge each.
   check.euler_number -= static_cast<std::int64_t>(mesh.triangles.size() + 1) / 2;
   check.coincident_points = coincident_points(mesh.points);
