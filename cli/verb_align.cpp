@@ -17,22 +17,29 @@ namespace octavo::cli {
 namespace {
 
 constexpr VerbText kAlignText = {
-    "align", "Find the rigid pose that lays one mask onto another, by their surfaces.",
-    "The first mask moves, the second stays. Nothing has to be near: turns of all kinds are\n"
+    "align", "Find the rigid pose that lays a surface onto that of a mask.",
+    "The first one moves, the second, a mask, stays. What moves is a mask, a mesh (.stl, .ply,\n"
+    ".obj), points (.ply, or .csv with x,y,z in mm, LPS, a row) or lines of sight: a .csv of six\n"
+    "numbers a row, of two places on a line each, such as the source of X-rays and a point of\n"
+    "the outline of a shadow. Each line is laid so that it touches the surface; they have to come\n"
+    "from two sides or more. Nothing has to be near: turns of all kinds are\n"
     "tried. Half of a surface may be missing on either side. The matrix, mm and LPS, is what\n"
     "'octavo transform --affine' takes. With --scale the size is found as well.\n\n"
     "Surfaces agree where they are within a voxel of the coarser mask and face the same way.\n"
     "Where fewer than 30 % of the first agree, or fewer than 60 % of what the second has around\n"
-    "those, there is no pose: the exit code is 1, and no matrix is written. The condition says\n"
+    "those, there is no pose: the exit code is 1, and no matrix is written. Of meshes and points the\n"
+    "sides do not count; of lines of sight 60 % have to touch within a voxel. The condition says\n"
     "how well the surfaces hold the pose; it is large for balls and rods.\n\n"
     "Examples:\n"
     "  octavo align skull-a.8vo skull-b.8vo -o pose.txt\n"
+    "  octavo align probe.stl skull.8vo -o pose.txt --picture pose.png\n"
     "  octavo transform a.8vo --affine pose.txt --grid-of b.8vo -o a-on-b.8vo"};
 
 struct AlignArguments {
   std::string moving;
   std::string fixed;
   std::string output;
+  std::string picture;
   bool scale = false;
 };
 
@@ -88,7 +95,8 @@ std::string report_text(const AlignArguments& arguments, const AlignResult& resu
 
 int run_align(const AlignArguments& arguments, Context& context) {
   const AlignOptions options = {
-      arguments.moving, arguments.fixed, {arguments.output, context.force}, arguments.scale};
+      arguments.moving,  arguments.fixed, {arguments.output, context.force},
+      arguments.scale, {arguments.picture, context.force}};
   const AlignResult result = run_task(align, options, context);
   print_result(context, report_json(arguments, result), report_text(arguments, result));
   return result.is_found ? kExitDone : kExitDifferent;
@@ -100,13 +108,16 @@ void add_align(CLI::App& app, Context& context) {
   const auto arguments = std::make_shared<AlignArguments>();
   Verb verb = add_verb(app, context, kAlignText,
                        [arguments, &context] { return run_align(*arguments, context); });
-  verb.add_option("moving", arguments->moving, "The mask that moves, .8vo")
+  verb.add_option("moving", arguments->moving, "What moves: .8vo, .stl, .ply, .obj or .csv")
       ->type_name("FILE")
       ->required();
   verb.add_option("fixed", arguments->fixed, "The mask that stays, .8vo")
       ->type_name("FILE")
       ->required();
   verb.add_option("-o,--output", arguments->output, "A text file for the matrix")
+      ->type_name("FILE");
+  verb.add_option("--picture", arguments->picture,
+                  "A PNG of both: the mask's shadow from three sides, what moved on it")
       ->type_name("FILE");
   verb.add_flag("--scale", arguments->scale, "Find the size as well: a similarity");
 }

@@ -91,6 +91,39 @@ class Align(cli_test.InFolder):
         self.assertEqual((self.folder / "pose.txt").read_text(), "kept")
 
 
+    def test_meshes_and_points_are_laid_as_well(self):
+        self.expect(0, "surface", "bars.8vo", "-o", "bars.stl", "-q")
+        made = json.loads(self.expect(0, "align", "bars.stl", "bars.8vo", "-o", "pose.txt",
+                                      "--picture", "pose.png", "--json", "--progress",
+                                      "none").stdout)
+        self.assertTrue(made["found"])
+        for number, asked in zip(itertools.chain(*self.matrix()),
+                                 (1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0)):
+            self.assertAlmostEqual(number, asked, delta=0.15)
+        self.assertEqual((self.folder / "pose.png").read_bytes()[:4], b"\x89PNG")
+        # Middles of faces, 40 mm up, with a row of names.
+        steps = [(i, j, k) for i, j, k in itertools.product((-1, 0, 1), repeat=3)
+                 if abs(i) + abs(j) + abs(k) == 1]
+        rows = [f"{x / 2 + i / 4},{y / 2 + j / 4},{z / 2 + k / 4 + 40}"
+                for x, y, z in itertools.product(*map(range, SIZE)) if is_in_bars(x, y, z)
+                for i, j, k in steps if not is_in_bars(x + i, y + j, z + k)]
+        (self.folder / "places.csv").write_text("\n".join(["x,y,z", *rows]) + "\n")
+        self.expect(0, "align", "places.csv", "bars.8vo", "-o", "points.txt", "-q")
+        words = (self.folder / "points.txt").read_text().split()
+        for number, asked in zip(map(float, words), (1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, -40)):
+            self.assertAlmostEqual(number, asked, delta=0.3)
+
+    def test_rows_that_are_none_leave_nothing_behind(self):
+        (self.folder / "bad.csv").write_text("1,2,3\n4,5\n")
+        self.expect_error(7, ["bad.csv", "line 2"], "align", "bad.csv", "bars.8vo", "-o", "a.txt",
+                          "--picture", "a.png")
+        (self.folder / "few.csv").write_text("1,2,3\n4,5,6\n")
+        self.expect_error(2, ["few.csv", "12"], "align", "few.csv", "bars.8vo")
+        self.expect_error(2, [".csv"], "align", "bars.docx", "bars.8vo")
+        self.expect_error(2, [".png"], "align", "bars.8vo", "bars.8vo", "--picture", "a.jpg")
+        self.assertEqual([path.name for path in self.folder.glob("a.*")], [])
+
+
 if __name__ == "__main__":
     cli_test.OCTAVO = cli_test.os.path.abspath(sys.argv.pop(1))
     cli_test.unittest.main()

@@ -132,10 +132,19 @@ void MeshGrowth::weld() {
 }
 
 TriangleMesh MeshGrowth::take() {
-  if (mesh_.triangles.empty()) {
+  require_triangles(mesh_);
+  return std::move(mesh_);
+}
+
+TriangleMesh MeshGrowth::take_points() {
+  if (mesh_.points.empty()) throw Error(ErrorKind::source_rejected, "the file has no points");
+  return std::move(mesh_);
+}
+
+void require_triangles(const TriangleMesh& mesh) {
+  if (mesh.triangles.empty()) {
     throw Error(ErrorKind::source_rejected, "the mesh has no triangles");
   }
-  return std::move(mesh_);
 }
 
 bool is_mesh_readable(MeshFormat format) {

@@ -42,4 +42,8 @@ const char* readable_mesh_endings();
 /// Memory  at most 2 times the mesh, and 8 bytes per corner of STL
 MeshReading read_mesh(ByteSpan bytes, MeshFormat format, std::uint64_t most_bytes);
 
+/// Reads a PLY whose points need no triangles between them.
+/// Throws  as read_mesh; Error{source_rejected} without points
+MeshReading read_point_ply(ByteSpan bytes, std::uint64_t most_bytes);
+
 }  // namespace octavo

@@ -61,6 +61,8 @@ class MeshGrowth {
 
   /// The mesh. Throws Error{source_rejected} where it has no triangles
   TriangleMesh take();
+  /// The mesh, with triangles or without. Throws Error{source_rejected} where it has no points
+  TriangleMesh take_points();
 
  private:
   void require_room(std::uint64_t bytes) const;
@@ -68,6 +70,9 @@ class MeshGrowth {
   TriangleMesh mesh_;
   std::uint64_t most_bytes_;
 };
+
+/// Throws Error{source_rejected} where a mesh has none.
+void require_triangles(const TriangleMesh& mesh);
 
 MeshReading read_stl(ByteSpan bytes, std::uint64_t most_bytes);
 MeshReading read_ply(ByteSpan bytes, std::uint64_t most_bytes);

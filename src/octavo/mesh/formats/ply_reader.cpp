@@ -249,7 +249,7 @@ void skip_element(const PlyElement& element, PlyNumbers& in) {
 
 }  // namespace
 
-MeshReading read_ply(ByteSpan bytes, std::uint64_t most_bytes) {
+MeshReading read_point_ply(ByteSpan bytes, std::uint64_t most_bytes) {
   MeshText text(text_of(bytes));
   const PlyHeader header = ply_header(text);
   PlyNumbers in(text, header.form);
@@ -261,7 +261,13 @@ MeshReading read_ply(ByteSpan bytes, std::uint64_t most_bytes) {
   }
   MeshReading reading;
   reading.space = header.space;
-  reading.mesh = mesh.take();
+  reading.mesh = mesh.take_points();
+  return reading;
+}
+
+MeshReading read_ply(ByteSpan bytes, std::uint64_t most_bytes) {
+  MeshReading reading = read_point_ply(bytes, most_bytes);
+  require_triangles(reading.mesh);
   return reading;
 }
 

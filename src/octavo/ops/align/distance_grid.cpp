@@ -30,6 +30,10 @@ DistanceGrid::DistanceGrid(const std::vector<float>& mm, const Size3& size,
   }
 }
 
+double DistanceGrid::sample_mm() const {
+  return step_ * *std::min_element(geometry_.spacing_mm.begin(), geometry_.spacing_mm.end());
+}
+
 GridDistance DistanceGrid::at(const Point3& world) const {
   const Point3 from_origin = difference(world, geometry_.origin_mm);
   std::array<std::int64_t, 3> low{};

@@ -28,6 +28,9 @@ class DistanceGrid {
   /// that is.
   GridDistance at(const Point3& world) const;
 
+  /// From one sample to the next along the axis on which they are closest.
+  double sample_mm() const;
+
  private:
   Size3 size_;
   double step_;

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <set>
+#include <vector>
 
 #include "octavo/core/vectors.h"
 
@@ -38,6 +40,30 @@ bool is_agreeing(const PosedSurface& from, const Point3& p, const PosedSurface& 
   return dot(own, other) > kSameWay * std::sqrt(dot(own, own) * dot(other, other));
 }
 
+using Cell = std::array<std::int64_t, 3>;
+
+Cell cell_of(const Point3& q, double side_mm) {
+  Cell cell{};
+  for (std::size_t a = 0; a < 3; ++a) {
+    cell[a] = static_cast<std::int64_t>(std::floor(q[a] / side_mm));
+  }
+  return cell;
+}
+
+/// Whether one of the points that cells hold is within their side.
+bool has_near(const std::map<Cell, std::vector<Point3>>& cells, const Point3& q, double side_mm) {
+  const Cell own = cell_of(q, side_mm);
+  for (int i = 0; i < 27; ++i) {
+    const auto found = cells.find({own[0] + i % 3 - 1, own[1] + i / 3 % 3 - 1, own[2] + i / 9 - 1});
+    if (found == cells.end()) continue;
+    for (const Point3& p : found->second) {
+      const Point3 apart = difference(p, q);
+      if (dot(apart, apart) <= side_mm * side_mm) return true;
+    }
+  }
+  return false;
+}
+
 }  // namespace
 
 PoseAgreement agreement_of(const PosedSurface& first, const PosedSurface& second,
@@ -50,30 +76,55 @@ PoseAgreement agreement_of(const PosedSurface& first, const PosedSurface& second
   const double tolerance =
       std::clamp(first.voxel_mm * scale, second.voxel_mm, 2 * second.voxel_mm);
 
-  using Cell = std::array<std::int64_t, 3>;
-  const auto cell_of = [&](const Point3& q) {
-    Cell cell{};
-    for (std::size_t a = 0; a < 3; ++a) {
-      cell[a] = static_cast<std::int64_t>(std::floor(q[a] / (kCellTolerances * tolerance)));
-    }
-    return cell;
-  };
+  const double side_mm = kCellTolerances * tolerance;
   std::set<Cell> around;
   std::size_t agreeing = 0;
   for (const Point3& p : first.points) {
     const Point3 q = map(p);
     if (!is_agreeing(first, p, second, q, map, tolerance)) continue;
     ++agreeing;
-    around.insert(cell_of(q));
+    around.insert(cell_of(q, side_mm));
   }
   agreement.forward = static_cast<double>(agreeing) / static_cast<double>(first.points.size());
 
   std::size_t asked = 0;
   agreeing = 0;
   for (const Point3& q : second.points) {
-    if (!around.contains(cell_of(q))) continue;
+    if (!around.contains(cell_of(q, side_mm))) continue;
     ++asked;
     if (is_agreeing(second, q, first, (*back)(q), *back, tolerance / scale)) ++agreeing;
+  }
+  if (asked > 0) {
+    agreement.backward = static_cast<double>(agreeing) / static_cast<double>(asked);
+  }
+  return agreement;
+}
+
+PoseAgreement agreement_of(const PosedPoints& first, const PosedSurface& second,
+                           const Affine& map) {
+  PoseAgreement agreement;
+  const Point3 unit_step = turned_way(map, {1, 0, 0});
+  const double scale = std::sqrt(dot(unit_step, unit_step));
+  const double tolerance = 1.5 * second.voxel_mm;
+  const double reach = std::max(tolerance, 1.5 * first.spacing_mm * scale);
+  const double side_mm = kCellTolerances * tolerance;
+  std::map<Cell, std::vector<Point3>> laid;
+  std::set<Cell> around;
+  std::size_t agreeing = 0;
+  for (const Point3& p : first.points) {
+    const Point3 q = map(p);
+    laid[cell_of(q, reach)].push_back(q);
+    if (!(std::abs(second.distances.at(q).mm) <= tolerance)) continue;
+    ++agreeing;
+    around.insert(cell_of(q, side_mm));
+  }
+  agreement.forward = static_cast<double>(agreeing) / static_cast<double>(first.points.size());
+  std::size_t asked = 0;
+  agreeing = 0;
+  for (const Point3& q : second.points) {
+    if (!around.contains(cell_of(q, side_mm))) continue;
+    ++asked;
+    if (has_near(laid, q, reach)) ++agreeing;
   }
   if (asked > 0) {
     agreement.backward = static_cast<double>(agreeing) / static_cast<double>(asked);

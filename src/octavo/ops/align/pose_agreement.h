@@ -31,4 +31,15 @@ struct PoseAgreement {
 PoseAgreement agreement_of(const PosedSurface& first, const PosedSurface& second,
                            const Affine& map);
 
+/// Points without sides, as of a mesh or a point set.
+struct PosedPoints {
+  std::span<const Point3> points;
+  double spacing_mm = 1;  ///< from one to the next
+};
+
+/// The same within 1.5 voxels of the second surface, without a look at which way surfaces face; its
+/// points agree where one of the first is no farther than that, or 1.5 times their spacing.
+PoseAgreement agreement_of(const PosedPoints& first, const PosedSurface& second,
+                           const Affine& map);
+
 }  // namespace octavo

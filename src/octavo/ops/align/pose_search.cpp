@@ -143,11 +143,21 @@ double condition_of(const PoseMatrix& m, std::size_t n) {
   return largest / smallest;
 }
 
+constexpr double kReachRadii = 2.5;  // of the ball in which lines of sight meet the target
+
+/// What is laid onto the target: either points or lines.
+struct PosedFeatures {
+  std::span<const Point3> points;
+  std::span<const SightLine> lines;
+
+  std::size_t count() const { return points.size() + lines.size(); }
+};
+
 class PoseSolver {
  public:
-  PoseSolver(std::span<const Point3> points, const Point3& pivot, const PoseTarget& target,
+  PoseSolver(const PosedFeatures& features, const Point3& pivot, const PoseTarget& target,
              bool has_scale)
-      : points_(points), pivot_(pivot), target_(target), n_(has_scale ? 7 : 6) {}
+      : features_(features), pivot_(pivot), target_(target), n_(has_scale ? 7 : 6) {}
 
   /// What a stage works with.
   struct Stage {
@@ -193,8 +203,18 @@ class PoseSolver {
     return condition_of(m, n_);
   }
 
-  Point3 placed(const Pose& pose, const Point3& p) const {
-    return sum(scaled(turned_point(pose.turn, difference(p, pivot_)), pose.scale), pose.place);
+  /// A feature where a pose puts it: a point, or the place of a line that is nearest.
+  NearestSight placed(const Pose& pose, std::size_t i, const DistanceGrid& grid) const {
+    const auto place_of = [&](const Point3& p) {
+      return sum(scaled(turned_point(pose.turn, difference(p, pivot_)), pose.scale), pose.place);
+    };
+    if (!features_.lines.empty()) {
+      const SightLine& line = features_.lines[i];
+      return nearest_sight(grid, {place_of(line.from), place_of(line.to)},
+                           {target_.middle, kReachRadii * target_.radius_mm});
+    }
+    const Point3 place = place_of(features_.points[i]);
+    return {place, grid.at(place)};
   }
 
  private:
@@ -202,11 +222,11 @@ class PoseSolver {
   double system(const Pose& pose, const Stage& stage, PoseMatrix& m, PoseRow& right) const {
     const double cut2 = stage.cut_mm * stage.cut_mm;
     double cost = 0;
-    const std::size_t count = std::min(stage.points, points_.size());
+    const std::size_t count = std::min(stage.points, features_.count());
     for (std::size_t i = 0; i < count; ++i) {
-      const Point3 arm = scaled(turned_point(pose.turn, difference(points_[i], pivot_)),
-                                pose.scale);
-      const GridDistance d = stage.grid.at(sum(arm, pose.place));
+      const NearestSight feature = placed(pose, i, stage.grid);
+      const Point3 arm = difference(feature.place, pose.place);
+      const GridDistance& d = feature.distance;
       // Distances in the size of the points, or a scale of 0 would be best.
       const double r = d.mm / pose.scale;
       const double r2 = r * r;
@@ -238,7 +258,7 @@ class PoseSolver {
     return next;
   }
 
-  std::span<const Point3> points_;
+  PosedFeatures features_;
   Point3 pivot_;
   const PoseTarget& target_;
   std::size_t n_;
@@ -269,19 +289,87 @@ std::vector<Pose> improved(const PoseSolver& solver, std::vector<Pose> poses,
   return kept;
 }
 
-void measure_residuals(std::span<const Point3> points, const PoseSolver& solver, const Pose& pose,
+void measure_residuals(std::size_t count, const PoseSolver& solver, const Pose& pose,
                        const PoseTarget& target, FoundPose& found) {
   std::vector<double> near;
-  for (const Point3& p : points) {
-    const double mm = std::abs(target.fine.at(solver.placed(pose, p)).mm);
+  for (std::size_t i = 0; i < count; ++i) {
+    const double mm = std::abs(solver.placed(pose, i, target.fine).distance.mm);
     if (mm <= 2 * target.voxel_mm) near.push_back(mm);
   }
-  found.overlap = static_cast<double>(near.size()) / static_cast<double>(points.size());
+  found.overlap = static_cast<double>(near.size()) / static_cast<double>(count);
   if (near.empty()) return;
   std::sort(near.begin(), near.end());
   for (const double mm : near) found.mean_mm += mm / static_cast<double>(near.size());
   found.p95_mm = near[static_cast<std::size_t>(0.95 * static_cast<double>(near.size() - 1))];
   found.max_mm = near.back();
+}
+
+/// Poses to begin with: own axes onto those of the target, turned in all ways.
+/// is_shifted  and shifted along these axes: what is cut off leaves the middle elsewhere
+std::vector<Pose> starting_poses(const PointSpread& own, const PoseTarget& target, bool has_scale,
+                                 bool is_shifted) {
+  Rotation to_axes{};
+  Rotation from_axes{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t j = 0; j < 3; ++j) {
+      to_axes[3 * i + j] = own.axes[i][j];
+      from_axes[3 * i + j] = target.axes[j][i];
+    }
+  }
+  std::vector<Pose> poses;
+  for (const auto& more : spread_turns(30)) {
+    for (const auto& turn : axis_turns()) {
+      Pose pose;
+      pose.turn = chained(chained(chained(to_axes, turn), from_axes), more);
+      if (has_scale) pose.scale = target.radius_mm / std::max(own.radius_mm, 1e-9);
+      pose.place = target.middle;
+      poses.push_back(pose);
+      if (!is_shifted) continue;
+      for (const Point3& axis : target.axes) {
+        for (const double way : {-0.5, 0.5}) {
+          pose.place = sum(target.middle, scaled(axis, way * target.radius_mm));
+          poses.push_back(pose);
+        }
+      }
+    }
+  }
+  return poses;
+}
+
+FoundPose found_pose(const PosedFeatures& features, const PointSpread& own,
+                     const PoseTarget& target, bool has_scale, Progress& progress) {
+  const PoseSolver solver(features, own.middle, target, has_scale);
+  const double voxel = target.voxel_mm;
+  const double radius = target.radius_mm;
+  // A line costs as many looks at the map as forty points.
+  const bool has_lines = !features.lines.empty();
+  std::vector<Pose> poses = starting_poses(own, target, has_scale, !has_lines);
+  const auto improve = [&](std::size_t points, std::size_t lines, const DistanceGrid& grid,
+                           double cut_mm, int steps, std::size_t kept) {
+    poses = improved(solver, std::move(poses),
+                     {grid, has_lines ? lines : points, cut_mm, steps}, kept, progress);
+  };
+  improve(100, 60, target.coarse, radius / 4, has_lines ? 4 : 0, has_lines ? 200 : 900);
+  improve(150, 100, target.coarse, radius / 5, 12, has_lines ? 40 : 80);
+  improve(500, 200, target.coarse, radius / 12, 15, has_lines ? 12 : 16);
+  improve(1500, 400, target.fine, std::max(3 * voxel, radius / 40), 20, 3);
+  improve(3000, 800, target.fine, 1.5 * voxel, 25, 1);
+  // As rough as the surfaces are: all that is near has to count alike.
+  FoundPose rough;
+  measure_residuals(features.count(), solver, poses.front(), target, rough);
+  const double cut = std::clamp(3 * rough.mean_mm, 0.7 * voxel, 3 * voxel);
+  const PoseSolver::Stage last{target.fine, features.count(), cut, 25};
+  poses = improved(solver, std::move(poses), last, 1, progress);
+
+  const Pose& best = poses.front();
+  FoundPose found;
+  found.scale = best.scale;
+  for (std::size_t i = 0; i < 9; ++i) found.map.linear[i] = best.scale * best.turn[i];
+  found.map.offset = difference(best.place, turned_point(found.map.linear, own.middle));
+  found.iterations = best.iterations;
+  found.condition = solver.condition(best, last);
+  measure_residuals(features.count(), solver, best, target, found);
+  return found;
 }
 
 }  // namespace
@@ -306,60 +394,14 @@ PointSpread spread_of(std::span<const Point3> points) {
 
 FoundPose find_pose(std::span<const Point3> points, const PoseTarget& target, bool has_scale,
                     Progress& progress) {
-  const PointSpread own = spread_of(points);
-  const PoseSolver solver(points, own.middle, target, has_scale);
-  const double voxel = target.voxel_mm;
-  const double radius = target.radius_mm;
+  return found_pose({points, {}}, spread_of(points), target, has_scale, progress);
+}
 
-  // Starts: own axes onto those of the target, turned in all ways.
-  Rotation to_axes{};
-  Rotation from_axes{};
-  for (std::size_t i = 0; i < 3; ++i) {
-    for (std::size_t j = 0; j < 3; ++j) {
-      to_axes[3 * i + j] = own.axes[i][j];
-      from_axes[3 * i + j] = target.axes[j][i];
-    }
-  }
-  std::vector<Pose> poses;
-  for (const auto& more : spread_turns(30)) {
-    for (const auto& turn : axis_turns()) {
-      Pose pose;
-      pose.turn = chained(chained(chained(to_axes, turn), from_axes), more);
-      if (has_scale) pose.scale = radius / std::max(own.radius_mm, 1e-9);
-      pose.place = target.middle;
-      poses.push_back(pose);
-      // What is cut off leaves the middle elsewhere.
-      for (const Point3& axis : target.axes) {
-        for (const double way : {-0.5, 0.5}) {
-          pose.place = sum(target.middle, scaled(axis, way * radius));
-          poses.push_back(pose);
-        }
-      }
-    }
-  }
-
-  poses = improved(solver, std::move(poses), {target.coarse, 100, radius / 4, 0}, 900, progress);
-  poses = improved(solver, std::move(poses), {target.coarse, 150, radius / 5, 12}, 80, progress);
-  poses = improved(solver, std::move(poses), {target.coarse, 500, radius / 12, 15}, 16, progress);
-  poses = improved(solver, std::move(poses), {target.fine, 1500, std::max(3 * voxel, radius / 40),
-                                              20}, 3, progress);
-  poses = improved(solver, std::move(poses), {target.fine, 3000, 1.5 * voxel, 25}, 1, progress);
-  // As rough as the surfaces are: all that is near has to count alike.
-  FoundPose rough;
-  measure_residuals(points, solver, poses.front(), target, rough);
-  const double cut = std::clamp(3 * rough.mean_mm, 0.7 * voxel, 3 * voxel);
-  const PoseSolver::Stage last{target.fine, points.size(), cut, 25};
-  poses = improved(solver, std::move(poses), last, 1, progress);
-
-  const Pose& best = poses.front();
-  FoundPose found;
-  found.scale = best.scale;
-  for (std::size_t i = 0; i < 9; ++i) found.map.linear[i] = best.scale * best.turn[i];
-  found.map.offset = difference(best.place, turned_point(found.map.linear, own.middle));
-  found.iterations = best.iterations;
-  found.condition = solver.condition(best, last);
-  measure_residuals(points, solver, best, target, found);
-  return found;
+FoundPose find_pose(std::span<const SightLine> lines, const PoseTarget& target, bool has_scale,
+                    Progress& progress) {
+  const SightMiddle middle = middle_of(lines);
+  const PointSpread own = {middle.middle, {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}, middle.radius_mm};
+  return found_pose({{}, lines}, own, target, has_scale, progress);
 }
 
 }  // namespace octavo

@@ -22,6 +22,7 @@
 
 #include "octavo/core/progress.h"
 #include "octavo/ops/align/distance_grid.h"
+#include "octavo/ops/align/sight_lines.h"
 #include "octavo/ops/grid/affine.h"
 
 namespace octavo {
@@ -63,6 +64,13 @@ PointSpread spread_of(std::span<const Point3> points);
 /// Requires   points
 /// Throws     Error{cancelled}
 FoundPose find_pose(std::span<const Point3> points, const PoseTarget& target, bool has_scale,
+                    Progress& progress);
+
+/// The best pose of lines of sight, each of which touches the surface: the first of them from all
+/// sides. Distances are the smallest of each line.
+/// Requires  lines that hold their middle (SightMiddle)
+/// Throws    Error{cancelled}
+FoundPose find_pose(std::span<const SightLine> lines, const PoseTarget& target, bool has_scale,
                     Progress& progress);
 
 }  // namespace octavo

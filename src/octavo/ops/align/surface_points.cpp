@@ -1,7 +1,11 @@
 #include "octavo/ops/align/surface_points.h"
 
 #include <algorithm>
+#include <cmath>
 #include <random>
+#include <utility>
+
+#include "octavo/core/vectors.h"
 
 namespace octavo {
 
@@ -53,6 +57,47 @@ std::vector<Point3> surface_points(const MaskTree& mask, const Geometry& geometr
     std::swap(points[i - 1], points[static_cast<std::size_t>(random() % i)]);
   }
   for (Point3& p : points) p = geometry.to_world(p);
+  return points;
+}
+
+std::vector<Point3> surface_points(const TriangleMesh& mesh, std::int64_t count) {
+  const auto corner = [&](const MeshTriangle& triangle, std::size_t i) {
+    const MeshPoint& p = mesh.points[triangle[i]];
+    return Point3{p[0], p[1], p[2]};
+  };
+  std::vector<double> area_before = {0};
+  for (const MeshTriangle& triangle : mesh.triangles) {
+    const Point3 from = corner(triangle, 0);
+    const Point3 twice = cross(difference(corner(triangle, 1), from),
+                               difference(corner(triangle, 2), from));
+    area_before.push_back(area_before.back() + std::sqrt(dot(twice, twice)) / 2);
+  }
+  if (!(area_before.back() > 0)) return {};
+  std::mt19937_64 random(25);
+  const auto share = [&] { return static_cast<double>(random() >> 11) * 0x1p-53; };
+  std::vector<Point3> points;
+  for (std::int64_t i = 0; i < count; ++i) {
+    const double at = share() * area_before.back();
+    const auto after = std::upper_bound(area_before.begin() + 1, area_before.end() - 1, at);
+    const MeshTriangle& triangle =
+        mesh.triangles[static_cast<std::size_t>(after - area_before.begin()) - 1];
+    const double root = std::sqrt(share());
+    const double along = share();
+    points.push_back(sum(scaled(corner(triangle, 0), 1 - root),
+                         sum(scaled(corner(triangle, 1), root * (1 - along)),
+                             scaled(corner(triangle, 2), root * along))));
+  }
+  return points;
+}
+
+std::vector<Point3> spread_points(std::vector<Point3> points, std::int64_t count) {
+  std::mt19937_64 random(25);
+  for (std::size_t i = points.size(); i > 1; --i) {
+    std::swap(points[i - 1], points[static_cast<std::size_t>(random() % i)]);
+  }
+  if (points.size() > static_cast<std::size_t>(count)) {
+    points.resize(static_cast<std::size_t>(count));
+  }
   return points;
 }
 

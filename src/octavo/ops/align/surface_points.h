@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "octavo/core/geometry.h"
+#include "octavo/core/triangle_mesh.h"
 #include "octavo/octree/mask_tree.h"
 
 namespace octavo {
@@ -15,5 +16,12 @@ namespace octavo {
 /// Memory  4 planes of bytes, 24 bytes a point
 std::vector<Point3> surface_points(const MaskTree& mask, const Geometry& geometry,
                                    std::int64_t count);
+
+/// About `count` places on the triangles of a mesh, as many as they have of its area, in such an
+/// order. Depends on the mesh alone.
+std::vector<Point3> surface_points(const TriangleMesh& mesh, std::int64_t count);
+
+/// `count` of the points, or all where there are fewer, in such an order.
+std::vector<Point3> spread_points(std::vector<Point3> points, std::int64_t count);
 
 }  // namespace octavo

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -13,6 +14,9 @@
 #include "octavo/ops/distance/distance_passes.h"
 #include "octavo/tasks/inputs.h"
 #include "octavo/tasks/masks.h"
+#include "octavo/tasks/pictures/picture_files.h"
+#include "octavo/tasks/structure/moving_surface.h"
+#include "octavo/tasks/structure/pose_picture.h"
 #include "octavo/tasks/volume_facts.h"
 
 namespace octavo {
@@ -77,22 +81,64 @@ void write_matrix(const Affine& map, const Output& output) {
   file.publish(output.overwrite);
 }
 
+/// What moves, by its points or lines; of a mask with its distances.
+struct MovingSide {
+  MovingFeatures features;
+  std::optional<LeveledMask> mask;
+};
+
+MovingSide open_moving(const std::string& path, const TaskContext& context) {
+  MovingSide side;
+  if (is_moving_mask(path)) {
+    side.mask = open_leveled(path, context);
+    side.features.points = points_of(*side.mask, path);
+  } else {
+    side.features = read_features(path, kMostPoints, context);
+  }
+  return side;
+}
+
+/// The share of lines of sight that touch the surface within a voxel, and where each is nearest.
+PoseAgreement agreement_of_lines(const std::vector<SightLine>& lines, const PoseTarget& target,
+                                 const Affine& map, std::vector<PosedPlace>& places) {
+  const SightReach reach = {target.middle, 2.5 * target.radius_mm};
+  std::size_t agreeing = 0;
+  for (const SightLine& line : lines) {
+    const NearestSight near = nearest_sight(target.fine, {map(line.from), map(line.to)}, reach);
+    places.push_back({near.place, near.distance.mm});
+    if (std::abs(near.distance.mm) <= target.voxel_mm) ++agreeing;
+  }
+  return {static_cast<double>(agreeing) / static_cast<double>(lines.size()), 0};
+}
+
+bool is_enough(const AlignResult& result) {
+  if (result.has_lines) return result.agreement.forward >= kMinimumSights;
+  return result.agreement.forward >= kMinimumAgreement.forward &&
+         result.agreement.backward >= kMinimumAgreement.backward;
+}
+
+void check_outputs(const AlignOptions& options) {
+  for (const Output* output : {&options.matrix, &options.picture}) {
+    if (output->path.empty()) continue;
+    require_free(*output);
+    require_no_input(output->path, {options.moving, options.fixed});
+  }
+  if (!options.picture.path.empty()) require_png(options.picture.path);
+}
+
 }  // namespace
 
 AlignResult align(const AlignOptions& options, const TaskContext& context) {
-  if (!options.matrix.path.empty()) {
-    require_free(options.matrix);
-    require_no_input(options.matrix.path, {options.moving, options.fixed});
-  }
+  check_outputs(options);
   const LeveledMask fixed = open_leveled(options.fixed, context);
-  const LeveledMask moving = open_leveled(options.moving, context);
+  const MovingSide moving = open_moving(options.moving, context);
+  const MovingFeatures& features = moving.features;
   const Size3 size = fixed.tree.size();
-  const Size3 moving_size = moving.tree.size();
+  const std::int64_t moving_voxels = moving.mask ? moving.mask->tree.size().voxel_count() : 0;
   context.require_memory(9 * static_cast<std::uint64_t>(size.voxel_count()) +
-                             8 * static_cast<std::uint64_t>(moving_size.voxel_count()),
+                             8 * static_cast<std::uint64_t>(moving_voxels),
                          "the distances");
   const std::vector<Point3> fixed_points = points_of(fixed, options.fixed);
-  const std::vector<Point3> points = points_of(moving, options.moving);
 
   // The maps of distances.
   std::vector<float> mm = distances_of(fixed, context);
@@ -102,9 +148,11 @@ AlignResult align(const AlignOptions& options, const TaskContext& context) {
   const DistanceGrid fine(mm, size, fixed.geometry, 1);
   mm = {};
 
+  // The pose.
   AlignResult result;
   result.level = fixed.level;
-  result.points = points.size();
+  result.points = features.points.size() + features.lines.size();
+  result.has_lines = !features.lines.empty();
   result.voxel_mm = voxel_side(fixed);
   const PointSpread spread = spread_of(fixed_points);
   const PoseTarget target{coarse,      fine, spread.middle, spread.axes, spread.radius_mm,
@@ -112,18 +160,39 @@ AlignResult align(const AlignOptions& options, const TaskContext& context) {
   {
     const ProgressScope scope(context.watcher(), "align", 1, "poses");
     context.on_threads([&] {
-      result.pose = find_pose(points, target, options.has_scale, context.watcher());
+      result.pose = result.has_lines
+          ? find_pose(features.lines, target, options.has_scale, context.watcher())
+          : find_pose(features.points, target, options.has_scale, context.watcher());
     });
   }
 
-  const DistanceGrid own(distances_of(moving, context), moving_size, moving.geometry, 1);
-  result.agreement = agreement_of({points, own, voxel_side(moving)},
-                                  {fixed_points, fine, result.voxel_mm}, result.pose.map);
-  result.is_found = result.agreement.forward >= kMinimumAgreement.forward &&
-                    result.agreement.backward >= kMinimumAgreement.backward;
-  if (result.is_found && !options.matrix.path.empty()) {
-    write_matrix(result.pose.map, options.matrix);
+  // Whether it is one.
+  std::vector<PosedPlace> places;
+  const PosedSurface onto = {fixed_points, fine, result.voxel_mm};
+  if (result.has_lines) {
+    result.agreement = agreement_of_lines(features.lines, target, result.pose.map, places);
+  } else if (moving.mask) {
+    const LeveledMask& mask = *moving.mask;
+    const DistanceGrid own(distances_of(mask, context), mask.tree.size(), mask.geometry, 1);
+    result.agreement =
+        agreement_of({features.points, own, voxel_side(mask)}, onto, result.pose.map);
+  } else {
+    result.agreement = agreement_of(PosedPoints{features.points, features.spacing_mm}, onto,
+                                    result.pose.map);
   }
+  result.is_found = is_enough(result);
+  if (!result.is_found) return result;
+  PictureFiles pictures(context);
+  if (!options.picture.path.empty()) {
+    for (const Point3& p : features.points) {
+      const Point3 q = result.pose.map(p);
+      places.push_back({q, fine.at(q).mm});
+    }
+    pictures.add(options.picture.path,
+                 pose_picture(fixed.tree, fixed.geometry, places, result.voxel_mm));
+  }
+  if (!options.matrix.path.empty()) write_matrix(result.pose.map, options.matrix);
+  pictures.publish(options.picture.overwrite);
   return result;
 }
 

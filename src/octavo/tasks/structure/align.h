@@ -1,4 +1,5 @@
-// The pose that lays the surface of one mask onto that of another.
+// The pose that lays a surface onto that of a mask: another mask, a mesh, points, or the lines of
+// sight that contours of X-ray pictures are.
 #pragma once
 
 #include <string>
@@ -12,15 +13,20 @@
 namespace octavo {
 
 struct AlignOptions {
-  std::string moving;  ///< a label map; every voxel but 0 is in the mask
-  std::string fixed;   ///< another, whose place is taken
+  std::string moving;  ///< as moving_surface.h says
+  std::string fixed;   ///< a label map whose place is taken; every voxel but 0 is in the mask
   Output matrix;       ///< a text file that read_affine takes; no path: none is written
   bool has_scale = false;
+  Output picture = {};  ///< a PNG of both; no path: none is written
 };
 
 /// Shares of agreement below which there is no pose. Half of a surface may be missing, and of what
 /// is left voxels twice as large lose a part; around what agrees, most of the other has to.
 inline constexpr PoseAgreement kMinimumAgreement = {0.3, 0.6};
+
+/// The share of lines of sight that have to touch the surface within a voxel; nothing is asked the
+/// other way.
+inline constexpr double kMinimumSights = 0.6;
 
 struct AlignResult {
   FoundPose pose;  ///< from world space of `moving` to that of `fixed`, mm, LPS
@@ -29,11 +35,13 @@ struct AlignResult {
   int level = 0;   ///< of the fixed mask that distances were measured at
   double voxel_mm = 0;  ///< of that level
   std::uint64_t points = 0;
+  bool has_lines = false;  ///< what moved were lines of sight: points counts these
 };
 
-/// Finds the pose, and writes its matrix where enough of the surfaces agree; otherwise nothing.
-/// Of masks larger than 2^26 voxels coarser levels are taken.
-/// Throws  as open_labels and PendingFile; Error{invalid_argument} for a mask without a surface and
+/// Finds the pose, and writes its matrix and picture where enough of the surfaces agree; otherwise
+/// nothing. Lines of sight are moved as the rest is: the inverse of their pose takes the mask to
+/// where the pictures were taken. Of masks larger than 2^26 voxels coarser levels are taken.
+/// Throws  as open_labels, read_features, require_png and PendingFile; Error{invalid_argument} for a mask without a surface and
 ///         for one of unknown spacing; Error{limit_exceeded}
 /// Memory  the masks, 9 bytes for each voxel of the level of the fixed one, 8 of the moving one
 AlignResult align(const AlignOptions& options, const TaskContext& context);
