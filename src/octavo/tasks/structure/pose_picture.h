@@ -16,8 +16,8 @@ struct PosedPlace {
 };
 
 /// Views along the three axes of the grid. The mask is grey, lighter where more of it lies behind;
-/// places are green within `near_mm`, yellow within twice that, red beyond. Places beside the volume
-/// are cropped.
+/// places are green within `near_mm`, yellow within twice that, red beyond. Places beside the
+/// volume are cropped.
 /// Memory  three planes of counts, four of voxels
 Picture pose_picture(const MaskTree& mask, const Geometry& geometry,
                      const std::vector<PosedPlace>& places, double near_mm);

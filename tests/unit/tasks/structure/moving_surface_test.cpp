@@ -67,8 +67,8 @@ TEST_F(MovingSurface, MeshesGivePlacesOnTheirTriangles) {
       "property float z\n";
   const std::string corners = "0 0 5\n8 0 5\n8 8 5\n0 8 5\n";
   const MovingFeatures mesh =
-      read("d.ply", header + "element face 1\nproperty list uchar int vertex_indices\nend_header\n" +
-                        corners + "4 0 1 2 3\n");
+      read("d.ply", header + "element face 1\nproperty list uchar int vertex_indices\n" +
+                        "end_header\n" + corners + "4 0 1 2 3\n");
   ASSERT_EQ(mesh.points.size(), 1000u);
   double left = 0;
   for (const Point3& p : mesh.points) {
