@@ -93,6 +93,7 @@ LIBRARIES = {
     "libtiff": (re.compile(r"tiff\w*\.h$"), {"io"}),
     "libpng": (re.compile(r"png\w*\.h$"), {"io", "render"}),
     "FreeType": (re.compile(r"freetype/"), {"render"}),
+    "libwebp": (re.compile(r"webp/"), {"render"}),
     "zlib": (re.compile(r"zlib\.h$"), {"io", "render"}),
     "meshoptimizer": (re.compile(r"meshoptimizer\.h$"), {"mesh"}),
     "minizip": (re.compile(r"minizip/"), {"mesh"}),

@@ -253,6 +253,10 @@ void add_ray_options(Verb verb, RenderArguments& arguments) {
       ->check(above_zero());
   verb.add_flag("--progressive", arguments.is_progressive,
                 "rays: write coarse pictures first, each in place of the one before");
+  verb.add_flag("--adaptive", arguments.is_adaptive,
+                "rays: one for 2 x 2 pixels, and all of them where these differ");
+  verb.add_flag("--smooth-edges", arguments.has_smooth_edges,
+                "rays: four for a pixel that differs much from its neighbors");
 }
 
 }  // namespace
@@ -290,6 +294,8 @@ RenderOptions render_options(const RenderArguments& arguments, const Context& co
   options.has_shadows = arguments.has_shadows;
   options.time_budget_s = arguments.time_budget_s;
   options.is_progressive = arguments.is_progressive;
+  options.is_adaptive = arguments.is_adaptive;
+  options.has_smooth_edges = arguments.has_smooth_edges;
   options.background = asked_background(arguments.background);
   options.fade = arguments.fade;
   options.is_average = arguments.is_average;
@@ -309,7 +315,7 @@ bool is_of_rays(const std::string& mode) {
 
 void add_render_options(Verb verb, RenderArguments& arguments) {
   verb.add_input(arguments.input);
-  verb.add_output(arguments.output, "The .png file to write");
+  verb.add_output(arguments.output, "The .png file to write, or .apng, .webp or .mp4");
   std::vector<std::string> modes;
   for (const NamedMode& mode : kModes) modes.emplace_back(mode.name);
   verb.add_option("--mode", arguments.mode,
@@ -336,7 +342,7 @@ void add_render_options(Verb verb, RenderArguments& arguments) {
       ->type_name("K");
   verb.add_option("--transfer", arguments.transfer,
                   "volume, and the color of iso: bone, skin, vessels, lung, mr, lightsheet, or a "
-                  "JSON file (default: skin for HU, else a ramp)")
+                  "JSON file (default: skin for HU, else fitted to the values)")
       ->type_name("PRESET|FILE");
   verb.add_option("--isovalue", arguments.isovalue, "iso: the real value where its surface lies")
       ->type_name("VALUE");

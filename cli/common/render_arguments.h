@@ -39,6 +39,8 @@ struct RenderArguments {
   bool has_shadows = false;
   std::optional<double> time_budget_s;
   bool is_progressive = false;
+  bool is_adaptive = false;
+  bool has_smooth_edges = false;
   int turntable = 0;
   bool is_growing = false;
   int fps = 12;

@@ -17,10 +17,10 @@ namespace {
 constexpr VerbText kMpiRenderText = {
     "render", "Draw grey values by rays, seen from a side, by all ranks.",
     "Modes volume, mip, minip, mean and iso of octavo render, with its options but for --mesh,\n"
-    "--mark, --time-budget and --progressive. Each rank owns whole nodes of the octree and reads\n"
-    "what its rays come to in them; colors and opacities are then composited in the order of the\n"
-    "octants, each rank its share of the picture. The picture is that of one machine within a\n"
-    "level of grey of 255.\n\n"
+    "--mark, --time-budget, --progressive, --adaptive and --smooth-edges. Each rank owns whole\n"
+    "nodes of the octree and reads what its rays come to in them; colors and opacities are then\n"
+    "composited in the order of the octants, each rank its share of the picture. The picture is\n"
+    "that of one machine within a level of grey of 255.\n\n"
     "Examples:\n"
     "  mpirun -n 4 octavo-mpi render head.8vo --mode volume --transfer skin -o head.png\n"
     "  mpirun -n 64 octavo-mpi render scan.8vo --mode iso --isovalue 90 --turntable 36 "

@@ -144,6 +144,7 @@ constexpr Advice kAdvice[] = {
     {kAny, "two_values", "", "--labels builds it as one, which verbs for masks take"},
 
     // --- Pictures
+    {ErrorKind::io, "animation.ffmpeg", "", "name it NAME.webp or NAME.apng, or install ffmpeg"},
     {kUsage, "angle_degrees", "", "leave out --perspective"},
     {kUsage, "axes", "", "give one --axis"},
     {kUsage, "cuts", "", "--cut 'x<120' keeps the voxels below 120, 'x>120' those above"},
@@ -173,6 +174,7 @@ constexpr Advice kAdvice[] = {
     {kUsage, "ranges.look", "", "leave it out of --range, or give --mode transparency"},
     {kUsage, "ranks.mode", "", "give --mode volume, or draw it with octavo render"},
     {kUsage, "ranks.options", "", "draw it with octavo render"},
+    {kUsage, "refine.mode", "", "leave out --adaptive and --smooth-edges"},
     {kUsage, "shade", "", "leave out --shade"},
     {kUsage, "thumbnail", "", "give --thumbnail NAME.png"},
     {kUsage, "transfer.mode", "", "leave out --transfer"},

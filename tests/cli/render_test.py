@@ -228,9 +228,33 @@ class Pictures(cli_test.InFolder):
                            "1000", "-o", "e.png").stderr
         self.assertEqual(told.count("its unit is not known"), 1, told)
 
+    def test_rays_see_masks_and_labels_and_refine(self):
+        labels = [{10: 0, 40: 3, 90: 250}[v] for v in scene()]
+        (self.folder / "l.raw").write_bytes(bytes(labels))
+        self.build("l.raw", "l.8vo", "uint8", "--labels")
+        rays = ("--mode", "volume", "--direction", "front-top", "--size", "64")
+        _, whole = self.render("a.png", "v.8vo", *rays)
+        _, labeled = self.render("b.png", "v.8vo", *rays, "--labels", "l.8vo", "--label", "3",
+                                 "--label-look", "3=#ff0000:0.8", "--label-look", "other=none")
+        seen = [p for row in labeled for p in row if max(p) > 20]
+        self.assertTrue(seen)
+        self.assertTrue(all(p[0] > p[1] + 10 or min(p) > 150 for p in seen), seen[:9])
+        _, masked = self.render("c.png", "v.8vo", *rays, "--mask", "l.8vo")
+        self.assertNotEqual(masked, labeled)
+        for option in ("--adaptive", "--smooth-edges"):
+            _, refined = self.render("d.png", "v.8vo", *rays, option)
+            self.assertEqual(len(refined), len(whole))
+        self.expect_error(2, ["--label-look", "LABEL=COLOR"], "render", "v.8vo", *rays,
+                          "--labels", "l.8vo", "--label-look", "3", "-o", "x.png")
+        self.expect_error(2, ["--labels FILE"], "render", "v.8vo", *rays, "--label-look",
+                          "3=red", "-o", "x.png")
+
     def test_an_animation_is_one_file(self):
         self.expect(0, "render", "v.8vo", "--range", "40:", "--size", "64", "--turntable", "3",
                     "--grow", "-o", "turn.apng", "-q")
+        self.expect(0, "render", "v.8vo", "--range", "40:", "--size", "64", "--turntable", "3",
+                    "-o", "turn.webp", "-q")
+        self.assertEqual((self.folder / "turn.webp").read_bytes().count(b"ANMF"), 3)
         self.assertEqual((self.folder / "turn.apng").read_bytes().count(b"fcTL"), 3)
         self.assertFalse((self.folder / "turn-000.png").exists())
 

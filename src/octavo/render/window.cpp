@@ -58,7 +58,7 @@ Window robust_window(std::vector<double> finite) {
   return high > low ? window_between(low, high) : window_between(whole_low, whole_high);
 }
 
-Window robust_window(const FileReader& reader) {
+std::vector<double> sampled_values(const FileReader& reader) {
   const Levels& levels = reader.levels();
   int level = 0;
   while (levels.size(level).voxel_count() > kMaximumSamples) ++level;
@@ -76,7 +76,9 @@ Window robust_window(const FileReader& reader) {
       values[i] = static_cast<double>(value);
     }
   });
-  return robust_window(std::move(values));
+  return values;
 }
+
+Window robust_window(const FileReader& reader) { return robust_window(sampled_values(reader)); }
 
 }  // namespace octavo

@@ -36,6 +36,10 @@ std::optional<Window> find_window_preset(std::string_view name);
 /// not count.
 Window robust_window(std::vector<double> values);
 
+/// The stored values of the finest level of a volume that has at most 2^21 samples.
+/// Throws what the reader throws.
+std::vector<double> sampled_values(const FileReader& reader);
+
 /// The same of the stored values of a volume, as a level of at most 2^21 samples has them.
 /// Throws what the reader throws.
 Window robust_window(const FileReader& reader);

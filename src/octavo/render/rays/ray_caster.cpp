@@ -41,6 +41,10 @@ void start_tile(RayTile& tile, const RayFrame& frame, const RayField& field, std
   }
 }
 
+bool is_chosen(const RayFrame& frame, std::size_t number, std::size_t ray) {
+  return frame.chosen == nullptr || (frame.chosen[number] >> (ray / 16) & 1) != 0;
+}
+
 /// Sets the rays that are not done to the begin of a region.
 void enter_region(RayTile& tile, const RayFrame& frame, const RayField& field,
                   std::size_t number) {
@@ -48,15 +52,17 @@ void enter_region(RayTile& tile, const RayFrame& frame, const RayField& field,
   for (std::size_t i = 0; i < kTileRays; ++i) {
     const bool is_full = (frame.mode == RayMode::volume && tile.gathered[i] >= frame.enough) ||
                          (frame.mode == RayMode::iso && tile.gathered[i] > 0);
-    tile.k[i] = is_full || !is_in_picture(field, number, i) ? kRayDone : 0;
+    const bool is_cast = is_in_picture(field, number, i) && is_chosen(frame, number, i);
+    tile.k[i] = is_full || !is_cast ? kRayDone : 0;
   }
 }
 
 /// The stops of the rays of each tile that has layers.
 std::vector<std::unique_ptr<RayStops>> make_stops(const RayField& field) {
   std::vector<std::unique_ptr<RayStops>> stops(field.tiles.size());
-  for (std::size_t i = 0; i < field.layers.size(); ++i) {
-    if (!field.layers[i].is_empty()) stops[i] = std::make_unique<RayStops>();
+  if (field.layers.empty()) return stops;
+  for (std::size_t i = 0; i < stops.size(); ++i) {
+    if (!field.layers[field.number_of(i)].is_empty()) stops[i] = std::make_unique<RayStops>();
   }
   return stops;
 }
@@ -95,7 +101,7 @@ void cross_region(RayBricks& bricks, RayFrame& frame, RayField& field,
                   const std::vector<std::unique_ptr<RayStops>>& stops, const RayFollowing& how) {
   std::vector<std::size_t> waiting(field.tiles.size());
   for (std::size_t i = 0; i < waiting.size(); ++i) {
-    enter_region(field.tiles[i], frame, field, i);
+    enter_region(field.tiles[i], frame, field, field.number_of(i));
     waiting[i] = i;
   }
   while (true) {
@@ -107,9 +113,10 @@ void cross_region(RayBricks& bricks, RayFrame& frame, RayField& field,
       if (how.watcher.is_cancelled()) return;
       const std::size_t number = waiting[i];
       RayTile& tile = field.tiles[number];
-      samples += stops[number] ? follow_through_layers(frame, tile, field.layers[number],
-                                                       *stops[number], how.follow)
-                               : how.follow(frame, tile);
+      samples += stops[number]
+                     ? follow_through_layers(frame, tile, field.layers[field.number_of(number)],
+                                             *stops[number], how.follow)
+                     : how.follow(frame, tile);
     });
     if (how.watcher.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
     field.samples += samples;
@@ -143,8 +150,15 @@ RayField cast_rays(RayBricks& bricks, RayFrame frame, std::span<const RayRegion>
   RayField field;
   field.width = width;
   field.height = height;
-  field.tiles.resize(ray_field_bytes(width, height) / sizeof(RayTile));
-  for (std::size_t i = 0; i < field.tiles.size(); ++i) start_tile(field.tiles[i], frame, field, i);
+  const std::size_t tile_count = ray_field_bytes(width, height) / sizeof(RayTile);
+  for (std::size_t i = 0; frame.chosen != nullptr && i < tile_count; ++i) {
+    if (frame.chosen[i] != 0) field.numbers.push_back(i);
+  }
+  if (frame.chosen != nullptr && field.numbers.empty()) return field;
+  field.tiles.resize(frame.chosen != nullptr ? field.numbers.size() : tile_count);
+  for (std::size_t i = 0; i < field.tiles.size(); ++i) {
+    start_tile(field.tiles[i], frame, field, field.number_of(i));
+  }
   if (frame.meshes) field.layers = frame.meshes->layers(frame, width, height, watcher);
   const auto stops = make_stops(field);
   for (std::size_t i = 0; i < regions.size(); ++i) {

@@ -25,12 +25,14 @@ namespace octavo {
 struct RayField {
   std::int64_t width = 0;
   std::int64_t height = 0;
-  std::vector<RayTile> tiles;  ///< row by row
+  std::vector<RayTile> tiles;  ///< row by row, as far as they have rays that are cast
+  std::vector<std::size_t> numbers;  ///< of the tiles in the picture; none: all are there
   std::vector<TileLayers> layers;  ///< of the frame's meshes, by tile; none without meshes
   std::int64_t samples = 0;    ///< taken
   double cast_seconds = 0;     ///< following rays
   std::int64_t loaded_elsewhere = 0;  ///< bricks of other ranks
 
+  std::size_t number_of(std::size_t tile) const { return numbers.empty() ? tile : numbers[tile]; }
   std::int64_t tile_columns() const { return (width + kRayTileSide - 1) / kRayTileSide; }
 
   /// Calls visit(column, row, tile, ray) for each pixel, tile by tile.
@@ -58,8 +60,9 @@ RayField cast_rays(RayBricks& bricks, RayFrame frame, std::span<const RayRegion>
 template <class Visit>
 void RayField::for_each_pixel(Visit&& visit) const {
   for (std::size_t t = 0; t < tiles.size(); ++t) {
-    const std::int64_t left = static_cast<std::int64_t>(t) % tile_columns() * kRayTileSide;
-    const std::int64_t top = static_cast<std::int64_t>(t) / tile_columns() * kRayTileSide;
+    const auto number = static_cast<std::int64_t>(number_of(t));
+    const std::int64_t left = number % tile_columns() * kRayTileSide;
+    const std::int64_t top = number / tile_columns() * kRayTileSide;
     for (std::size_t i = 0; i < kTileRays; ++i) {
       const std::int64_t column = left + static_cast<std::int64_t>(kTileOrder.column[i]);
       const std::int64_t row = top + static_cast<std::int64_t>(kTileOrder.row[i]);

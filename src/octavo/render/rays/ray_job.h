@@ -159,6 +159,8 @@ struct RayFrame {
   float sign = 1;        ///< extreme, iso: of values
   float isovalue = 0;    ///< times the sign
   float enough = 0.995f; ///< opacity at which a ray ends
+  /// By tile, bit i: rays 16 i to 16 i + 15 of it, 4 x 4 pixels, are cast; none: all are.
+  const std::uint64_t* chosen = nullptr;
   const RayMeshes* meshes = nullptr;  ///< in the same picture; or none
   bool is_last_region = true;  ///< what lies behind what rays cross is nothing but layers
   float margin = 0;      ///< that a ray stays before the end of what it skips, in samples

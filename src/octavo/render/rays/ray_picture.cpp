@@ -64,7 +64,8 @@ double layers_end(const RayTile& tile, std::size_t ray, RayMode mode) {
 Color color_of(const RayField& field, const RayTile& tile, std::size_t ray, const RayLook& look) {
   Channels seen = volume_channels(tile, ray, look);
   if (!field.layers.empty() && look.mode != RayMode::volume) {
-    const auto number = static_cast<std::size_t>(&tile - field.tiles.data());
+    const std::size_t number =
+        field.number_of(static_cast<std::size_t>(&tile - field.tiles.data()));
     seen = seen_through(field.layers[number], ray, layers_end(tile, ray, look.mode), seen);
   }
   return {seen_channel(seen[0]), seen_channel(seen[1]), seen_channel(seen[2])};
@@ -78,6 +79,14 @@ std::vector<double> ray_values(const RayField& field, RayMode mode, float sign) 
     if (const auto value = ray_value(tile, ray, mode, sign)) values.push_back(*value);
   });
   return values;
+}
+
+void visit_ray_colors(
+    const RayField& field, const RayLook& look,
+    const std::function<void(std::int64_t, std::int64_t, const Color&)>& visit) {
+  field.for_each_pixel([&](std::int64_t x, std::int64_t y, const RayTile& tile, std::size_t ray) {
+    visit(x, y, color_of(field, tile, ray, look));
+  });
 }
 
 Picture ray_picture(const RayField& field, const RayLook& look) {

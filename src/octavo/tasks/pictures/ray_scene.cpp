@@ -14,6 +14,8 @@
 #include "octavo/render/rays/ray_camera.h"
 #include "octavo/render/rays/ray_caster.h"
 #include "octavo/render/rays/ray_picture.h"
+#include "octavo/render/rays/ray_refine.h"
+#include "octavo/render/rays/transfer_fit.h"
 #include "octavo/tasks/files/finite_voxels.h"
 #include "octavo/tasks/pictures/render_scene.h"
 #include "octavo/tasks/pictures/scene_light.h"
@@ -57,7 +59,7 @@ RayBricks::Options brick_options(const RenderOptions& asked, const SceneMeshes& 
   options.looks = looks;
   if (context.max_memory_bytes != 0) {
     const std::uint64_t left = context.max_memory_bytes / 2;
-    std::uint64_t taken = ray_field_bytes(asked.width, asked.height) + meshes.memory_bytes();
+    std::uint64_t taken = field_bytes(asked) + meshes.memory_bytes();
     if (!meshes.is_empty()) taken += context.max_memory_bytes / kLayerShare;
     if (!asked.mask.empty()) taken += context.max_memory_bytes / kLookShare;
     if (!asked.label_map.empty()) taken += context.max_memory_bytes / kLookShare;
@@ -147,42 +149,24 @@ class RayScene final : public RenderScene {
 
     const RayMeshes surfaces(meshes_.meshes(), {geometry_, view, layer_bytes()});
     if (!meshes_.is_empty()) frame.meshes = &surfaces;
-    RayField field;
-    context_.on_threads([&] {
-      if (light_) set_shade(frame, view);
-      const RayRegion grown = region_of(grown_);
-      frame.low = grown.low;
-      frame.high = grown.high;
-      field = cast_ ? cast_(bricks_, frame, regions(frame), view.width, view.height)
-                    : cast_rays(bricks_, frame, regions(frame), view.width, view.height,
-                                follow_rays_function(), context_.watcher());
-    });
-    loaded_elsewhere_ += field.loaded_elsewhere;
-    if (field.tiles.empty()) return {};
+    const RayRegion grown = region_of(grown_);
+    frame.low = grown.low;
+    frame.high = grown.high;
+    if (light_) context_.on_threads([&] { set_shade(frame, view); });
+    const RayRefinement refinement{asked_.is_adaptive, asked_.has_smooth_edges};
+    const Picture picture = refined_picture(
+        frame, view.width, view.height, refinement,
+        [this](const RayFrame& of, std::int64_t width, std::int64_t height) {
+          return cast_frame(of, width, height);
+        },
+        [&](const RayField& field) {
+          warn_of_nothing(field);
+          return look_of(field, background);
+        });
+    if (picture.pixels.empty()) return {};
     set_texts(frame, view);
-    rays_.samples += field.samples;
-    rays_.frame_seconds += field.cast_seconds;
     ++pictures_;
-    warn_of_nothing(field);
-
-    RayLook look;
-    if (looks_ && mode_ == RayMode::iso) {
-      look.surface_of = [this](std::uint16_t of, const Color& otherwise) {
-        return looks_->color_of(of, otherwise);
-      };
-    }
-    look.mode = mode_;
-    look.background = background;
-    look.sign = sign_;
-    if (asked_.transfer && mode_ == RayMode::iso) {
-      look.surface = transfer_.color_at(*asked_.isovalue);
-    }
-    if (mode_ == RayMode::extreme || mode_ == RayMode::mean) {
-      choose_window(field);
-      look.window = *window_;
-      look.to_real = real_of_pooled();
-    }
-    return ray_picture(field, look);
+    return picture;
   }
 
   std::vector<LegendRow> legend() const override {
@@ -246,12 +230,56 @@ class RayScene final : public RenderScene {
   }
 
  private:
+  RayField cast_frame(const RayFrame& frame, std::int64_t width, std::int64_t height) {
+    RayField field;
+    RayFrame with_bricks = frame;
+    with_bricks.bricks = bricks_.tables();
+    context_.on_threads([&] {
+      field = cast_ ? cast_(bricks_, with_bricks, regions(frame), width, height)
+                    : cast_rays(bricks_, with_bricks, regions(frame), width, height,
+                                follow_rays_function(), context_.watcher());
+    });
+    loaded_elsewhere_ += field.loaded_elsewhere;
+    if (!field.tiles.empty()) {
+      rays_.samples += field.samples;
+      rays_.frame_seconds += field.cast_seconds;
+    }
+    return field;
+  }
+
+  RayLook look_of(const RayField& field, const Color& background) {
+    RayLook look;
+    if (looks_ && mode_ == RayMode::iso) {
+      look.surface_of = [this](std::uint16_t of, const Color& otherwise) {
+        return looks_->color_of(of, otherwise);
+      };
+    }
+    look.mode = mode_;
+    look.background = background;
+    look.sign = sign_;
+    if (asked_.transfer && mode_ == RayMode::iso) {
+      look.surface = transfer_.color_at(*asked_.isovalue);
+    }
+    if (mode_ == RayMode::extreme || mode_ == RayMode::mean) {
+      choose_window(field);
+      look.window = *window_;
+      look.to_real = real_of_pooled();
+    }
+    return look;
+  }
+
   TransferFunction in_volume(const TransferFunction& transfer) const {
     if (!transfer.is_relative) return transfer;
     const Window stored = robust_window(*reader_);
     const double low = rescale_.to_real(stored.center - stored.width / 2);
     const double high = rescale_.to_real(stored.center + stored.width / 2);
     return in_real_values(transfer, {(low + high) / 2, std::abs(high - low)});
+  }
+
+  std::vector<double> typical_values() const {
+    std::vector<double> values = sampled_values(*reader_);
+    for (double& value : values) value = rescale_.to_real(value);
+    return values;
   }
 
   void require_unit(const std::string& name) const {
@@ -269,7 +297,7 @@ class RayScene final : public RenderScene {
       require_unit(*asked_.transfer);
     } else {
       transfer_ = unit_of(reader_->description()) == "HU" ? *find_transfer_preset("skin")
-                                                          : usual_transfer_function();
+                                                          : fitted_transfer(typical_values());
     }
     transfer_ = in_volume(transfer_);
     const auto stepped = [&](const TransferFunction& transfer) {
@@ -500,6 +528,12 @@ int ray_level(const Levels& levels, const Geometry& geometry, double pixel_mm) {
     ++level;
   }
   return level;
+}
+
+std::uint64_t field_bytes(const RenderOptions& options) {
+  const std::uint64_t bytes = ray_field_bytes(options.width, options.height);
+  // At edges there are up to four rays a pixel.
+  return options.has_smooth_edges ? 4 * bytes : bytes;
 }
 
 std::unique_ptr<RenderScene> make_ray_scene(const std::shared_ptr<const FileReader>& reader,

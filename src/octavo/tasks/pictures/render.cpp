@@ -71,6 +71,9 @@ void check_ray_options(const RenderOptions& options) {
   if (!options.mask.empty() && !is_ray_mode(options.mode)) {
     reject_render("a mask is of modes volume, mip, minip, mean and iso", "mask.mode");
   }
+  if ((options.is_adaptive || options.has_smooth_edges) && !is_ray_mode(options.mode)) {
+    reject_render("rays are adaptive and have smooth edges, other modes do not", "refine.mode");
+  }
   const bool has_light = options.mode == RenderMode::volume || is_iso;
   if (!options.label_map.empty() && !has_light) {
     reject_render("labels beside grey values are of modes volume and iso", "label_map.mode");
@@ -195,7 +198,7 @@ std::vector<std::string> picture_paths(const RenderOptions& options) {
 std::uint64_t picture_bytes(const RenderOptions& options, int threads) {
   const auto bytes = 3 * static_cast<std::uint64_t>(options.width * options.height);
   if (is_ray_mode(options.mode)) {
-    return 3 * bytes + ray_field_bytes(options.width, options.height);
+    return 3 * bytes + field_bytes(options);
   }
   const bool is_relief =
       options.mode != RenderMode::transparency && shade_of(options) == RenderShade::smooth;
@@ -365,8 +368,9 @@ void draw_all(const std::shared_ptr<const FileReader>& reader, const RenderOptio
   PictureFiles files(context, options.on_picture);
   std::optional<AnimationFile> animation;
   if (writes && is_animation(options.output.path)) {
-    animation.emplace(options.output.path, static_cast<std::uint32_t>(count), options.fps,
-                      context);
+    const AnimationFrame frame{options.width, options.height, static_cast<std::uint32_t>(count),
+                               options.fps};
+    animation.emplace(options.output.path, frame, context);
   }
   for (std::size_t i = 0; i < count; ++i) {
     const Picture picture = series.draw(i, result.seconds);
@@ -549,8 +553,9 @@ RenderResult render_by_ranks(const RenderOptions& options, Communicator& ranks,
     reject_render("ranks draw modes volume, mip, minip, mean and iso", "ranks.mode");
   }
   if (!options.meshes.empty() || !options.marks.empty() || options.time_budget_s ||
-      options.is_progressive) {
-    reject_render("ranks draw no meshes, marks and coarse pictures", "ranks.options");
+      options.is_progressive || options.is_adaptive || options.has_smooth_edges) {
+    reject_render("ranks draw no meshes, marks and coarse pictures, and one ray for each pixel",
+                  "ranks.options");
   }
   return render_for(options, context, &ranks);
 }

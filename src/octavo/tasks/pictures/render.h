@@ -96,7 +96,7 @@ struct AskedView {
 struct RenderOptions {
   std::string input;  ///< an .8vo file or a URL of one
   /// Ends in .png; a turntable writes NAME-000.png and so on, or one animation where it ends in
-  /// .apng.
+  /// .apng, .webp or .mp4.
   Output output;
   PictureListener on_picture = {};  ///< takes the pictures in place of the output
   RenderMode mode = RenderMode::cubes;
@@ -133,6 +133,8 @@ struct RenderOptions {
   std::optional<double> time_budget_s;
   /// Of one picture of rays: coarse levels first, each in place of the one before.
   bool is_progressive = false;
+  bool is_adaptive = false;       ///< of rays: one for 2 x 2 pixels where these hardly differ
+  bool has_smooth_edges = false;  ///< of rays: four for a pixel where it differs from its neighbors
   bool has_scale_bar = true;
   bool has_sides = true;
   bool has_legend = true;

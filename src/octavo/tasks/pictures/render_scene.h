@@ -70,6 +70,9 @@ std::unique_ptr<RenderScene> make_transparency_scene(
 /// Whether a mode casts rays.
 bool is_ray_mode(RenderMode mode);
 
+/// Bytes that the rays of a picture take.
+std::uint64_t field_bytes(const RenderOptions& options);
+
 /// The coarsest level whose voxels are no longer than a pixel along any axis; 0 where there is
 /// none.
 /// geometry  of level 0

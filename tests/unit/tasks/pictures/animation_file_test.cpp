@@ -17,7 +17,7 @@ TEST(AnimationFiles, StandThereWhenTheLastPictureIsInThem) {
   EXPECT_TRUE(is_animation(path));
   EXPECT_FALSE(is_animation("turn.png"));
   const TaskContext context;
-  AnimationFile file(path, 2, 10, context);
+  AnimationFile file(path, {20, 10, 2, 10}, context);
   Picture picture = make_picture(20, 10, 3);
   file.add(picture);
   picture.set(3, 3, {255, 0, 0});
@@ -27,7 +27,7 @@ TEST(AnimationFiles, StandThereWhenTheLastPictureIsInThem) {
   const std::string bytes = testing::bytes_of_file(path);
   EXPECT_EQ(testing::read_png(Bytes(bytes.begin(), bytes.end())).width, 20);
   EXPECT_NE(bytes.find("fdAT"), std::string::npos);
-  AnimationFile again(path, 1, 10, context);
+  AnimationFile again(path, {20, 10, 1, 10}, context);
   again.add(picture);
   EXPECT_THROW(again.publish(false), Error);
 }
