@@ -69,6 +69,7 @@ set(OCTAVO_READ_SOURCES
   file/layer_order.cpp
   file/layout.cpp
   file/open_file.cpp
+  file/part_reader.cpp
   file/pieces.cpp
   file/plane_digests.cpp
   file/reader.cpp

@@ -32,10 +32,17 @@ class LruCache {
     return found->second->value;
   }
 
-  /// Keeps `value`; one that is heavier than the capacity is not kept.
+  /// Keeps `value`; one that is heavier than the capacity is not kept. Of two values with one key
+  /// the heavier one is, or the first.
   void insert(const Key& key, Pointer value, std::uint64_t weight) {
     const std::lock_guard lock(mutex_);
-    if (weight > capacity_ || places_.count(key) != 0) return;
+    if (weight > capacity_) return;
+    if (const auto found = places_.find(key); found != places_.end()) {
+      if (found->second->weight >= weight) return;
+      weight_ -= found->second->weight;
+      entries_.erase(found->second);
+      places_.erase(found);
+    }
     entries_.push_front({key, std::move(value), weight});
     places_[key] = entries_.begin();
     weight_ += weight;

@@ -1,38 +1,19 @@
 #include "octavo/file/reader.h"
 
 #include <algorithm>
-#include <array>
 #include <cstring>
-#include <exception>
 #include <utility>
 
 #include "octavo/codec/label/label_word_bricks.h"
 #include "octavo/codec/label_bricks.h"
 #include "octavo/file/box_plan.h"
+#include "octavo/file/box_target.h"
 #include "octavo/file/open_file.h"
+#include "octavo/file/part_reader.h"
 
 namespace octavo {
 
 namespace {
-
-// A dense array of voxels [z][y][x], or a part of one.
-struct Target {
-  std::uint8_t* bytes;
-  std::size_t voxel_bytes;
-  std::int64_t row_stride;
-  std::int64_t plane_stride;
-
-  std::uint8_t* row(std::int64_t x, std::int64_t y, std::int64_t z) const {
-    const std::int64_t at = z * plane_stride + y * row_stride + x;
-    return bytes + static_cast<std::size_t>(at) * voxel_bytes;
-  }
-
-  // The array of a box inside the one whose array this is.
-  Target from(const Index3& lo, const Index3& own_lo) const {
-    return {row(lo.x - own_lo.x, lo.y - own_lo.y, lo.z - own_lo.z), voxel_bytes, row_stride,
-            plane_stride};
-  }
-};
 
 // Fills `count` voxels at `out`, aligned or not, with that of one code.
 void fill_voxels(const VolumeDescription& volume, std::int64_t code, std::int64_t count,
@@ -46,66 +27,6 @@ void fill_voxels(const VolumeDescription& volume, std::int64_t code, std::int64_
   });
 }
 
-// Copies what `box` and the samples of `held` share into the array of `box`.
-void copy_shared(const std::uint8_t* samples, const Box& held, const Box& box, const Target& out) {
-  const Box part = intersection(box, held);
-  const Size3 size = held.size();
-  const std::size_t row_bytes = static_cast<std::size_t>(part.size().x) * out.voxel_bytes;
-  for (std::int64_t z = part.lo.z; z < part.hi.z; ++z) {
-    for (std::int64_t y = part.lo.y; y < part.hi.y; ++y) {
-      const std::int64_t at = ((z - held.lo.z) * size.y + (y - held.lo.y)) * size.x +
-                              (part.lo.x - held.lo.x);
-      std::memcpy(out.row(part.lo.x - box.lo.x, y - box.lo.y, z - box.lo.z),
-                  samples + static_cast<std::size_t>(at) * out.voxel_bytes, row_bytes);
-    }
-  }
-}
-
-// A brick decoded down to level 1.
-struct OpenedBrick {
-  std::shared_ptr<const BrickCodec> codec;  // of the parts
-  std::unique_ptr<const BrickParts> parts;
-};
-
-// How the voxels that a request shares with a brick are read.
-struct BrickReading {
-  bool keeps = true;             // in the cache what was decoded
-  const ForEach* run = nullptr;  // parts in its tasks; null: one after the other
-};
-
-void run_here(std::int64_t count, const std::function<void(std::int64_t)>& task) {
-  for (std::int64_t i = 0; i < count; ++i) task(i);
-}
-
-// Runs tasks to the end, and throws what the first of them threw, by number.
-void run_to_end(const ForEach* run, std::size_t count,
-                const std::function<void(std::size_t)>& task) {
-  std::vector<std::exception_ptr> errors(count);
-  const auto caught = [&](std::int64_t number) {
-    const auto i = static_cast<std::size_t>(number);
-    try {
-      task(i);
-    } catch (...) {
-      errors[i] = std::current_exception();
-    }
-  };
-  if (run != nullptr) (*run)(static_cast<std::int64_t>(count), caught);
-  else run_here(static_cast<std::int64_t>(count), caught);
-  for (const std::exception_ptr& error : errors) {
-    if (error) std::rethrow_exception(error);
-  }
-}
-
-// Of the memory for decoded bricks, one part in so many is for opened ones.
-constexpr std::uint64_t kOpenedShare = 8;
-
-// Of a part of level 0 among the decoded bricks.
-LruCache<Bytes>::Key key_of_part(const BrickEntry& entry, std::size_t part) {
-  constexpr std::uint64_t kPlaceOfPart = 256;
-  const auto level = static_cast<std::uint64_t>(Levels::first_level(entry.tier));
-  return {level + kPlaceOfPart * (part + 1), entry.code};
-}
-
 void require_labels(const FileReader& reader) {
   if (reader.description().kind == VolumeKind::labels) return;
   throw Error(ErrorKind::invalid_argument, "holds grey values, not labels",
@@ -116,8 +37,8 @@ class FileReaderImpl final : public FileReader {
  public:
   FileReaderImpl(std::shared_ptr<const ByteSource> source, const ReaderOptions& options)
       : file_(std::move(source), options),
-        cache_(options.cache_bytes - options.cache_bytes / kOpenedShare),
-        opened_cache_(options.cache_bytes / kOpenedShare),
+        cache_(options.cache_bytes - options.cache_bytes / PartReader::kOpenedShare),
+        parts_(file_, cache_, options),
         watcher_(options.watcher) {}
 
   const VolumeDescription& description() const override { return file_.description(); }
@@ -230,23 +151,13 @@ class FileReaderImpl final : public FileReader {
   void decode_brick(const BrickEntry& entry, int in_brick_level, Decode decode) const;
   std::shared_ptr<const Bytes> decoded(const BrickEntry& entry, const BrickShape& shape,
                                        int in_brick_level, bool keep) const;
-  std::shared_ptr<const OpenedBrick> opened(const BrickEntry& entry,
-                                            const BrickShape& shape) const;
-  std::size_t bytes_of_part(const OpenedBrick& brick, std::size_t number) const;
-  void decode_part(const BrickEntry& entry, const OpenedBrick& brick, std::size_t number,
-                   ByteSpan bytes, void* out) const;
-  void for_read_parts(const BrickEntry& entry, const OpenedBrick& brick, const ForEach* run,
-                      std::span<const std::size_t> numbers,
-                      const std::function<void(std::size_t, ByteSpan)>& use) const;
-  bool read_parts(const BrickEntry& entry, const Box& whole, const Box& box,
-                  const BrickReading& how, const Target& out) const;
   void read_shared(const BrickEntry& entry, int level, const Box& box, const BrickReading& how,
-                   const Target& out) const;
+                   const BoxTarget& out) const;
   void read_bricks(const Box& box, int level, const VoxelTarget& out, const ForEach* run) const;
 
   OpenFile file_;
   mutable LruCache<Bytes> cache_;
-  mutable LruCache<OpenedBrick> opened_cache_;
+  PartReader parts_;
   const Progress* watcher_;
 };
 
@@ -351,134 +262,15 @@ std::shared_ptr<const Bytes> FileReaderImpl::decoded(const BrickEntry& entry,
   return samples;
 }
 
-// The brick decoded down to level 1; null where its level 0 has no parts.
-std::shared_ptr<const OpenedBrick> FileReaderImpl::opened(const BrickEntry& entry,
-                                                          const BrickShape& shape) const {
-  const auto codec = file_.codec(entry.model);
-  if (!codec->has_parts(shape) || entry.pieces.back().length == 0) return nullptr;
-  const LruCache<OpenedBrick>::Key key{static_cast<std::uint64_t>(entry.tier), entry.code};
-  if (auto kept = opened_cache_.find(key)) return kept;
-  auto brick = std::make_shared<OpenedBrick>(OpenedBrick{codec, nullptr});
-  decode_brick(entry, 1, [&](const BrickCodec& of_brick, const BrickShape& of_shape,
-                             std::span<const ByteSpan> segments) {
-    brick->parts =
-        of_brick.open_parts(of_shape, description().coded_type(), entry.range, segments);
-    const BrickParts::Part& last = brick->parts->parts().back();
-    if (last.offset + last.length != entry.pieces.front().length) {
-      throw Error(ErrorKind::corrupt, "the parts of level 0 do not fill their segment");
-    }
-  });
-  // Samples of 16 or 32 bits, with margins.
-  constexpr std::uint64_t kMostBytesPerSample = 8;
-  opened_cache_.insert(key, brick, sizeof(OpenedBrick) + kMostBytesPerSample *
-                                       static_cast<std::uint64_t>(shape.size[1].voxel_count()));
-  return brick;
-}
-
-std::size_t FileReaderImpl::bytes_of_part(const OpenedBrick& brick, std::size_t number) const {
-  const Size3 size = brick.parts->parts()[number].box.size();
-  return static_cast<std::size_t>(size.voxel_count() * bytes_per_voxel(description().type));
-}
-
-// Decodes a part into a dense array.
-void FileReaderImpl::decode_part(const BrickEntry& entry, const OpenedBrick& brick,
-                                 std::size_t number, ByteSpan bytes, void* out) const {
-  const BrickParts::Part& part = brick.parts->parts()[number];
-  const Size3 size = part.box.size();
-  try {
-    brick.parts->decode(number, bytes, {out, size.x, size.x * size.y});
-  } catch (const Error& error) {
-    const Piece piece = file_.piece_of(entry, 0);
-    throw Error(error.kind(), describe(piece) + ": " + error.detail(), source().name(),
-                piece.offset + part.offset);
-  }
-  if (const auto& coding = description().coding) {
-    decode_samples(*coding, out,
-                   {static_cast<float*>(out), static_cast<std::size_t>(size.voxel_count())});
-  }
-}
-
-// Reads parts of a brick and calls use(number, bytes) for each. Those that follow each other take
-// one read.
-// numbers  rising
-void FileReaderImpl::for_read_parts(const BrickEntry& entry, const OpenedBrick& brick,
-                                    const ForEach* run, std::span<const std::size_t> numbers,
-                                    const std::function<void(std::size_t, ByteSpan)>& use) const {
-  const std::vector<BrickParts::Part>& parts = brick.parts->parts();
-  const Piece piece = file_.piece_of(entry, 0);
-  std::vector<Bytes> reads;
-  std::vector<ByteSpan> bytes(numbers.size());
-  for (std::size_t first = 0; first < numbers.size();) {
-    std::size_t end = first + 1;
-    while (end < numbers.size() && numbers[end] == numbers[end - 1] + 1) ++end;
-    const std::uint64_t start = parts[numbers[first]].offset;
-    const BrickParts::Part& last = parts[numbers[end - 1]];
-    const Bytes& read =
-        reads.emplace_back(file_.read_within(piece, start, last.offset + last.length - start));
-    for (; first < end; ++first) {
-      const BrickParts::Part& part = parts[numbers[first]];
-      bytes[first] = ByteSpan(read).subspan(part.offset - start, part.length);
-    }
-  }
-  run_to_end(run, numbers.size(), [&](std::size_t i) {
-    stop_if_cancelled();
-    use(numbers[i], bytes[i]);
-  });
-}
-
-// Reads those parts of a brick's level 0 that a box meets; false where it has none, or where the
-// whole brick is kept.
-bool FileReaderImpl::read_parts(const BrickEntry& entry, const Box& whole, const Box& box,
-                                const BrickReading& how, const Target& out) const {
-  const int first_level = Levels::first_level(entry.tier);
-  if (cache_.find({static_cast<std::uint64_t>(first_level), entry.code})) return false;
-  const auto brick = opened(entry, brick_shape(levels(), entry.tier, entry.brick));
-  if (!brick) return false;
-  // Kept ones, and those that are missing
-  const std::vector<BrickParts::Part>& parts = brick->parts->parts();
-  std::vector<std::size_t> missing;
-  const auto copy_part = [&](std::size_t number, const std::uint8_t* samples) {
-    copy_shared(samples, moved(parts[number].box, whole.lo), box, out);
-  };
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    if (intersection(moved(parts[i].box, whole.lo), box).is_empty()) continue;
-    if (const auto kept = cache_.find(key_of_part(entry, i))) copy_part(i, kept->data());
-    else missing.push_back(i);
-  }
-  for_read_parts(entry, *brick, how.run, missing, [&](std::size_t number, ByteSpan bytes) {
-    const std::size_t size = bytes_of_part(*brick, number);
-    if (!how.keeps || size > cache_.capacity()) {
-      // What nobody keeps takes no memory of its own, which the system would have to give anew.
-      thread_local Bytes passing;
-      if (passing.size() < size) passing.resize(size);
-      decode_part(entry, *brick, number, bytes, passing.data());
-      return copy_part(number, passing.data());
-    }
-    const auto samples = std::make_shared<Bytes>(size);
-    decode_part(entry, *brick, number, bytes, samples->data());
-    copy_part(number, samples->data());
-    cache_.insert(key_of_part(entry, number), samples, size + sizeof(Bytes));
-  });
-  return true;
-}
-
 bool FileReaderImpl::has_decoded(const BrickEntry& entry, int level, const Box& part) const {
   if (cache_.find({static_cast<std::uint64_t>(level), entry.code})) return true;
   if (level != Levels::first_level(entry.tier)) return false;
-  const auto brick = opened_cache_.find({static_cast<std::uint64_t>(entry.tier), entry.code});
-  if (!brick) return false;
-  const Index3 at = brick_box_at(levels(), level, entry.brick).lo;
-  const std::vector<BrickParts::Part>& parts = brick->parts->parts();
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    if (intersection(moved(parts[i].box, at), part).is_empty()) continue;
-    if (!cache_.find(key_of_part(entry, i))) return false;
-  }
-  return true;
+  return parts_.has_decoded(entry, part);
 }
 
 // Reads what `box` and the brick share.
 void FileReaderImpl::read_shared(const BrickEntry& entry, int level, const Box& box,
-                                 const BrickReading& how, const Target& out) const {
+                                 const BrickReading& how, const BoxTarget& out) const {
   stop_if_cancelled();
   const BrickShape shape = brick_shape(levels(), entry.tier, entry.brick);
   const int in_brick = level - shape.first_level;
@@ -495,7 +287,7 @@ void FileReaderImpl::read_shared(const BrickEntry& entry, int level, const Box& 
   }
   const BrickReading own{how.keeps || part != whole, how.run};
   const bool is_in_parts = in_brick == 0 && (part != whole || how.run != nullptr);
-  if (is_in_parts && read_parts(entry, whole, box, own, out)) return;
+  if (is_in_parts && parts_.read(entry, box, own, out)) return;
   const auto samples = decoded(entry, shape, in_brick, own.keeps);
   copy_shared(samples->data(), whole, box, out);
 }
@@ -504,13 +296,13 @@ void FileReaderImpl::read_bricks(const Box& box, int level, const VoxelTarget& o
                                  const ForEach* run) const {
   check_box(box, level);
   const auto voxel_bytes = static_cast<std::size_t>(bytes_per_voxel(description().type));
-  const Target target{static_cast<std::uint8_t*>(out.voxels), voxel_bytes, out.row_stride,
+  const BoxTarget target{static_cast<std::uint8_t*>(out.voxels), voxel_bytes, out.row_stride,
                       out.plane_stride};
   const bool is_large =
       static_cast<std::uint64_t>(box.size().voxel_count()) * voxel_bytes > cache_.capacity() / 4;
   const BrickReading how{!is_large, run};
   for_fetched(box, level, [&](const Box& part) {
-    const Target own = target.from(part.lo, box.lo);
+    const BoxTarget own = target.from(part.lo, box.lo);
     visit_cells(part, brick_side_at(levels(), level), [&](const Index3& position) {
       read_shared(brick(Levels::tier_of(level), position), level, part, how, own);
       return true;

@@ -114,12 +114,41 @@ TEST(ReaderParts, AVoxelTakesTheBytesOfItsPartAndOfTheCoarserLevels) {
   for (const auto& piece : brick.pieces) all += piece.length;
   EXPECT_LT(cold, all / 2);
   // Another part of the brick: the coarser levels are kept.
-  box_of_reader(*reader, voxel_at({40, 1, 1}));
+  box_of_reader(*reader, voxel_at({50, 5, 5}));
   const std::uint64_t next = source->bytes - before - cold;
   EXPECT_LT(next, brick.pieces.front().length / 4);
   // The same part: nothing.
-  box_of_reader(*reader, voxel_at({50, 5, 5}));
+  box_of_reader(*reader, voxel_at({40, 1, 1}));
   EXPECT_EQ(source->bytes, before + cold + next);
+  // What lies behind its first planes: all of it, once.
+  for (int i = 0; i < 2; ++i) {
+    box_of_reader(*reader, voxel_at({45, 20, 20}));
+    box_of_reader(*reader, voxel_at({63, 31, 31}));
+    EXPECT_EQ(source->bytes, before + cold + 2 * next);
+  }
+}
+
+/// One plane after the other, along every axis: the first one is decoded by itself, the next one
+/// with all that are left.
+TEST(ReaderParts, PlanesThatFollowEachOtherTakeTheBytesTwiceAtMost) {
+  for (const Access access : {Access::slices, Access::boxes}) {
+    const auto bytes = built(VoxelType::int16, {.preset = Preset::fast, .access = access});
+    const auto whole = FileReader::open(byte_source_of(bytes, "whole"), {.cache_bytes = 0});
+    const Bytes all = box_of_reader(*whole, box_of(kSize));
+    for (int axis = 0; axis < 3; ++axis) {
+      for (const bool is_rising : {true, false}) {
+        const auto source = std::make_shared<CountingSource>(bytes);
+        const auto reader = FileReader::open(source, {});
+        for (std::int64_t i = 0; i < kSize[axis]; ++i) {
+          Box box = box_of(kSize);
+          box.lo[axis] = is_rising ? i : kSize[axis] - 1 - i;
+          box.hi[axis] = box.lo[axis] + 1;
+          ASSERT_EQ(box_of_reader(*reader, box), cut_out(all, box, 2)) << axis << " " << i;
+        }
+        EXPECT_LT(source->bytes, 2 * bytes.size()) << axis;
+      }
+    }
+  }
 }
 
 TEST(ReaderParts, ADamagedPartIsNamedAndTheOthersAreRead) {

@@ -63,6 +63,10 @@ decltype(auto) with_sample_type(const SampleScale& scale, F&& f) {
 inline Size3 in_order(const Size3& size, const AxisOrder& order) {
   return {size[order[0]], size[order[1]], size[order[2]]};
 }
+inline Box in_order(const Box& box, const AxisOrder& order) {
+  return {{box.lo[order[0]], box.lo[order[1]], box.lo[order[2]]},
+          {box.hi[order[0]], box.hi[order[1]], box.hi[order[2]]}};
+}
 BrickShape in_order(const BrickShape& shape, const AxisOrder& order);
 
 inline constexpr int kTileRows = 16;

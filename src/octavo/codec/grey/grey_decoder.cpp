@@ -66,18 +66,22 @@ Corrections take_corrections(ByteSpan& segment, const Size3& size) {
   return decode_corrections(take_counted(segment), size);
 }
 
-void apply(const Corrections& corrections, const Source& source, const Size3& size,
+/// size  of all that they correct
+/// box   of it that is at `out`
+void apply(const Corrections& corrections, const Source& source, const Size3& size, const Box& box,
            const VoxelTarget& out) {
   const std::int64_t step = source.parameters().quantizer.correction_step;
   with_voxel_type(source.type, [&](auto tag) {
     using T = typename decltype(tag)::type;
-    const std::int8_t* correction = corrections.data();
-    for (std::int64_t z = 0; z < size.z; ++z) {
-      for (std::int64_t y = 0; y < size.y; ++y) {
-        T* const row = static_cast<T*>(out.voxels) + z * out.plane_stride + y * out.row_stride;
-        for (std::int64_t x = 0; x < size.x; ++x, ++correction) {
-          if (*correction == 0) continue;
-          const auto moved = static_cast<std::int64_t>(row[x]) + *correction * step;
+    for (std::int64_t z = box.lo.z; z < box.hi.z; ++z) {
+      for (std::int64_t y = box.lo.y; y < box.hi.y; ++y) {
+        T* const row = static_cast<T*>(out.voxels) + (z - box.lo.z) * out.plane_stride +
+                       (y - box.lo.y) * out.row_stride;
+        const std::int8_t* const correction =
+            corrections.data() + (z * size.y + y) * size.x + box.lo.x;
+        for (std::int64_t x = 0; x < box.size().x; ++x) {
+          if (correction[x] == 0) continue;
+          const auto moved = static_cast<std::int64_t>(row[x]) + correction[x] * step;
           row[x] = static_cast<T>(std::clamp(moved, source.range.min, source.range.max));
         }
       }
@@ -96,11 +100,28 @@ struct LevelState {
   }
 };
 
+/// A split of which some planes of the level that it leads to are looked at. Nothing in the first
+/// planes of the last split looks at later ones.
+Stage needed_of(Stage stage, const Split& split, const BrickShape& shape, int level,
+                std::int64_t planes) {
+  if (split.fine_size != shape.size[static_cast<std::size_t>(level)]) return stage;
+  const std::int64_t pairs = stage.axis == 2 ? (planes + 1) / 2 : planes;
+  if (pairs >= stage.pairs.z) return stage;
+  stage.pairs.z = pairs;
+  // The last pair of all is left out.
+  if (stage.axis == 2) stage.last_pair = {};
+  return stage;
+}
+
+/// All planes.
+inline constexpr std::int64_t kAllPlanes = kBrickSide;
+
 /// Decodes the splits of a level, or of a part of it, from its edges and residuals; its means stand
 /// in the work space.
+/// planes  of the result that are looked at
 template <class Sample>
 void decode_details(const Source& source, const Part& part, int level, ByteSpan segment,
-                    const BrickHints& hints, int most_states) {
+                    const BrickHints& hints, int most_states, std::int64_t planes = kAllPlanes) {
   const Parameters& p = source.parameters();
   Workspace<Sample>& work = thread_workspace<Sample>();
   // A level without details repeats its means
@@ -115,12 +136,15 @@ void decode_details(const Source& source, const Part& part, int level, ByteSpan 
   // Edges, then residuals, split by split
   SymbolReader symbols(source.model, table_set(level), segment, details, source.scale.shift(),
                        most_states);
+  bool is_whole = true;
   run_level(work, part, source.scale, p, level, hints, reach_of(p.predictor),
-            [&](const Stage& stage, const Split&) {
+            [&](const Stage& stage, const Split& split) {
               if (stage.has_edges) take_edges(stage, work, symbols);
-              stage_functions().of<Sample>().decode(p, {stage, work, symbols});
+              const Stage own = needed_of(stage, split, part.shape, level, planes);
+              is_whole = is_whole && own.pairs == stage.pairs;
+              stage_functions().of<Sample>().decode(p, {own, work, symbols});
             });
-  symbols.finish();
+  if (is_whole) symbols.finish();
 }
 
 /// Decodes the levels from the coarsest to `level`, but not level 0, into the work space.
@@ -148,16 +172,25 @@ LevelState decode_coarser(const Source& source, std::span<const ByteSpan> segmen
   return state;
 }
 
+/// What is wanted of level 0 of a brick or of a part of it: a box of its voxels, along the brick's
+/// own axes.
+struct WantedBox {
+  Box box;
+  VoxelTarget out;
+};
+
 /// Decodes level 0 of a brick, or a part of it, to voxels; its means stand in the work space.
 template <class Sample>
 void decode_finest(const Source& source, const Part& part, ByteSpan segment,
-                   const BrickHints& hints, int most_states, const VoxelTarget& out) {
-  const Size3 size = own_box(part, source.parameters().axis_order).size();
+                   const BrickHints& hints, int most_states, const WantedBox& wanted) {
+  const AxisOrder& order = source.parameters().axis_order;
   Corrections corrections;
+  const Size3 size = own_box(part, order).size();
   if (source.is_corrected()) corrections = take_corrections(segment, size);
-  decode_details<Sample>(source, part, 0, segment, hints, most_states);
-  source.writer().write(thread_workspace<Sample>().means, out);
-  if (source.is_corrected()) apply(corrections, source, size, out);
+  const Box samples = in_order(wanted.box, order);
+  decode_details<Sample>(source, part, 0, segment, hints, most_states, samples.hi.z);
+  source.writer().write(thread_workspace<Sample>().means, samples, wanted.out);
+  if (source.is_corrected()) apply(corrections, source, size, wanted.box, wanted.out);
 }
 
 /// Decodes parts of level 0, given the samples of level 1.
@@ -173,13 +206,13 @@ class PartDecoder {
   struct Task {
     const Part& part;
     ByteSpan bytes;
-    VoxelTarget out;
+    WantedBox wanted;
   };
 
   void decode(const Task& task) const {
     coarse_.put(task.part, thread_workspace<Sample>().means);
     const PartHints own(task.part, hints_);
-    decode_finest<Sample>(source_, task.part, task.bytes, own.hints, most_states_, task.out);
+    decode_finest<Sample>(source_, task.part, task.bytes, own.hints, most_states_, task.wanted);
   }
 
   /// Two parts at the same time where that is faster.
@@ -206,7 +239,8 @@ class PartDecoder {
           symbols(decoder.source_.model, table_set(0), own.bytes,
                   level_detail_count(own.part.shape, 0, hints.hints.cells),
                   decoder.source_.scale.shift(), decoder.most_states_),
-          splits(splits_of(own.part.shape, 0)) {
+          splits(splits_of(own.part.shape, 0)),
+          box(in_order(own.wanted.box, decoder.source_.parameters().axis_order)) {
       decoder.coarse_.put(task.part, work.means);
       for (auto& grid : work.magnitudes) grid.set_size({0, 0, 0});
     }
@@ -216,6 +250,8 @@ class PartDecoder {
     Workspace<Sample>& work;
     SymbolReader symbols;
     std::vector<Split> splits;
+    Box box;  ///< of the samples that are wanted
+    bool is_whole = true;  ///< all symbols are taken
   };
 
   /// Predicted from neighbors, a part keeps the machine busy by itself. Where rows are short, as
@@ -241,15 +277,19 @@ class PartDecoder {
       }
     }
     for (Running* part : {&a, &b}) {
-      part->symbols.finish();
-      source_.writer().write(part->work.means, part->task.out);
+      if (part->is_whole) part->symbols.finish();
+      source_.writer().write(part->work.means, part->box, part->task.wanted.out);
     }
   }
 
-  /// The i-th split of a part.
+  /// What is needed of the i-th split of a part.
   Stage begun(Running& part, std::size_t i) const {
-    return begin_split(part.work, part.task.part, source_.scale, source_.parameters(), 0,
-                       part.hints.hints, part.splits[i]);
+    const Split& split = part.splits[i];
+    const Stage all = begin_split(part.work, part.task.part, source_.scale, source_.parameters(), 0,
+                                  part.hints.hints, split);
+    const Stage own = needed_of(all, split, part.task.part.shape, 0, part.box.hi.z);
+    part.is_whole = part.is_whole && own.pairs == all.pairs;
+    return own;
   }
 
   const Source& source_;
@@ -287,8 +327,9 @@ void decode_samples(const Source& source, std::span<const ByteSpan> segments, in
     return;
   }
   if (state.entries.empty()) {
-    decode_finest<Sample>(source, Part{source.shape, {}, {}, kAllFaces}, segments[0],
-                          state.hints(p), kMaxStates, out);
+    const Part all{source.shape, {}, {}, kAllFaces};
+    decode_finest<Sample>(source, all, segments[0], state.hints(p), kMaxStates,
+                          {own_box(all, p.axis_order), out});
     return;
   }
   const std::vector<ByteSpan> bytes = split_segment(segments[0], state.entries);
@@ -296,8 +337,8 @@ void decode_samples(const Source& source, std::span<const ByteSpan> segments, in
   const CoarseSamples<Sample> coarse(work.means);
   const PartDecoder<Sample> decoder(source, state, coarse);
   const auto task_of = [&](std::size_t i) -> typename PartDecoder<Sample>::Task {
-    return {parts[i], bytes[i],
-            target_from(out, own_box(parts[i], p.axis_order).lo, source.type)};
+    const Box own = own_box(parts[i], p.axis_order);
+    return {parts[i], bytes[i], {box_of(own.size()), target_from(out, own.lo, source.type)}};
   };
   for (std::size_t i = 0; i + 1 < parts.size(); i += 2) {
     decoder.decode_two(task_of(i), task_of(i + 1));
@@ -339,9 +380,18 @@ class GreyParts final : public BrickParts {
 
   const std::vector<BrickParts::Part>& parts() const noexcept override { return own_parts_; }
 
-  void decode(std::size_t number, ByteSpan bytes, const VoxelTarget& out) const override {
-    prove_part(bytes, state_.entries[number]);
-    PartDecoder<Sample>(source_, state_, coarse_).decode({parts_[number], bytes, out});
+  void decode(std::span<const Wanted> wanted) const override {
+    for (const Wanted& one : wanted) prove_part(one.bytes, state_.entries[one.number]);
+    const PartDecoder<Sample> decoder(source_, state_, coarse_);
+    const auto task_of = [&](const Wanted& one) -> typename PartDecoder<Sample>::Task {
+      const Index3& at = own_parts_[one.number].box.lo;
+      return {parts_[one.number], one.bytes,
+              {moved(one.box, {-at.x, -at.y, -at.z}), one.out}};
+    };
+    for (; wanted.size() > 1; wanted = wanted.subspan(2)) {
+      decoder.decode_two(task_of(wanted[0]), task_of(wanted[1]));
+    }
+    if (!wanted.empty()) decoder.decode(task_of(wanted[0]));
   }
 
  private:

@@ -114,6 +114,16 @@ struct VoxelWriter {
     });
   }
 
+  /// box  of the samples, along the codec's axes
+  template <class Sample>
+  void write(const SampleGrid<Sample>& grid, const Box& box, const VoxelTarget& out) const {
+    write(box.size(),
+          [&](std::int64_t y, std::int64_t z) {
+            return grid.row(y + box.lo.y, z + box.lo.z) + box.lo.x;
+          },
+          out);
+  }
+
   template <class Sample>
   void write(const SampleGrid<Sample>& grid, const VoxelTarget& out) const {
     write(grid.size(), [&](std::int64_t y, std::int64_t z) { return grid.row(y, z); }, out);
