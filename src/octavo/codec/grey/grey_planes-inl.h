@@ -26,9 +26,19 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 inline constexpr int kHalfLanes = static_cast<int>(hn::MaxLanes(kHalves));
 
+/// All pairs of a full row, where vectors are so wide.
+constexpr hn::CappedTag<std::int16_t, 32> kWideHalves{};
+
+/// Whether there are such vectors, and they reach nowhere beyond the rows of a stage.
+HWY_INLINE bool has_wide_rows(const Stage& stage) {
+  constexpr auto kLanes = static_cast<std::int64_t>(hn::MaxLanes(kWideHalves));
+  return kLanes > kHalfLanes && stage.pairs.x % kLanes == 0;
+}
+
 /// Whether any of the pairs from x on that share a vector is among some pairs of a row.
-HWY_INLINE bool is_any_from(RowMask pairs, int x) {
-  return (pairs >> x & first_pairs(kHalfLanes)) != 0;
+template <class D>
+HWY_INLINE bool is_any_from(D, RowMask pairs, int x) {
+  return (pairs >> x & first_pairs(static_cast<int>(hn::MaxLanes(D())))) != 0;
 }
 
 /// Whether the plane pass gives what the row pass gives: differences, limits and what follows from
@@ -41,25 +51,32 @@ inline bool suits_planes(const Parameters& p, const Stage& stage) {
 }
 
 /// What a stage's parameters are in vectors.
+template <class D>
 struct PlaneConstants {
-  Halves thresholds[kClasses - 1];  ///< rising; the class is the number of those reached
-  SignedHalves class_weights[kClasses];
-  SignedHalves behind_weights[kClasses];
-  SignedHalves far_share;
-  SignedHalves min, max, range, odd_low, odd_high;
-  SignedHalves pairs[kFeatures / 2];  ///< context weights, two by two
-  SignedSums constant;
-  SignedSums free_bits;
+  static constexpr D kSigned{};
+  static constexpr hn::RebindToUnsigned<D> kUnsigned{};
+  static constexpr hn::RepartitionToWide<D> kWide{};
+  using V = hn::Vec<D>;
+
+  /// Rising; the class is the number of those reached.
+  hn::Vec<hn::RebindToUnsigned<D>> thresholds[kClasses - 1];
+  V class_weights[kClasses];
+  V behind_weights[kClasses];
+  V far_share;
+  V min, max, range, odd_low, odd_high;
+  V pairs[kFeatures / 2];  ///< context weights, two by two
+  hn::Vec<hn::RepartitionToWide<D>> constant;
+  hn::Vec<hn::RepartitionToWide<D>> free_bits;
 
   HWY_INLINE PlaneConstants(const Parameters& p, const Stage& stage) {
     const auto set = [](std::int64_t v) HWY_ATTR {
-      return hn::Set(kSignedHalves, static_cast<std::int16_t>(v));
+      return hn::Set(kSigned, static_cast<std::int16_t>(v));
     };
     constexpr std::int32_t kShareUnit = 1 << (15 - kShareBits);
     const std::int32_t t = p.activity_threshold;
     const std::int32_t rising[] = {std::min(1, t / 4), std::max(1, t / 4), t, 4 * t};
     for (int k = 0; k < kClasses; ++k) {
-      if (k > 0) thresholds[k - 1] = hn::BitCast(kHalves, set(rising[k - 1]));
+      if (k > 0) thresholds[k - 1] = hn::BitCast(kUnsigned, set(rising[k - 1]));
       class_weights[k] = set(k == 0 ? 0 : 8 * p.mean_weights[stage.group][stage.axis][k]);
       behind_weights[k] =
           set(k == 0 ? 0 : kShareUnit * p.behind_weights[stage.group][stage.axis][k]);
@@ -75,23 +92,28 @@ struct PlaneConstants {
     for (std::size_t k = 0; k < std::size(kPairs); ++k) {
       const auto low = static_cast<std::uint32_t>(w[kPairs[k][0]]);
       const auto high = static_cast<std::uint32_t>(w[kPairs[k][1]]) << 16;
-      pairs[k] = hn::BitCast(kSignedHalves, hn::Set(kSums, low | high));
+      pairs[k] = hn::BitCast(kSigned, hn::Set(hn::RepartitionToWide<decltype(kUnsigned)>(),
+                                             low | high));
     }
-    constant = hn::Set(kSignedSums, w[5]);
-    free_bits = hn::Set(kSignedSums, 6);
+    constant = hn::Set(kWide, w[5]);
+    free_bits = hn::Set(kWide, 6);
   }
 };
 
 /// Predictions, limits and contexts of a plane. What is predicted from slopes alone takes the place
 /// of the excesses behind. Where all pairs of a vector lie in uniform cells nothing is predicted.
-template <int kAxis>
-void prepare_plane(const Parameters& p, const Stage& stage, Workspace<std::int16_t>& work,
-                   std::int64_t z) {
+template <int kAxis, class D>
+void prepare_rows(D d, const Parameters& p, const Stage& stage, Workspace<std::int16_t>& work,
+                  std::int64_t z) {
+  const hn::RebindToUnsigned<D> u;
+  using V = hn::Vec<D>;
+  using U = hn::Vec<hn::RebindToUnsigned<D>>;
+  constexpr int kLanes = static_cast<int>(hn::MaxLanes(D()));
   constexpr std::int64_t kAlong = pair_step<std::int16_t>(kAxis);
   constexpr std::int64_t kAcross1 = pair_step<std::int16_t>(kAxis == 0 ? 1 : 0);
   constexpr std::int64_t kAcross2 = pair_step<std::int16_t>(kAxis == 2 ? 1 : 2);
-  const PlaneConstants constants(p, stage);
-  const Halves most = hn::Set(kHalves, kMaxFeature);
+  const PlaneConstants<D> constants(p, stage);
+  const U most = hn::Set(u, kMaxFeature);
   for (std::int64_t y = 0; y < stage.pairs.y; ++y) {
     const MagnitudeRows near = magnitude_rows(work.magnitudes, p.predictor, kAxis, y, z,
                                               work.row.zeros + 8);
@@ -102,110 +124,121 @@ void prepare_plane(const Parameters& p, const Stage& stage, Workspace<std::int16
     std::uint16_t* const contexts = work.contexts.row(y, z);
     const auto weighted = static_cast<std::int16_t>(stage.first_weighted(y, z));
     const RowMask open = open_pairs(stage, work, y, z);
-    for (int x = 0; x < stage.pairs.x; x += kHalfLanes) {
-      if (!is_any_from(open, x)) {
-        hn::StoreU(hn::Zero(kSignedHalves), kSignedHalves, excesses + x);
-        hn::StoreU(hn::Zero(kHalves), kHalves, limits + x);
+    for (int x = 0; x < stage.pairs.x; x += kLanes) {
+      if (!is_any_from(d, open, x)) {
+        hn::StoreU(hn::Zero(d), d, excesses + x);
+        hn::StoreU(hn::Zero(u), u, limits + x);
         continue;
       }
-      const SignedHalves c = hn::LoadU(kSignedHalves, m + x);
+      const V c = hn::LoadU(d, m + x);
       const auto step_to = [&](std::int64_t offset) HWY_ATTR {
-        return hn::Sub(hn::LoadU(kSignedHalves, m + x + offset), c);
+        return hn::Sub(hn::LoadU(d, m + x + offset), c);
       };
-      const auto size_of = [](SignedHalves v) HWY_ATTR {
-        return hn::BitCast(kHalves, hn::Abs(v));
+      const auto size_of = [&](V v) HWY_ATTR {
+        return hn::BitCast(u, hn::Abs(v));
       };
       // Steps between the means around, along the split and across it
-      const SignedHalves before = step_to(-kAlong);
-      const SignedHalves after = step_to(kAlong);
-      const Halves e0 = hn::Add(size_of(before), size_of(after));
-      const Halves e1 = size_of(hn::Add(before, after));
-      const Halves e2 = hn::Add(hn::Add(size_of(step_to(-kAcross1)), size_of(step_to(kAcross1))),
+      const V before = step_to(-kAlong);
+      const V after = step_to(kAlong);
+      const U e0 = hn::Add(size_of(before), size_of(after));
+      const U e1 = size_of(hn::Add(before, after));
+      const U e2 = hn::Add(hn::Add(size_of(step_to(-kAcross1)), size_of(step_to(kAcross1))),
                                 hn::Add(size_of(step_to(-kAcross2)), size_of(step_to(kAcross2))));
 
       // The weights of the activity class
-      const Halves g = hn::SaturatedAdd(e0, e2);
-      SignedHalves weight = constants.class_weights[0];
-      SignedHalves behind_weight = constants.behind_weights[0];
+      const U g = hn::SaturatedAdd(e0, e2);
+      V weight = constants.class_weights[0];
+      V behind_weight = constants.behind_weights[0];
       for (int k = 1; k < kClasses; ++k) {
         const auto is_reached = hn::RebindMask(
-            kSignedHalves, hn::Eq(hn::Max(g, constants.thresholds[k - 1]), g));
+            d, hn::Eq(hn::Max(g, constants.thresholds[k - 1]), g));
         weight = hn::IfThenElse(is_reached, constants.class_weights[k], weight);
         behind_weight = hn::IfThenElse(is_reached, constants.behind_weights[k], behind_weight);
       }
       // The prediction, within what the value range allows
-      const SignedHalves low = hn::Sub(c, constants.min);
-      const SignedHalves high = hn::Sub(constants.max, c);
-      SignedHalves limit = hn::Min(hn::Add(hn::Add(low, low), constants.odd_low),
+      const V low = hn::Sub(c, constants.min);
+      const V high = hn::Sub(constants.max, c);
+      V limit = hn::Min(hn::Add(hn::Add(low, low), constants.odd_low),
                                    hn::Add(hn::Add(high, high), constants.odd_high));
-      if (x + kHalfLanes > weighted) {
-        const SignedHalves places = hn::Iota(kSignedHalves, static_cast<std::int16_t>(x));
-        const auto is_before = hn::Lt(places, hn::Set(kSignedHalves, weighted));
+      if (x + kLanes > weighted) {
+        const V places = hn::Iota(d, static_cast<std::int16_t>(x));
+        const auto is_before = hn::Lt(places, hn::Set(d, weighted));
         limit = hn::IfThenElse(is_before, limit, constants.range);
       }
-      const SignedHalves far = hn::Sub(hn::LoadU(kSignedHalves, m + x - 2 * kAlong),
-                                       hn::LoadU(kSignedHalves, m + x + 2 * kAlong));
-      const SignedHalves slope =
+      const V far = hn::Sub(hn::LoadU(d, m + x - 2 * kAlong),
+                                       hn::LoadU(d, m + x + 2 * kAlong));
+      const V slope =
           hn::Add(hn::Sub(before, after), hn::MulFixedPoint15(far, constants.far_share));
-      const SignedHalves likely = brought_within(hn::MulFixedPoint15(slope, weight), limit);
-      const SignedHalves behind =
-          z > 0 ? hn::LoadU(kSignedHalves, excesses + x) : hn::Zero(kSignedHalves);
-      const SignedHalves expected =
+      const V likely = brought_within(hn::MulFixedPoint15(slope, weight), limit);
+      const V behind =
+          z > 0 ? hn::LoadU(d, excesses + x) : hn::Zero(d);
+      const V expected =
           hn::SaturatedAdd(likely, hn::MulFixedPoint15(behind, behind_weight));
-      hn::StoreU(likely, kSignedHalves, excesses + x);
-      hn::StoreU(brought_within(expected, limit), kSignedHalves, predictions + x);
-      hn::StoreU(hn::BitCast(kHalves, limit), kHalves, limits + x);
+      hn::StoreU(likely, d, excesses + x);
+      hn::StoreU(brought_within(expected, limit), d, predictions + x);
+      hn::StoreU(hn::BitCast(u, limit), u, limits + x);
 
       // The expected magnitude: features and earlier residuals, weighted
-      SignedSums lower = constants.constant;
-      SignedSums upper = constants.constant;
-      const auto add = [&](SignedHalves a, SignedHalves b, SignedHalves weights) HWY_ATTR {
-        lower = add_products(hn::InterleaveLower(kSignedHalves, a, b), weights, lower);
-        upper = add_products(hn::InterleaveUpper(kSignedHalves, a, b), weights, upper);
+      auto lower = constants.constant;
+      auto upper = constants.constant;
+      const auto add = [&](V a, V b, V weights) HWY_ATTR {
+        lower = add_products(hn::InterleaveLower(d, a, b), weights, lower);
+        upper = add_products(hn::InterleaveUpper(d, a, b), weights, upper);
       };
-      const auto feature = [&](Halves v) HWY_ATTR {
-        return hn::BitCast(kSignedHalves, hn::Min(v, most));
+      const auto feature = [&](U v) HWY_ATTR {
+        return hn::BitCast(d, hn::Min(v, most));
       };
-      const auto magnitude = [x](const std::int16_t* row) HWY_ATTR {
-        return hn::LoadU(kSignedHalves, row + x);
+      const auto magnitude = [&](const std::int16_t* row) HWY_ATTR {
+        return hn::LoadU(d, row + x);
       };
       add(feature(e0), feature(e1), constants.pairs[0]);
       if constexpr (kAxis == 2) {
         add(feature(e2), magnitude(near.back), constants.pairs[5]);
       } else {
         add(feature(e2), magnitude(near.sibling[0]), constants.pairs[1]);
-        add(kAxis == 0 ? magnitude(near.sibling[1]) : hn::Zero(kSignedHalves),
+        add(kAxis == 0 ? magnitude(near.sibling[1]) : hn::Zero(d),
             magnitude(near.back), constants.pairs[2]);
       }
       add(magnitude(near.back - 1), magnitude(near.back + 1), constants.pairs[3]);
       add(magnitude(near.back_up), magnitude(near.back_down), constants.pairs[4]);
       // Its context
-      const auto wide = [](Halves v) HWY_ATTR { return hn::BitCast(kSignedSums, v); };
-      const Halves zero = hn::Zero(kHalves);
-      const Halves most_detail = hn::BitCast(kHalves, limit);
+      const hn::RepartitionToWide<D> sums;
+      const auto wide = [&](U v) HWY_ATTR { return hn::BitCast(sums, v); };
+      const U zero = hn::Zero(u);
+      const U most_detail = hn::BitCast(u, limit);
       const auto found = hn::ReorderDemote2To(
-          kSignedHalves,
-          contexts_of(lower, wide(hn::InterleaveLower(kHalves, most_detail, zero)),
+          d,
+          contexts_of(lower, wide(hn::InterleaveLower(u, most_detail, zero)),
                       constants.free_bits),
-          contexts_of(upper, wide(hn::InterleaveUpper(kHalves, most_detail, zero)),
+          contexts_of(upper, wide(hn::InterleaveUpper(u, most_detail, zero)),
                       constants.free_bits));
-      hn::StoreU(hn::BitCast(kHalves, found), kHalves, contexts + x);
+      hn::StoreU(hn::BitCast(u, found), u, contexts + x);
     }
   }
 }
 
+template <int kAxis>
+void prepare_plane(const Parameters& p, const Stage& stage, Workspace<std::int16_t>& work,
+                   std::int64_t z) {
+  if (has_wide_rows(stage)) prepare_rows<kAxis>(kWideHalves, p, stage, work, z);
+  else prepare_rows<kAxis>(kSignedHalves, p, stage, work, z);
+}
+
 /// As many numbers as there are halves; they fit in 16 bits.
-HWY_INLINE SignedHalves load_narrowed(const std::int32_t* from) {
+template <class D>
+HWY_INLINE hn::Vec<D> load_narrowed(D d, const std::int32_t* from) {
   const auto narrowed = [](const std::int32_t* at) HWY_ATTR {
-    return hn::DemoteTo(hn::Half<decltype(kSignedHalves)>(), hn::LoadU(kSignedSums, at));
+    return hn::DemoteTo(hn::Half<D>(), hn::LoadU(hn::RepartitionToWide<D>(), at));
   };
-  return hn::Combine(kSignedHalves, narrowed(from + kHalfLanes / 2), narrowed(from));
+  return hn::Combine(d, narrowed(from + hn::MaxLanes(d) / 2), narrowed(from));
 }
 
 /// A row of pairs once its details are known.
-template <int kAxis>
+template <int kAxis, class D>
 class PairRow {
  public:
+  using V = hn::Vec<D>;
+
   HWY_INLINE PairRow(const Stage& stage, Workspace<std::int16_t>& work, std::int64_t y,
                      std::int64_t z)
       : means_(work.means.row(y, z)),
@@ -215,51 +248,53 @@ class PairRow {
         magnitudes_(work.magnitudes[kAxis].row(y, z)),
         edges_(edge_details(stage, work, y, z)),
         first_(first_of_row(work.fine, kAxis, y, z)),
-        up_(hn::Set(kSignedHalves, static_cast<std::int16_t>(1 - stage.rounding))) {}
+        up_(hn::Set(kSigned, static_cast<std::int16_t>(1 - stage.rounding))) {}
 
-  HWY_INLINE SignedHalves prediction(int x) const {
-    return hn::LoadU(kSignedHalves, predictions_ + x);
+  HWY_INLINE V prediction(int x) const {
+    return hn::LoadU(kSigned, predictions_ + x);
   }
-  HWY_INLINE SignedHalves limit(int x) const {
-    return hn::BitCast(kSignedHalves, hn::LoadU(kHalves, limits_ + x));
+  HWY_INLINE V limit(int x) const {
+    return hn::BitCast(kSigned, hn::LoadU(hn::RebindToUnsigned<D>(), limits_ + x));
   }
   /// An edge has no room: its detail is known. Details are counted from there.
-  HWY_INLINE SignedHalves known(int x) const {
-    return edges_ != nullptr ? load_narrowed(edges_ + x) : hn::Zero(kSignedHalves);
+  HWY_INLINE V known(int x) const {
+    return edges_ != nullptr ? load_narrowed(kSigned, edges_ + x) : hn::Zero(kSigned);
   }
 
   /// Where nothing is coded, nor predicted.
   HWY_INLINE void repeat_means(int x) const {
-    hn::StoreU(hn::Zero(kSignedHalves), kSignedHalves, magnitudes_ + x);
-    put_samples(x, hn::Zero(kSignedHalves));
+    hn::StoreU(hn::Zero(kSigned), kSigned, magnitudes_ + x);
+    put_samples(x, hn::Zero(kSigned));
   }
 
-  HWY_INLINE void keep_magnitudes(int x, SignedHalves residual) const {
-    const SignedHalves size = residual_sizes(kSignedHalves, residual);
-    hn::StoreU(hn::Min(size, hn::Set(kSignedHalves, kMaxMagnitude)), kSignedHalves,
+  HWY_INLINE void keep_magnitudes(int x, V residual) const {
+    const V size = residual_sizes(kSigned, residual);
+    hn::StoreU(hn::Min(size, hn::Set(kSigned, kMaxMagnitude)), kSigned,
                magnitudes_ + x);
   }
 
   /// detail: less a known one
-  HWY_INLINE void keep_excess(int x, SignedHalves detail) const {
-    const SignedHalves likely = hn::LoadU(kSignedHalves, excesses_ + x);
-    hn::StoreU(hn::Sub(detail, brought_within(likely, limit(x))), kSignedHalves, excesses_ + x);
+  HWY_INLINE void keep_excess(int x, V detail) const {
+    const V likely = hn::LoadU(kSigned, excesses_ + x);
+    hn::StoreU(hn::Sub(detail, brought_within(likely, limit(x))), kSigned, excesses_ + x);
   }
 
   /// pair_of, in other words: half of an odd detail is rounded as the mean was not.
-  HWY_INLINE void put_samples(int x, SignedHalves detail) const {
-    const SignedHalves mean = hn::LoadU(kSignedHalves, means_ + x);
-    const SignedHalves a = hn::Add(mean, hn::ShiftRight<1>(hn::Add(detail, up_)));
-    const SignedHalves b = hn::Sub(a, detail);
+  HWY_INLINE void put_samples(int x, V detail) const {
+    const V mean = hn::LoadU(kSigned, means_ + x);
+    const V a = hn::Add(mean, hn::ShiftRight<1>(hn::Add(detail, up_)));
+    const V b = hn::Sub(a, detail);
     if constexpr (kAxis == 0) {
-      hn::StoreInterleaved2(a, b, kSignedHalves, first_ + 2 * x);
+      hn::StoreInterleaved2(a, b, kSigned, first_ + 2 * x);
     } else {
-      hn::StoreU(a, kSignedHalves, first_ + x);
-      hn::StoreU(b, kSignedHalves, first_ + pair_step<std::int16_t>(kAxis) + x);
+      hn::StoreU(a, kSigned, first_ + x);
+      hn::StoreU(b, kSigned, first_ + pair_step<std::int16_t>(kAxis) + x);
     }
   }
 
  private:
+  static constexpr D kSigned{};
+
   const std::int16_t* means_;
   const std::int16_t* predictions_;
   std::int16_t* excesses_;
@@ -267,26 +302,35 @@ class PairRow {
   std::int16_t* magnitudes_;
   const std::int32_t* edges_;
   std::int16_t* first_;
-  SignedHalves up_;
+  V up_;
 };
 
 /// Residuals of a row to samples and magnitudes.
-template <int kAxis>
-void settle_row(const Stage& stage, Workspace<std::int16_t>& work, const std::int16_t* residuals,
-                std::int64_t y, std::int64_t z) {
-  const PairRow<kAxis> row(stage, work, y, z);
+template <int kAxis, class D>
+HWY_NOINLINE void settle_pairs(D d, const Stage& stage, Workspace<std::int16_t>& work,
+                               const std::int16_t* residuals, std::int64_t y, std::int64_t z) {
+  const PairRow<kAxis, D> row(stage, work, y, z);
   const RowMask open = open_pairs(stage, work, y, z);
-  for (int x = 0; x < stage.pairs.x; x += kHalfLanes) {
-    if (!is_any_from(open, x)) {
+  for (int x = 0; x < stage.pairs.x; x += static_cast<int>(hn::MaxLanes(d))) {
+    if (!is_any_from(d, open, x)) {
       row.repeat_means(x);
       continue;
     }
-    const SignedHalves residual = hn::LoadU(kSignedHalves, residuals + x);
+    const auto residual = hn::LoadU(d, residuals + x);
     row.keep_magnitudes(x, residual);
-    const SignedHalves detail =
-        details_of(kSignedHalves, residual, row.prediction(x), row.limit(x));
+    const auto detail = details_of(d, residual, row.prediction(x), row.limit(x));
     row.keep_excess(x, detail);
     row.put_samples(x, hn::Add(detail, row.known(x)));
+  }
+}
+
+template <int kAxis>
+void settle_row(const Stage& stage, Workspace<std::int16_t>& work, const std::int16_t* residuals,
+                std::int64_t y, std::int64_t z) {
+  if (has_wide_rows(stage)) {
+    settle_pairs<kAxis>(kWideHalves, stage, work, residuals, y, z);
+  } else {
+    settle_pairs<kAxis>(kSignedHalves, stage, work, residuals, y, z);
   }
 }
 
@@ -294,11 +338,11 @@ void settle_row(const Stage& stage, Workspace<std::int16_t>& work, const std::in
 template <int kAxis>
 void predict_row(const Stage& stage, Workspace<std::int16_t>& work, std::int64_t y,
                  std::int64_t z) {
-  const PairRow<kAxis> row(stage, work, y, z);
+  const PairRow<kAxis, decltype(kSignedHalves)> row(stage, work, y, z);
   std::int32_t* const details = work.residuals.row(y, z);
   alignas(64) std::int16_t residuals[kHalfLanes];
   for (int x = 0; x < stage.pairs.x; x += kHalfLanes) {
-    const SignedHalves given = hn::Sub(load_narrowed(details + x), row.known(x));
+    const SignedHalves given = hn::Sub(load_narrowed(kSignedHalves, details + x), row.known(x));
     const SignedHalves detail = brought_within(given, row.limit(x));
     const SignedHalves residual =
         residuals_of(kSignedHalves, detail, row.prediction(x), row.limit(x));

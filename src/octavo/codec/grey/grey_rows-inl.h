@@ -29,7 +29,6 @@ constexpr hn::CappedTag<std::uint16_t, 16> kHalves{};
 constexpr hn::RebindToSigned<decltype(kHalves)> kSignedHalves{};
 constexpr hn::RepartitionToWide<decltype(kHalves)> kSums{};
 constexpr hn::RebindToSigned<decltype(kSums)> kSignedSums{};
-constexpr hn::RebindToFloat<decltype(kSums)> kFloats{};
 using Halves = hn::Vec<decltype(kHalves)>;
 using SignedHalves = hn::Vec<decltype(kSignedHalves)>;
 using SignedSums = hn::Vec<decltype(kSignedSums)>;
@@ -135,29 +134,34 @@ inline void features_of_row(const Parameters& p, const Stage& stage,
 }
 
 /// sums += a0 * b0 + a1 * b1 for the two 16-bit numbers in each 32-bit lane.
-HWY_INLINE SignedSums add_products(SignedHalves a, SignedHalves b, SignedSums sums) {
-#if HWY_ARCH_X86
-  // On x86 this adds the products of neighboring lanes; `unused` stays 0.
-  SignedSums unused = hn::Zero(kSignedSums);
-  return hn::ReorderWidenMulAccumulate(kSignedSums, a, b, sums, unused);
+template <class V, class W>
+HWY_INLINE W add_products(V a, V b, W sums) {
+  const hn::DFromV<W> wide;
+#if HWY_ARCH_X86 || HWY_ARCH_WASM
+  // There this adds the products of neighboring lanes; `unused` stays 0.
+  W unused = hn::Zero(wide);
+  return hn::ReorderWidenMulAccumulate(wide, a, b, sums, unused);
 #else
-  const auto pair_a = hn::BitCast(kSignedSums, a);
-  const auto pair_b = hn::BitCast(kSignedSums, b);
-  const auto low = [](SignedSums v) { return hn::ShiftRight<16>(hn::ShiftLeft<16>(v)); };
-  const auto high = [](SignedSums v) { return hn::ShiftRight<16>(v); };
+  const auto pair_a = hn::BitCast(wide, a);
+  const auto pair_b = hn::BitCast(wide, b);
+  const auto low = [](W v) { return hn::ShiftRight<16>(hn::ShiftLeft<16>(v)); };
+  const auto high = [](W v) { return hn::ShiftRight<16>(v); };
   return hn::Add(hn::Add(sums, hn::Mul(low(pair_a), low(pair_b))),
                  hn::Mul(high(pair_a), high(pair_b)));
 #endif
 }
 
 /// Predicted magnitudes (Q8) to contexts with their plain bits, see the portable `context_of`.
-HWY_INLINE SignedSums contexts_of(SignedSums predicted, SignedSums limit, SignedSums free_bits) {
-  const auto set = [](std::int32_t value) { return hn::Set(kSignedSums, value); };
+template <class W>
+HWY_INLINE W contexts_of(W predicted, W limit, W free_bits) {
+  const hn::DFromV<W> sums;
+  const hn::RebindToFloat<hn::DFromV<W>> floats;
+  const auto set = [&](std::int32_t value) HWY_ATTR { return hn::Set(sums, value); };
   const auto is_limited = hn::Gt(predicted, hn::ShiftLeft<7>(hn::Sub(limit, set(1))));
   predicted = hn::Min(predicted, hn::ShiftLeft<8>(limit));
-  const auto value = hn::ConvertTo(kFloats, hn::Add(predicted, set(8)));
+  const auto value = hn::ConvertTo(floats, hn::Add(predicted, set(8)));
   const auto half_octave =
-      hn::Min(hn::Sub(hn::ShiftRight<22>(hn::BitCast(kSignedSums, value)), set(260)),
+      hn::Min(hn::Sub(hn::ShiftRight<22>(hn::BitCast(sums, value)), set(260)),
               set(kMagnitudes - 1));
   const auto plain = hn::Min(hn::Max(hn::Sub(hn::ShiftRight<1>(half_octave), free_bits), set(0)),
                              set(kMaxPlainBits));
