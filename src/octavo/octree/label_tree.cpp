@@ -168,10 +168,8 @@ class Proof {
 constexpr std::array<std::uint8_t, 64> kVoxelPlaces = [] {
   std::array<std::uint8_t, 64> places{};
   for (std::size_t bit = 0; bit < 64; ++bit) {
-    const auto along = [&](std::size_t axis) {
-      return (bit >> kLowPlace[axis] & 1) + 2 * (bit >> kHighPlace[axis] & 1);
-    };
-    places[bit] = static_cast<std::uint8_t>(16 * along(2) + 4 * along(1) + along(0));
+    const Index3 at = place_of_bit(static_cast<int>(bit));
+    places[bit] = static_cast<std::uint8_t>(16 * at.z + 4 * at.y + at.x);
   }
   return places;
 }();
@@ -184,9 +182,9 @@ class Filler {
       : tree_(tree), box_(box), voxels_(voxels) {}
 
   void fill_cube(int rank, const LabelCube& cube, const Index3& corner) {
-    const std::uint64_t inside = children_in_box(corner, child_side(rank));
+    const std::uint64_t inside = children_in_box(corner, child_side(rank), box_);
     const auto fill = [&](std::uint32_t label, std::uint64_t bits) {
-      fill_children(bits & inside, rank, corner, box_, value_of(label), voxels_);
+      fill_children(bits, rank, corner, box_, value_of(label), voxels_);
     };
     tree_.visit_runs(rank, cube, fill);
     for (std::uint64_t left = cube.mixed & inside; left != 0; left &= left - 1) {
@@ -202,20 +200,6 @@ class Filler {
   }
 
  private:
-  // The children of a cube, `side` voxels each, that meet the box.
-  std::uint64_t children_in_box(const Index3& corner, std::int64_t side) const {
-    std::uint64_t bits = ~std::uint64_t{0};
-    for (int axis = 0; axis < 3; ++axis) {
-      std::uint64_t slabs = 0;
-      for (int at = 0; at < 4; ++at) {
-        const std::int64_t lo = corner[axis] + at * side;
-        if (lo < box_.hi[axis] && lo + side > box_.lo[axis]) slabs |= slab_of(axis, at);
-      }
-      bits &= slabs;
-    }
-    return bits;
-  }
-
   void fill_word(std::uint64_t place, const Index3& corner) {
     std::array<T, 64> values;  // [z][y][x]
     tree_.visit_word(place, [&](std::uint32_t label, std::uint64_t bits) {

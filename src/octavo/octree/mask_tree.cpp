@@ -1,6 +1,7 @@
 #include "octavo/octree/mask_tree.h"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #include "octavo/core/levels.h"
@@ -145,10 +146,17 @@ std::uint64_t MaskTree::memory_bytes() const noexcept {
   return bytes;
 }
 
-Box child_box(const Index3& corner, int bit, std::int64_t side) noexcept {
-  const Index3 at = deinterleave(static_cast<std::uint64_t>(bit));
-  const Index3 lo{corner.x + at.x * side, corner.y + at.y * side, corner.z + at.z * side};
-  return {lo, {lo.x + side, lo.y + side, lo.z + side}};
+std::uint64_t children_in_box(const Index3& corner, std::int64_t side, const Box& box) noexcept {
+  std::uint64_t bits = ~std::uint64_t{0};
+  for (int axis = 0; axis < 3; ++axis) {
+    std::uint64_t slabs = 0;
+    for (int at = 0; at < 4; ++at) {
+      const std::int64_t lo = corner[axis] + at * side;
+      if (lo < box.hi[axis] && lo + side > box.lo[axis]) slabs |= slab_of(axis, at);
+    }
+    bits &= slabs;
+  }
+  return bits;
 }
 
 Box box_of_children(std::uint64_t bits, const Index3& corner, std::int64_t side) noexcept {
@@ -207,12 +215,37 @@ LinearOctree to_linear_octree(const MaskTree& tree, std::int64_t value) {
   return octree;
 }
 
+namespace {
+
+// Writes the voxels of a word, as far as they lie in the box.
+template <class T>
+void fill_word(std::uint64_t word, const Index3& corner, const Box& box, T* voxels) {
+  const Box cell{corner, {corner.x + 4, corner.y + 4, corner.z + 4}};
+  const Box part = intersection(cell, box);
+  if (part.size().x < 4) return fill_children(word, -1, corner, box, T{1}, voxels);
+  const Size3 size = box.size();
+  for (std::int64_t z = part.lo.z; z < part.hi.z; ++z) {
+    T* row = voxels + ((z - box.lo.z) * size.y + part.lo.y - box.lo.y) * size.x + part.lo.x -
+             box.lo.x;
+    for (std::int64_t y = part.lo.y; y < part.hi.y; ++y, row += size.x) {
+      const std::uint64_t bits = word >> bit_of_place({0, y - corner.y, z - corner.z});
+      const std::array<T, 4> values = {
+          static_cast<T>(bits & 1), static_cast<T>(bits >> bit_of_place({1, 0, 0}) & 1),
+          static_cast<T>(bits >> bit_of_place({2, 0, 0}) & 1),
+          static_cast<T>(bits >> bit_of_place({3, 0, 0}) & 1)};
+      std::copy_n(values.data(), 4, row);
+    }
+  }
+}
+
+}  // namespace
+
 template <class T>
 void fill_voxels(const MaskTree& tree, const Box& box, T* voxels) {
   std::fill_n(voxels, box.size().voxel_count(), T{0});
   visit_items(tree, box, [&](int rank, std::uint64_t place, const Index3& corner) {
-    const std::uint64_t full = rank < 0 ? tree.words()[place] : tree.cubes(rank)[place].full;
-    fill_children(full, rank, corner, box, T{1}, voxels);
+    if (rank < 0) return fill_word(tree.words()[place], corner, box, voxels);
+    fill_children(tree.cubes(rank)[place].full, rank, corner, box, T{1}, voxels);
   });
 }
 

@@ -40,6 +40,7 @@
 #include <vector>
 
 #include "octavo/octree/linear_octree.h"
+#include "octavo/octree/word_steps.h"
 
 namespace octavo {
 
@@ -120,7 +121,14 @@ inline constexpr std::int64_t kCubeSide = child_side(2);
 
 /// The box of the child at `bit` of a cube that starts at `corner`, its children `side` voxels
 /// long.
-Box child_box(const Index3& corner, int bit, std::int64_t side) noexcept;
+inline Box child_box(const Index3& corner, int bit, std::int64_t side) noexcept {
+  const Index3 at = place_of_bit(bit);
+  const Index3 lo{corner.x + at.x * side, corner.y + at.y * side, corner.z + at.z * side};
+  return {lo, {lo.x + side, lo.y + side, lo.z + side}};
+}
+
+/// The bits of those children of a cube that meet a box.
+std::uint64_t children_in_box(const Index3& corner, std::int64_t side, const Box& box) noexcept;
 
 /// The smallest box around the children whose bits are set; empty when none is.
 Box box_of_children(std::uint64_t bits, const Index3& corner, std::int64_t side) noexcept;
@@ -223,10 +231,10 @@ void visit_item(const MaskTree& tree, const Box& box, int rank, std::uint64_t pl
   visit(rank, place, corner);
   if (rank < 0) return;
   const MaskCube& cube = tree.cubes(rank)[place];
-  for (std::uint64_t left = cube.mixed; left != 0; left &= left - 1) {
+  const std::uint64_t inside = children_in_box(corner, child_side(rank), box);
+  for (std::uint64_t left = cube.mixed & inside; left != 0; left &= left - 1) {
     const int bit = std::countr_zero(left);
     const Box child = child_box(corner, bit, child_side(rank));
-    if (intersection(child, box).is_empty()) continue;
     visit_item(tree, box, rank - 1, cube.place_of(bit), child.lo, visit);
   }
 }
@@ -242,13 +250,17 @@ template <class T>
 void fill_children(std::uint64_t bits, int rank, const Index3& corner, const Box& box, T value,
                    T* voxels) {
   const Size3 size = box.size();
+  bits &= children_in_box(corner, child_side(rank), box);
   for (; bits != 0; bits &= bits - 1) {
     const Box child = child_box(corner, std::countr_zero(bits), child_side(rank));
     const Box part = intersection(child, box);
+    const std::int64_t length = part.hi.x - part.lo.x;
     for (std::int64_t z = part.lo.z; z < part.hi.z; ++z) {
-      for (std::int64_t y = part.lo.y; y < part.hi.y; ++y) {
-        T* const row = voxels + ((z - box.lo.z) * size.y + y - box.lo.y) * size.x - box.lo.x;
-        std::fill(row + part.lo.x, row + part.hi.x, value);
+      T* row = voxels + ((z - box.lo.z) * size.y + part.lo.y - box.lo.y) * size.x + part.lo.x -
+               box.lo.x;
+      for (std::int64_t y = part.lo.y; y < part.hi.y; ++y, row += size.x) {
+        if (length == 4) std::fill_n(row, 4, value);  // most are a word long
+        else std::fill_n(row, length, value);
       }
     }
   }

@@ -43,6 +43,25 @@ constexpr std::uint64_t slab_of(int axis, int at) noexcept {
   return word_detail::kSlabs[static_cast<std::size_t>(axis)][static_cast<std::size_t>(at)];
 }
 
+/// Where a bit of a word, or of the children of a cube, stands in 4^3.
+constexpr Index3 place_of_bit(int bit) noexcept {
+  const auto along = [&](std::size_t axis) {
+    return std::int64_t{(bit >> kLowPlace[axis] & 1) +
+                        2 * (bit >> kHighPlace[axis] & 1)};
+  };
+  return {along(0), along(1), along(2)};
+}
+
+/// The bit at a place.
+constexpr int bit_of_place(const Index3& at) noexcept {
+  std::int64_t bit = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::int64_t along = at[static_cast<int>(axis)];
+    bit |= (along & 1) << kLowPlace[axis] | along >> 1 << kHighPlace[axis];
+  }
+  return static_cast<int>(bit);
+}
+
 /// The bits of the voxels of a word that lie less than `size` from its corner; 0 where an axis has
 /// none.
 constexpr std::uint64_t bits_within(const Size3& size) noexcept {

@@ -2,7 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <functional>
+#include <random>
+#include <utility>
+#include <vector>
 
 namespace octavo {
 namespace {
@@ -86,6 +90,34 @@ TEST(MaskTree, ContainsTheVoxelsItIsMadeOf) {
   EXPECT_EQ(tree.voxel_count(), 37u * 37 * 37);
   EXPECT_GE(tree.memory_bytes(),
             tree.words().size_bytes() + tree.cubes(0).size_bytes() + tree.cubes(1).size_bytes());
+}
+
+TEST(MaskTree, FillsAnyBox) {
+  const Size3 size{64, 64, 64};
+  std::mt19937_64 random(29);
+  MaskArrays arrays = arrays_of(box_mask(size, {{1, 2, 3}, {61, 39, 62}}));
+  for (std::uint64_t& word : arrays.words) word = random() | 1;  // not one is empty or full
+  const MaskTree tree(size, std::move(arrays));
+  ASSERT_TRUE(is_valid(tree));
+  for (int round = 0; round < 200; ++round) {
+    Box box;
+    for (int axis = 0; axis < 3; ++axis) {
+      box.lo[axis] = static_cast<std::int64_t>(random() % 60);
+      box.hi[axis] = std::min<std::int64_t>(
+          size[axis], box.lo[axis] + 1 + static_cast<std::int64_t>(random() % 24));
+    }
+    const Size3 shape = box.size();
+    std::vector<std::int16_t> voxels(static_cast<std::size_t>(shape.voxel_count()), 77);
+    fill_voxels(tree, box, voxels.data());
+    std::size_t at = 0;
+    for (std::int64_t z = box.lo.z; z < box.hi.z; ++z) {
+      for (std::int64_t y = box.lo.y; y < box.hi.y; ++y) {
+        for (std::int64_t x = box.lo.x; x < box.hi.x; ++x) {
+          ASSERT_EQ(voxels[at++] != 0, tree.contains({x, y, z}));
+        }
+      }
+    }
+  }
 }
 
 TEST(MaskTree, OfNothingIsEmptyAndTakesNoWords) {
