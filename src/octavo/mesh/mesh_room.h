@@ -6,8 +6,18 @@
 #include <memory>
 #include <span>
 #include <utility>
+#include <vector>
 
 namespace octavo {
+
+/// Room for some items more behind those that are there. What is never written takes no memory, so
+/// that there is much at once: to grow takes longer than to extract what comes.
+template <class T>
+void make_room(std::vector<T>& items, std::size_t more) {
+  constexpr std::size_t kGrowth = 4;
+  const std::size_t count = items.size() + more;
+  if (count > items.capacity()) items.reserve(std::max(count, kGrowth * items.capacity()));
+}
 
 template <class T>
 class MeshRoom {

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "octavo/core/error.h"
+#include "octavo/mesh/mesh_room.h"
 #include "octavo/mesh/point_distance.h"
 #include "octavo/mesh/point_triangles.h"
 #include "octavo/mesh/quiet_progress.h"
@@ -51,15 +52,6 @@ std::vector<std::uint8_t> proven_by_fixed(const DecimationProof& proof, IsFixed&
     is_proven[proof.searched.proven[i]] = std::all_of(by.begin(), by.end(), is_fixed) ? 1 : 0;
   }
   return is_proven;
-}
-
-/// Room for some more. What is never written takes no memory, so there is much at once: to grow
-/// takes longer than to extract what comes.
-template <class T>
-void make_room(std::vector<T>& items, std::size_t more) {
-  constexpr std::size_t kGrowth = 4;
-  const std::size_t count = items.size() + more;
-  if (count > items.capacity()) items.reserve(std::max(count, kGrowth * items.capacity()));
 }
 
 }  // namespace

@@ -42,12 +42,14 @@ using CornerClasses = std::uint32_t;
 
 /// The voxels of the class that a voxel has.
 inline CornerMask class_mask(CornerClasses classes, std::size_t voxel) {
-  const std::uint32_t own = classes >> 3 * voxel & 7;
-  CornerMask mask = 0;
-  for (std::size_t other = 0; other < 8; ++other) {
-    if ((classes >> 3 * other & 7) == own) mask = static_cast<CornerMask>(mask | 1u << other);
-  }
-  return mask;
+  constexpr std::uint32_t kOnes = 011111111;  // one bit of each class
+  // Those that differ from the voxel's in any bit
+  const std::uint32_t others = classes ^ (classes >> 3 * voxel & 7) * kOnes;
+  std::uint32_t mask = ~(others | others >> 1 | others >> 2) & kOnes;
+  // Every third bit joined
+  mask = (mask | mask >> 2) & 0x0c30c3u;
+  mask = (mask | mask >> 4) & 0x00f00fu;
+  return static_cast<CornerMask>(mask | mask >> 8);
 }
 
 /// An edge that ends at the corner.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <set>
 #include <utility>
@@ -28,6 +29,12 @@ class QuadCutter {
 
   void place_points() {
     made_.mesh.points.reserve(net_.points.size());
+    if (offsets_.empty()) {
+      for (const NetPoint& at : net_.points) {
+        made_.mesh.points.push_back(frame_.point_at(at[0] - 0.5, at[1] - 0.5, at[2] - 0.5));
+      }
+      return;
+    }
     for (std::uint32_t i = 0; i < net_.points.size(); ++i) {
       const Point3 place = index_place(i);
       made_.mesh.points.push_back(frame_.point_at(place[0], place[1], place[2]));
@@ -127,9 +134,13 @@ InterfaceMesh interface_mesh(const SurfaceNet& net, std::span<const NetOffset> o
                              const SurfaceFrame& frame) {
   InterfaceMesh made;
   made.pairs = net.pairs;
-  made.mesh.triangles.reserve(2 * net.quads.size());
-  made.pair_of.reserve(2 * net.quads.size());
-  made.fans.reserve(2 * net.quads.size());
+  std::size_t count = 2 * net.quads.size();
+  for (const NetQuad& quad : net.quads) {
+    count += static_cast<std::size_t>(std::popcount(quad.crossed_sides));
+  }
+  made.mesh.triangles.reserve(count);
+  made.pair_of.reserve(count);
+  made.fans.reserve(count);
   QuadCutter cutter(net, offsets, frame, made);
   cutter.place_points();
   for (const NetQuad& quad : net.quads) cutter.cut(quad);

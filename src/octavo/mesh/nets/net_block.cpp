@@ -146,7 +146,7 @@ class QuadJoiner {
       const NetBlock& block = *block_at(place);
       if (!block.is_touching(place[0], place[1], place[2])) continue;
       const CornerEdge side{(at ^ next) == 1 ? u : v, next > at};
-      add_fans_at(block.classes_of(quad.corners[k] - block.first_point),
+      add_fans_at(block.classes_of(place[0], place[1], place[2]),
                   {axis, 3 - at, is_inside_behind, side}, k, quad);
     }
   }
@@ -190,20 +190,12 @@ class QuadJoiner {
 
 }  // namespace
 
-CornerClasses NetBlock::classes_of(std::uint32_t point) const {
-  return std::lower_bound(touching.begin(), touching.end(), point,
-                          [](const TouchingCorner& corner, std::uint32_t number) {
-                            return corner.point < number;
-                          })
-      ->classes;
-}
-
 template <class T>
 std::unique_ptr<NetBlock> NetBlockMaker<T>::make(const Index3& corner) {
   if (!find_differences()) return nullptr;
   auto block = std::make_unique<NetBlock>();
   pair_numbers_.clear();
-  last_pair_ = 0;
+  recent_pairs_.fill({});
   for (int z = 0; z < kSurfaceSide; ++z) {
     for (int y = 0; y < kSurfaceSide; ++y) make_row(corner, y, z, *block);
   }
@@ -243,6 +235,7 @@ void NetBlockMaker<T>::make_row(const Index3& corner, int y, int z, NetBlock& bl
   const Differences& first = differences_.at(y - 1, z - 1);
   NetRow& row = block.rows[static_cast<std::size_t>(z * kSurfaceSide + y)];
   row.first = static_cast<std::uint32_t>(block.points.size());
+  row.first_touching = static_cast<std::uint32_t>(block.touching.size());
   const std::uint64_t before_y = before.y << 1 | before.y_before;
   const std::uint64_t above_z = above.z << 1 | above.z_before;
   row.corners = last.x | above.x | before.x | first.x | last.y | before.y | before_y |
@@ -263,10 +256,8 @@ void NetBlockMaker<T>::make_row(const Index3& corner, int y, int z, NetBlock& bl
     bool is_touching = false;
     const CornerClasses classes = classes_at(x, y, z, is_touching);
     if (!is_touching) continue;
-    const std::uint64_t below = row.corners & ((std::uint64_t{1} << x) - 1);
     row.touching |= std::uint64_t{1} << x;
-    block.touching.push_back(
-        {row.first + static_cast<std::uint32_t>(std::popcount(below)), classes});
+    block.touching.push_back(classes);
   }
 
   // Faces whose last corners these are
@@ -349,17 +340,20 @@ CornerClasses NetBlockMaker<T>::classes_at(int x, int y, int z, bool& is_touchin
 
 template <class T>
 std::uint32_t NetBlockMaker<T>::pair_number(T inside, T outside, NetBlock& block) {
-  const std::uint64_t key = static_cast<std::uint64_t>(static_cast<std::uint32_t>(inside)) << 32 |
-                            static_cast<std::uint32_t>(outside);
-  if (key == last_pair_) return last_number_;
+  const auto number_of = [](T label) {
+    return static_cast<std::uint64_t>(static_cast<std::uint32_t>(label));
+  };
+  const std::uint64_t key = number_of(inside) << 32 | number_of(outside);
+  const std::uint64_t hash = key * 0x9e3779b97f4a7c15u;
+  RecentPair& recent = recent_pairs_[hash >> (64 - kRecentBits)];
+  if (key == recent.key) return recent.number;
   const auto [place, is_new] =
       pair_numbers_.emplace(key, static_cast<std::uint32_t>(block.pairs.size()));
   if (is_new) {
     block.pairs.push_back({static_cast<std::int64_t>(inside), static_cast<std::int64_t>(outside)});
   }
-  last_pair_ = key;
-  last_number_ = place->second;
-  return last_number_;
+  recent = {key, place->second};
+  return recent.number;
 }
 
 template class NetBlockMaker<std::int8_t>;

@@ -9,6 +9,8 @@
 #pragma once
 
 #include <array>
+#include <bit>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <unordered_map>
@@ -31,22 +33,17 @@ struct NetFace {
   std::uint32_t pair = 0;
 };
 
-/// A corner at which a label touches itself.
-struct TouchingCorner {
-  std::uint32_t point = 0;  ///< number in the block
-  CornerClasses classes = 0;
-};
-
 struct NetRow {
   std::uint64_t corners = 0;   ///< bit x: not all voxels there have one label
   std::uint64_t touching = 0;  ///< of those, where a label touches itself
   std::uint32_t first = 0;     ///< number of its first point in the block
+  std::uint32_t first_touching = 0;  ///< place of the first corner where a label touches itself
 };
 
 struct NetBlock {
   std::vector<NetRow> rows = std::vector<NetRow>(kSurfaceSide * kSurfaceSide);  ///< [z][y]
   std::vector<NetPoint> points;
-  std::vector<TouchingCorner> touching;  ///< ascending
+  std::vector<CornerClasses> touching;  ///< of corners at which a label touches itself
   std::vector<NetFace> faces;
   std::vector<LabelPair> pairs;
   std::uint32_t first_point = 0;            ///< what is added to all numbers
@@ -57,7 +54,11 @@ struct NetBlock {
   }
   bool is_touching(int x, int y, int z) const { return (row(y, z).touching >> x & 1) != 0; }
   /// Requires a touching corner.
-  CornerClasses classes_of(std::uint32_t point) const;
+  CornerClasses classes_of(int x, int y, int z) const {
+    const NetRow& own = row(y, z);
+    const std::uint64_t below = own.touching & ((std::uint64_t{1} << x) - 1);
+    return touching[own.first_touching + static_cast<std::size_t>(std::popcount(below))];
+  }
 };
 
 /// The blocks that hold the corners of the quads of a block, as far as there are any;
@@ -85,6 +86,13 @@ class NetBlockMaker {
     std::uint8_t z_before = 0;
   };
 
+  /// A pair of labels and its number in the block; no key: none.
+  struct RecentPair {
+    std::uint64_t key = 0;
+    std::uint32_t number = 0;
+  };
+  static constexpr int kRecentBits = 8;
+
   bool find_differences();
   void make_row(const Index3& corner, int y, int z, NetBlock& block);
   void add_faces(std::uint64_t bits, int axis, int y, int z, NetBlock& block);
@@ -94,8 +102,7 @@ class NetBlockMaker {
 
   SurfaceRows<Differences> differences_;
   std::unordered_map<std::uint64_t, std::uint32_t> pair_numbers_;
-  std::uint64_t last_pair_ = 0;
-  std::uint32_t last_number_ = 0;
+  std::array<RecentPair, std::size_t{1} << kRecentBits> recent_pairs_{};  // of these some
 };
 
 /// The quads of a block. Requires that all numbers are final.

@@ -1,10 +1,12 @@
 #include "octavo/mesh/nets/surface_net.h"
 
 #include "octavo/core/memory_limit.h"
+#include "octavo/mesh/mesh_room.h"
 
 namespace octavo {
 
 void NetCollector::add_points(std::span<const NetPoint> points) {
+  make_room(net_.points, points.size());
   net_.points.insert(net_.points.end(), points.begin(), points.end());
 }
 
@@ -13,6 +15,7 @@ void NetCollector::add_pairs(std::span<const LabelPair> pairs) {
 }
 
 void NetCollector::add_quads(std::span<const NetQuad> quads) {
+  make_room(net_.quads, quads.size());
   net_.quads.insert(net_.quads.end(), quads.begin(), quads.end());
 }
 

@@ -68,8 +68,8 @@ struct SurfaceNet {
 
   bool operator==(const SurfaceNet&) const = default;
   std::uint64_t memory_bytes() const noexcept {
-    return points.capacity() * sizeof(NetPoint) + quads.capacity() * sizeof(NetQuad) +
-           pairs.capacity() * sizeof(LabelPair);
+    return points.size() * sizeof(NetPoint) + quads.size() * sizeof(NetQuad) +
+           pairs.size() * sizeof(LabelPair);
   }
 };
 
