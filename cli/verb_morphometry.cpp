@@ -21,7 +21,8 @@ constexpr VerbText kMorphometryText = {
     "morphometry", "Measure structure: volume share, surface, thickness, connectivity and more.",
     "Bone volume and total volume (BV, TV, BV/TV), surface (BS, BS/BV), thickness, separation and\n"
     "number (Tb.Th, Tb.Sp, Tb.N) by the largest balls that fit, structure model index, Euler\n"
-    "number and connectivity density, degree of anisotropy, fractal dimension; with --of also\n"
+    "number and connectivity density, ellipsoid factor, degree of anisotropy, fractal dimension;\n"
+    "with --tortuosity how much longer than straight the ways through pores are; with --of also\n"
     "densities of the tissue and of the total volume (TMD, BMD), calibrated where --calibration\n"
     "gives a line. Of rock and foam 1 - BV/TV is the porosity and Tb.Sp the size of pores. The\n"
     "definitions, with their sources, stand in docs/morphometry.md.\n\n"
@@ -40,6 +41,8 @@ struct MorphometryArguments {
   std::string calibration;
   std::string thickness_map;
   std::string spacing_map;
+  std::string histogram;
+  bool tortuosity = false;
   bool no_thickness = false;
   bool slices = false;
   bool csv = false;
@@ -64,6 +67,11 @@ void add_thickness_rows(const MorphometryResult& result, ShownMeasures& rows) {
     const double number = th->mean_mm > 0 ? result.share() / th->mean_mm : 0;
     rows.push_back({"tb_n_per_mm", "Tb.N", number, "1/mm", "number: BV/TV over Tb.Th"});
   }
+  if (const auto& ellipsoids = result.ellipsoids) {
+    rows.push_back({"ellipsoid_factor", "EF", ellipsoids->mean, "", "-1 plates, 1 rods, by volume"});
+    rows.push_back({"ellipsoid_factor_sd", "EF.SD", ellipsoids->deviation, "",
+                    "its standard deviation"});
+  }
   const auto& sp = result.spacing;
   if (!sp || sp->voxels == 0) return;
   rows.push_back({"tb_sp_mm", "Tb.Sp", sp->mean_mm, "mm", "mean separation, size of pores"});
@@ -73,6 +81,19 @@ void add_thickness_rows(const MorphometryResult& result, ShownMeasures& rows) {
     rows.push_back({fmt::format("pore_d{}_mm", percent), fmt::format("pore d{}", percent),
                     sp->quantile_mm(0.01 * percent), "mm",
                     fmt::format("{} % of the pore volume is narrower", percent)});
+  }
+}
+
+void add_path_rows(const MorphometryResult& result, ShownMeasures& rows) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto& path = result.paths[axis];
+    const char name = "xyz"[axis];
+    rows.push_back({fmt::format("tortuosity_{}", name), fmt::format("tau.{}", name),
+                    path ? std::optional(path->tortuosity) : std::nullopt, "",
+                    path ? fmt::format("shortest ways through pores over straight ones; {:.0f} % of "
+                                       "the far pores are reached",
+                                       100 * path->reached_share)
+                         : std::string("no pore leads through")});
   }
 }
 
@@ -107,7 +128,7 @@ void add_form_rows(const MorphometryResult& result, ShownMeasures& rows) {
   add_fractal(result.surface_fractal, "surface_fractal_dimension", "FD.S", "that of the surface");
 }
 
-ShownMeasures rows_of(const MorphometryResult& result) {
+ShownMeasures rows_of(const MorphometryResult& result, bool has_tortuosity) {
   ShownMeasures rows = {
       {"bv_mm3", "BV", result.bone_mm3, "mm3", "volume of the mask"},
       {"tv_mm3", "TV", result.total_mm3, "mm3", "volume that is measured"},
@@ -121,6 +142,7 @@ ShownMeasures rows_of(const MorphometryResult& result) {
       {"cut_mm2", "cut", result.surface.cut_mm2, "mm2", "faces at the border, not in BS"},
       {"smi", "SMI", result.smi, "", "0 plates, 3 rods, 4 balls"}};
   add_thickness_rows(result, rows);
+  if (has_tortuosity) add_path_rows(result, rows);
   add_form_rows(result, rows);
   if (result.tissue) {
     rows.push_back({"tmd", "TMD", result.tissue->mean, "", "mean density of the mask"});
@@ -142,9 +164,13 @@ nlohmann::ordered_json summary_json(const std::optional<ThicknessSummary>& summa
 nlohmann::ordered_json report_json(const MorphometryArguments& arguments,
                                    const MorphometryResult& result) {
   nlohmann::ordered_json report = {{"mask", arguments.input}};
-  for (const ShownMeasure& row : rows_of(result)) report[row.key] = optional_json(row.value);
+  for (const ShownMeasure& row : rows_of(result, arguments.tortuosity)) report[row.key] = optional_json(row.value);
   report["thickness"] = summary_json(result.thickness);
   report["spacing"] = summary_json(result.spacing);
+  report["ellipsoids"] = nullptr;
+  if (const auto& e = result.ellipsoids) {
+    report["ellipsoids"] = {{"count", e->ellipsoids}, {"shares", e->shares}};
+  }
   report["mil"] = nullptr;
   if (const auto& a = result.anisotropy) {
     report["mil"] = {{"lengths_mm", a->lengths_mm}, {"axes", a->axes}};
@@ -183,7 +209,7 @@ std::string slices_csv(const MorphometryResult& result) {
 std::string report_text(const MorphometryArguments& arguments, const MorphometryResult& result) {
   if (arguments.slices) return slices_csv(result);
   std::string text = arguments.csv ? "name,value,unit\n" : "";
-  for (const ShownMeasure& row : rows_of(result)) {
+  for (const ShownMeasure& row : rows_of(result, arguments.tortuosity)) {
     if (arguments.csv) {
       const std::string value = row.value ? fmt::format("{:.9g}", *row.value) : "";
       text += fmt::format("{},{},{}\n", row.key, value, row.unit);
@@ -201,6 +227,8 @@ MorphometryOptions options_of(const MorphometryArguments& arguments, const Conte
   options.region = arguments.region;
   options.grey = arguments.grey;
   options.has_thickness = !arguments.no_thickness;
+  options.has_tortuosity = arguments.tortuosity;
+  options.histogram = {arguments.histogram, context.force};
   options.thickness_map = {arguments.thickness_map, context.force};
   options.spacing_map = {arguments.spacing_map, context.force};
   if (arguments.calibration.empty()) return options;
@@ -216,9 +244,10 @@ MorphometryOptions options_of(const MorphometryArguments& arguments, const Conte
 
 int run_morphometry(const MorphometryArguments& arguments, Context& context) {
   if (arguments.no_thickness &&
-      (arguments.slices || !arguments.thickness_map.empty() || !arguments.spacing_map.empty())) {
+      (arguments.slices || !arguments.thickness_map.empty() || !arguments.spacing_map.empty() ||
+       !arguments.histogram.empty())) {
     throw Error(ErrorKind::invalid_argument,
-                "--no-thickness leaves out what --slices and the maps show");
+                "--no-thickness leaves out what --slices, --histogram and the maps show");
   }
   const MorphometryResult result = run_task(morphometry, options_of(arguments, context), context);
   print_result(context, report_json(arguments, result), report_text(arguments, result));
@@ -244,7 +273,12 @@ void add_morphometry(CLI::App& app, Context& context) {
       ->type_name("FILE");
   verb.add_option("--spacing-map", arguments->spacing_map, "An .8vo file of local separation")
       ->type_name("FILE");
-  verb.add_flag("--no-thickness", arguments->no_thickness, "Leave out Tb.Th, Tb.Sp and Tb.N");
+  verb.add_option("--histogram", arguments->histogram,
+                  "A PNG of the histograms of thickness and separation")
+      ->type_name("FILE");
+  verb.add_flag("--tortuosity", arguments->tortuosity,
+                "Geodesic tortuosity of what is not in the mask, along x, y and z");
+  verb.add_flag("--no-thickness", arguments->no_thickness, "Leave out Tb.Th, Tb.Sp, Tb.N and EF");
   verb.add_flag("--slices", arguments->slices,
                 "Area and mean thickness of each slice, as CSV or in --json");
   verb.add_flag("--csv", arguments->csv, "name,value,unit in place of a table");

@@ -136,11 +136,6 @@ TriangleMesh MeshGrowth::take() {
   return std::move(mesh_);
 }
 
-TriangleMesh MeshGrowth::take_points() {
-  if (mesh_.points.empty()) throw Error(ErrorKind::source_rejected, "the file has no points");
-  return std::move(mesh_);
-}
-
 void require_triangles(const TriangleMesh& mesh) {
   if (mesh.triangles.empty()) {
     throw Error(ErrorKind::source_rejected, "the mesh has no triangles");

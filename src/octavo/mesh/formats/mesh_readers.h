@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "octavo/mesh/formats/mesh_reader.h"
@@ -61,8 +62,8 @@ class MeshGrowth {
 
   /// The mesh. Throws Error{source_rejected} where it has no triangles
   TriangleMesh take();
-  /// The mesh, with triangles or without. Throws Error{source_rejected} where it has no points
-  TriangleMesh take_points();
+  /// The mesh, with triangles or without.
+  TriangleMesh take_any() { return std::move(mesh_); }
 
  private:
   void require_room(std::uint64_t bytes) const;

@@ -247,9 +247,7 @@ void skip_element(const PlyElement& element, PlyNumbers& in) {
   }
 }
 
-}  // namespace
-
-MeshReading read_point_ply(ByteSpan bytes, std::uint64_t most_bytes) {
+MeshReading parsed_ply(ByteSpan bytes, std::uint64_t most_bytes) {
   MeshText text(text_of(bytes));
   const PlyHeader header = ply_header(text);
   PlyNumbers in(text, header.form);
@@ -261,12 +259,22 @@ MeshReading read_point_ply(ByteSpan bytes, std::uint64_t most_bytes) {
   }
   MeshReading reading;
   reading.space = header.space;
-  reading.mesh = mesh.take_points();
+  reading.mesh = mesh.take_any();
+  return reading;
+}
+
+}  // namespace
+
+MeshReading read_point_ply(ByteSpan bytes, std::uint64_t most_bytes) {
+  MeshReading reading = parsed_ply(bytes, most_bytes);
+  if (reading.mesh.points.empty()) {
+    throw Error(ErrorKind::source_rejected, "the file has no points");
+  }
   return reading;
 }
 
 MeshReading read_ply(ByteSpan bytes, std::uint64_t most_bytes) {
-  MeshReading reading = read_point_ply(bytes, most_bytes);
+  MeshReading reading = parsed_ply(bytes, most_bytes);
   require_triangles(reading.mesh);
   return reading;
 }

@@ -15,6 +15,8 @@
 #include "octavo/tasks/file_planes.h"
 #include "octavo/tasks/inputs.h"
 #include "octavo/tasks/masks.h"
+#include "octavo/tasks/pictures/picture_files.h"
+#include "octavo/tasks/structure/thickness_picture.h"
 #include "octavo/tasks/volume_facts.h"
 
 namespace octavo {
@@ -54,6 +56,7 @@ class MorphometryWork {
     measure_volumes();
     measure_form();
     if (options_.has_thickness) measure_thickness();
+    if (options_.has_tortuosity) measure_paths();
     if (grey_) measure_densities();
     return std::move(result_);
   }
@@ -145,6 +148,11 @@ class MorphometryWork {
       balls = fitting_balls(asked, spacing_, {room_bytes(), local_storage(), scratch_folder()},
                             context_.watcher());
     });
+    if (!is_background) {
+      context_.on_threads([&] {
+        result_.ellipsoids = ellipsoid_factors(asked, spacing_, balls, context_.watcher());
+      });
+    }
     const LocalThickness thickness(asked, spacing_, balls);
     ThicknessSummary summary;
     // What is read of planes goes into the sums once, though a build may ask for it twice.
@@ -201,6 +209,29 @@ class MorphometryWork {
     };
     const auto source = make_computed_source(volume, fill, kMapPlanes);
     build_planes(*source, {.kind = VolumeKind::grey, .is_resumable = false}, map, what, context_);
+  }
+
+  void measure_paths() {
+    const auto voxels = static_cast<std::uint64_t>(size_.voxel_count());
+    context_.require_memory(2 * mask_.tree.memory_bytes() + 8 * voxels, "ways through pores");
+    const Box box = {{0, 0, 0}, {size_.x, size_.y, size_.z}};
+    std::vector<std::uint8_t> pores(static_cast<std::size_t>(voxels));
+    fill_voxels(mask_.tree, box, pores.data());
+    for (std::uint8_t& voxel : pores) voxel = voxel == 0 ? 1 : 0;
+    if (region_) {
+      std::vector<std::uint8_t> plane(static_cast<std::size_t>(size_.x * size_.y));
+      for (std::int64_t z = 0; z < size_.z; ++z) {
+        fill_voxels(*region_, {{0, 0, z}, {size_.x, size_.y, z + 1}}, plane.data());
+        std::uint8_t* const at = pores.data() + z * size_.x * size_.y;
+        for (std::size_t i = 0; i < plane.size(); ++i) at[i] &= plane[i];
+      }
+    }
+    const ProgressScope scope(context_.watcher(), "ways through pores", 3, "axes");
+    for (int axis = 0; axis < 3; ++axis) {
+      result_.paths[static_cast<std::size_t>(axis)] =
+          path_lengths(pores, size_, spacing_, axis, context_.watcher());
+      context_.watcher().advance(1);
+    }
   }
 
   void measure_densities() {
@@ -268,7 +299,21 @@ MorphometryResult morphometry(const MorphometryOptions& options, const TaskConte
     if (map->path.empty()) continue;
     require_computed(*map, {options.input, options.region, options.grey});
   }
-  return MorphometryWork(options, context).take();
+  const Output& histogram = options.histogram;
+  if (!histogram.path.empty()) {
+    require_png(histogram.path);
+    require_free(histogram);
+    require_no_input(histogram.path, {options.input, options.region, options.grey});
+  }
+  MorphometryResult result = MorphometryWork(options, context).take();
+  if (!histogram.path.empty()) {
+    PictureFiles pictures(context);
+    pictures.add(histogram.path,
+                 thickness_picture(result.thickness.value_or(ThicknessSummary{}),
+                                   result.spacing.value_or(ThicknessSummary{})));
+    pictures.publish(histogram.overwrite);
+  }
+  return result;
 }
 
 }  // namespace octavo

@@ -14,9 +14,11 @@
 
 #include "octavo/core/volume.h"
 #include "octavo/ops/morphometry/box_counts.h"
+#include "octavo/ops/morphometry/ellipsoid_factor.h"
 #include "octavo/ops/morphometry/euler_number.h"
 #include "octavo/ops/morphometry/intercept_lengths.h"
 #include "octavo/ops/morphometry/local_thickness.h"
+#include "octavo/ops/morphometry/path_lengths.h"
 #include "octavo/ops/morphometry/surface_shape.h"
 #include "octavo/tasks/outputs.h"
 #include "octavo/tasks/task_context.h"
@@ -31,6 +33,9 @@ struct MorphometryOptions {
   bool has_thickness = true;
   Output thickness_map;  ///< of the mask; no path: none is written
   Output spacing_map;    ///< of what is not in it
+  /// Of what is not in the mask, along x, y and z; takes 6 bytes a voxel.
+  bool has_tortuosity = false;
+  Output histogram = {};  ///< a PNG of thickness and separation; no path: none is written
 };
 
 /// Grey values of voxels, calibrated.
@@ -63,6 +68,9 @@ struct MorphometryResult {
   std::vector<BoxCount> boxes;
   std::optional<ThicknessSummary> thickness;  ///< Tb.Th
   std::optional<ThicknessSummary> spacing;    ///< Tb.Sp, pore sizes
+  std::optional<EllipsoidFactors> ellipsoids;
+  /// Of pores along x, y and z; nothing where no way leads through, or not asked for.
+  std::array<std::optional<PathLengths>, 3> paths{};
   std::optional<DensityMeasure> tissue;       ///< TMD
   std::optional<DensityMeasure> total;        ///< BMD
   std::vector<SliceMeasure> slices;

@@ -201,5 +201,20 @@ TEST(MeshReader, MemoryHasALimit) {
   }
 }
 
+TEST(MeshReader, PointsNeedNoTrianglesWherePointsAreAskedFor) {
+  const std::string header =
+      "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\n"
+      "property float z\nend_header\n";
+  const std::string text = header + "1 2 3\n4 5 6\n";
+  const auto bytes_of = [](const std::string& of) {
+    return ByteSpan(reinterpret_cast<const std::uint8_t*>(of.data()), of.size());
+  };
+  const std::vector<MeshPoint> points = read_point_ply(bytes_of(text), 1 << 20).mesh.points;
+  EXPECT_EQ(points, (std::vector<MeshPoint>{{1, 2, 3}, {4, 5, 6}}));
+  EXPECT_THROW(read_mesh(bytes_of(text), MeshFormat::ply, 1 << 20), Error);
+  const std::string none = "ply\nformat ascii 1.0\nend_header\n";
+  EXPECT_THROW(read_point_ply(bytes_of(none), 1 << 20), Error);
+}
+
 }  // namespace
 }  // namespace octavo

@@ -1,0 +1,196 @@
+#include "octavo/ops/morphometry/ellipsoid_factor.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "octavo/core/error.h"
+#include "octavo/core/vectors.h"
+#include "octavo/octree/mask_accessor.h"
+
+namespace octavo {
+
+namespace {
+
+constexpr std::size_t kMostEllipsoids = 2000;
+constexpr int kRays = 500;
+constexpr double kLongestRay = 12;  // radii of the ball
+constexpr double kRayStep = 0.25;  // of a ray, in voxels
+
+/// A direction of those that are spread evenly over the sphere.
+Point3 ray_at(int i) {
+  constexpr double kGolden = 2.399963229728653;  // the golden angle
+  const double z = 1 - (2 * i + 1.0) / kRays;
+  const double r = std::sqrt(1 - z * z);
+  return {r * std::cos(kGolden * i), r * std::sin(kGolden * i), z};
+}
+
+struct GrownEllipsoid {
+  Point3 center{};
+  std::array<Point3, 3> axes{};
+  std::array<double, 3> lengths{};
+  double ball_volume = 0;
+
+  double volume() const { return lengths[0] * lengths[1] * lengths[2]; }
+
+  double factor() const {
+    std::array<double, 3> sorted = lengths;
+    std::sort(sorted.begin(), sorted.end());
+    return sorted[0] / sorted[1] - sorted[1] / sorted[2];
+  }
+
+  bool holds(const Point3& place) const {
+    const Point3 p = difference(place, center);
+    double squares = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const double part = dot(p, axes[i]) / lengths[i];
+      squares += part * part;
+    }
+    return squares <= 1;
+  }
+};
+
+class EllipsoidGrower {
+ public:
+  EllipsoidGrower(const ThicknessClass& asked, const MaskAccessor& mask, const Point3& spacing)
+      : asked_(asked), mask_(mask), spacing_(spacing) {
+    step_ = kRayStep * std::min({spacing[0], spacing[1], spacing[2]});
+  }
+
+  GrownEllipsoid grow(const FittingBall& ball) const {
+    Point3 center{};
+    for (std::size_t a = 0; a < 3; ++a) {
+      center[a] = 0.5 * static_cast<double>(ball.half_index[a]) * spacing_[a];
+    }
+    const double radius = static_cast<double>(ball.radius_mm);
+    std::vector<Point3> surface;
+    double shortest = HUGE_VAL;
+    Point3 first{};
+    for (int i = 0; i < kRays; ++i) {
+      const Point3 ray = ray_at(i);
+      const double length = length_along(center, ray, kLongestRay * radius + 4 * step_);
+      surface.push_back(scaled(ray, length));
+      if (length < shortest) {
+        shortest = length;
+        first = ray;
+      }
+    }
+    first = middle_of_near(surface, first, shortest);
+    GrownEllipsoid grown = fitted(surface, first, shortest, kLongestRay * radius + 4 * step_);
+    grown.center = center;
+    grown.ball_volume = radius * radius * radius;
+    return grown;
+  }
+
+ private:
+  double length_along(const Point3& center, const Point3& ray, double most) const {
+    for (double t = step_; t < most; t += step_) {
+      Index3 voxel;
+      for (int axis = 0; axis < 3; ++axis) {
+        const auto a = static_cast<std::size_t>(axis);
+        voxel[axis] = static_cast<std::int64_t>(std::floor((center[a] + t * ray[a]) / spacing_[a]));
+      }
+      const bool is_here = box_of(asked_.mask.size()).contains(voxel) &&
+                           mask_.contains(voxel) != asked_.is_background;
+      if (!is_here) return t - 0.5 * step_;
+    }
+    return most;
+  }
+
+  /// The middle of all rays around `first` that are as short, or run the other way: few rays hit a
+  /// plate squarely.
+  Point3 middle_of_near(const std::vector<Point3>& surface, const Point3& first,
+                        double shortest) const {
+    constexpr double kAround = 0.7;  // cosine
+    Point3 middle{};
+    for (const Point3& p : surface) {
+      const double length = std::sqrt(dot(p, p));
+      const double cosine = dot(p, first) / length;
+      if (length > shortest + 1.5 * step_ || std::abs(cosine) < kAround) continue;
+      middle = sum(middle, scaled(p, (cosine > 0 ? 1 : -1) / length));
+    }
+    return unit(middle);
+  }
+
+  /// The axes across the first one, as long as no place of the surface lies within. Places are known
+  /// to a voxel: those that lie within by no more touch it and do not hold what comes across.
+  GrownEllipsoid fitted(const std::vector<Point3>& surface, const Point3& first, double shortest,
+                        double most) const {
+    const auto square = [](double x) { return x * x; };
+    const double touching = square(std::max(0.5, 1 - step_ / (kRayStep * shortest)));
+    double second_length = most;
+    Point3 second{};
+    for (const Point3& p : surface) {
+      const double along = dot(p, first);
+      const double used = square(along / shortest);
+      if (used >= touching) continue;
+      const Point3 across = difference(p, scaled(first, along));
+      const double length = std::sqrt(dot(across, across) / (1 - used));
+      if (length < second_length) {
+        second_length = length;
+        second = across;
+      }
+    }
+    if (!(dot(second, second) > 0)) {
+      second = cross(first, std::abs(first[2]) < 0.9 ? Point3{0, 0, 1} : Point3{1, 0, 0});
+    }
+    second = unit(second);
+    const Point3 third = cross(first, second);
+    double third_length = most;
+    for (const Point3& p : surface) {
+      const double used = square(dot(p, first) / shortest) + square(dot(p, second) / second_length);
+      if (used >= touching) continue;
+      third_length = std::min(third_length, std::abs(dot(p, third)) / std::sqrt(1 - used));
+    }
+    return {{}, {first, second, third}, {shortest, second_length, third_length}, 0};
+  }
+
+  const ThicknessClass& asked_;
+  const MaskAccessor& mask_;
+  Point3 spacing_;
+  double step_;
+};
+
+}  // namespace
+
+std::optional<EllipsoidFactors> ellipsoid_factors(const ThicknessClass& asked,
+                                                  const Point3& spacing_mm,
+                                                  const std::vector<FittingBall>& balls,
+                                                  Progress& progress) {
+  if (balls.empty()) return std::nullopt;
+  const MaskAccessor mask(asked.mask);
+  const EllipsoidGrower grower(asked, mask, spacing_mm);
+  std::vector<GrownEllipsoid> grown(std::min(balls.size(), kMostEllipsoids));
+  tbb::parallel_for(std::size_t{0}, grown.size(), [&](std::size_t i) {
+    if (progress.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
+    grown[i] = grower.grow(balls[i * balls.size() / grown.size()]);
+  });
+  // The largest first: each center belongs to the first ellipsoid that holds it.
+  std::stable_sort(grown.begin(), grown.end(),
+                   [](const GrownEllipsoid& one, const GrownEllipsoid& other) {
+                     return one.volume() > other.volume();
+                   });
+  EllipsoidFactors factors;
+  factors.ellipsoids = grown.size();
+  double volume = 0;
+  double squares = 0;
+  for (const GrownEllipsoid& one : grown) {
+    const auto holder = std::find_if(grown.begin(), grown.end(), [&](const GrownEllipsoid& other) {
+      return other.holds(one.center);
+    });
+    const double factor = holder->factor();
+    volume += one.ball_volume;
+    factors.mean += one.ball_volume * factor;
+    squares += one.ball_volume * factor * factor;
+    const double place = std::clamp((factor + 1) * 10, 0.0, 19.0);
+    factors.shares[static_cast<std::size_t>(place)] += one.ball_volume;
+  }
+  if (!(volume > 0)) return std::nullopt;
+  factors.mean /= volume;
+  factors.deviation = std::sqrt(std::max(0.0, squares / volume - factors.mean * factors.mean));
+  for (double& share : factors.shares) share /= volume;
+  return factors;
+}
+
+}  // namespace octavo

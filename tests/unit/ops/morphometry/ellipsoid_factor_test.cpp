@@ -1,0 +1,59 @@
+#include "octavo/ops/morphometry/ellipsoid_factor.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numeric>
+
+#include "support/dense_mask.h"
+#include "support/memory_storage.h"
+
+namespace octavo {
+namespace {
+
+template <class Inside>
+EllipsoidFactors factors_of(const Size3& size, const Point3& spacing, Inside inside) {
+  testing::DenseMask mask{size,
+                          std::vector<std::uint8_t>(static_cast<std::size_t>(size.voxel_count()))};
+  testing::for_each_voxel(size, [&](const Index3& p) { mask.at(p) = inside(p) ? 1 : 0; });
+  const MaskTree tree = testing::tree_of(mask);
+  const ThicknessClass asked{tree, nullptr, false};
+  testing::MemoryStorage storage;
+  NoProgress progress;
+  const auto balls = fitting_balls(asked, spacing, {1 << 30, storage, "."}, progress);
+  const auto factors = ellipsoid_factors(asked, spacing, balls, progress);
+  EXPECT_TRUE(factors.has_value());
+  const EllipsoidFactors found = factors.value_or(EllipsoidFactors{});
+  EXPECT_NEAR(std::accumulate(found.shares.begin(), found.shares.end(), 0.0), 1, 1e-9);
+  return found;
+}
+
+TEST(EllipsoidFactor, TellsPlatesFromRodsFromBalls) {
+  const auto plate = factors_of({120, 120, 16}, {1, 1, 1}, [](const Index3& p) {
+    return p.z >= 7 && p.z < 10;
+  });
+  EXPECT_LT(plate.mean, -0.75);
+  const auto rod = factors_of({30, 30, 80}, {1, 1, 1}, [](const Index3& p) {
+    const std::int64_t x = p.x - 15;
+    const std::int64_t y = p.y - 14;
+    return x * x + y * y <= 16;
+  });
+  EXPECT_GT(rod.mean, 0.6);
+  const auto ball = factors_of({50, 50, 50}, {1, 1, 1}, [](const Index3& p) {
+    const Index3 d = {p.x - 25, p.y - 25, p.z - 25};
+    return d.x * d.x + d.y * d.y + d.z * d.z <= 400;
+  });
+  EXPECT_NEAR(ball.mean, 0, 0.1);
+}
+
+TEST(EllipsoidFactor, SpacingCounts) {
+  // A ball of voxels of 1 x 1 x 4: a rod.
+  const auto rod = factors_of({50, 50, 50}, {1, 1, 4}, [](const Index3& p) {
+    const Index3 d = {p.x - 25, p.y - 25, p.z - 25};
+    return d.x * d.x + d.y * d.y + d.z * d.z <= 400;
+  });
+  EXPECT_GT(rod.mean, 0.5);
+}
+
+}  // namespace
+}  // namespace octavo
