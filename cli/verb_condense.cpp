@@ -108,6 +108,9 @@ int run_condense(const CondenseArguments& arguments, Context& context) {
     throw Error(ErrorKind::invalid_argument,
                 "give --flat and -o for a condensed volume, or --self-similar");
   }
+  if (arguments.up_to_mean || !arguments.coded.empty()) {
+    throw Error(ErrorKind::invalid_argument, "--up-to-mean and --coded need --self-similar");
+  }
   const double flat = parse_number(arguments.flat, "--flat");
   if (flat < 0) {
     throw Error(ErrorKind::invalid_argument, "--flat " + arguments.flat + ": must not be negative");

@@ -68,7 +68,8 @@ void add_thickness_rows(const MorphometryResult& result, ShownMeasures& rows) {
     rows.push_back({"tb_n_per_mm", "Tb.N", number, "1/mm", "number: BV/TV over Tb.Th"});
   }
   if (const auto& ellipsoids = result.ellipsoids) {
-    rows.push_back({"ellipsoid_factor", "EF", ellipsoids->mean, "", "-1 plates, 1 rods, by volume"});
+    rows.push_back({"ellipsoid_factor", "EF", ellipsoids->mean, "",
+                    "-1 plates, 0 neither, 1 rods"});
     rows.push_back({"ellipsoid_factor_sd", "EF.SD", ellipsoids->deviation, "",
                     "its standard deviation"});
   }
@@ -90,8 +91,8 @@ void add_path_rows(const MorphometryResult& result, ShownMeasures& rows) {
     const char name = "xyz"[axis];
     rows.push_back({fmt::format("tortuosity_{}", name), fmt::format("tau.{}", name),
                     path ? std::optional(path->tortuosity) : std::nullopt, "",
-                    path ? fmt::format("shortest ways through pores over straight ones; {:.0f} % of "
-                                       "the far pores are reached",
+                    path ? fmt::format("geodesic tortuosity of pores; {:.0f} % of the far ones are "
+                                       "reached",
                                        100 * path->reached_share)
                          : std::string("no pore leads through")});
   }
@@ -164,7 +165,9 @@ nlohmann::ordered_json summary_json(const std::optional<ThicknessSummary>& summa
 nlohmann::ordered_json report_json(const MorphometryArguments& arguments,
                                    const MorphometryResult& result) {
   nlohmann::ordered_json report = {{"mask", arguments.input}};
-  for (const ShownMeasure& row : rows_of(result, arguments.tortuosity)) report[row.key] = optional_json(row.value);
+  for (const ShownMeasure& row : rows_of(result, arguments.tortuosity)) {
+    report[row.key] = optional_json(row.value);
+  }
   report["thickness"] = summary_json(result.thickness);
   report["spacing"] = summary_json(result.spacing);
   report["ellipsoids"] = nullptr;

@@ -79,6 +79,25 @@ class Morphometry(cli_test.InFolder):
             self.assertEqual(float(row["area_mm2"]), 400 if 15 <= z < 25 else 0)
             self.assertEqual(float(row["thickness_mm"]), 5 if 15 <= z < 25 else 0)
 
+    def test_ways_and_forms_and_their_picture(self):
+        # Plates that are shorter than the volume: ways go along them, or around their ends.
+        self.build("walls.8vo", lambda x, y, z: z % 10 < 3 and 4 < x < 36)
+        made = self.measures("walls.8vo", "--tortuosity", "--histogram", "h.png")
+        self.assertAlmostEqual(made["tortuosity_y"], 1, places=6)
+        self.assertGreater(made["tortuosity_x"], 1)  # behind the ends of plates
+        self.assertLess(made["tortuosity_x"], 1.02)
+        self.assertGreater(made["tortuosity_z"], 1.02)
+        self.assertLess(made["ellipsoid_factor"], 0)
+        self.assertAlmostEqual(sum(made["ellipsoids"]["shares"]), 1, places=6)
+        self.assertEqual((self.folder / "h.png").read_bytes()[:4], b"\x89PNG")
+        self.build("tight.8vo", lambda x, y, z: z == 20)
+        self.assertIsNone(self.measures("tight.8vo", "--tortuosity")["tortuosity_z"])
+        self.assertNotIn("tortuosity_z", self.measures("tight.8vo"))
+        self.expect_error(2, ["--no-thickness"], "morphometry", "tight.8vo", "--no-thickness",
+                          "--histogram", "i.png")
+        self.expect_error(2, [".png"], "morphometry", "tight.8vo", "--histogram", "i.svg")
+        self.assertEqual([path.name for path in self.folder.glob("i.*")], [])
+
     def test_empty_and_full_masks_are_said(self):
         self.build("empty.8vo", lambda x, y, z: False)
         failed = self.expect(2, "morphometry", "empty.8vo")

@@ -228,7 +228,12 @@ class Masks(cli_test.InFolder):
         for arguments in [("components", "a.8vo", "--min-mm3", "nan"),
                           ("measure", "a.8vo", "--of", "v.8vo", "--percentile", "nan"),
                           ("condense", "v.8vo", "--flat", "nan", "-o", "c.8vo"),
-                          ("condense", "v.8vo", "--flat=-1", "-o", "c.8vo")]:
+                          ("condense", "v.8vo", "--flat=-1", "-o", "c.8vo"),
+                          ("condense", "v.8vo", "--flat", "1", "--up-to-mean", "-o", "c.8vo"),
+                          ("condense", "v.8vo", "--self-similar=-1"),
+                          ("condense", "v.8vo", "--self-similar", "1", "-o", "c.8vo"),
+                          ("condense", "v.8vo", "--self-similar", "x"),
+                          ("condense", "v.8vo")]:
             self.expect(2, *arguments)
 
     def test_errors_name_the_reason(self):

@@ -113,8 +113,8 @@ class EllipsoidGrower {
     return unit(middle);
   }
 
-  /// The axes across the first one, as long as no place of the surface lies within. Places are known
-  /// to a voxel: those that lie within by no more touch it and do not hold what comes across.
+  /// The axes across the first one, as long as no place of the surface lies within. Places are
+  /// known to a voxel: those that lie within by no more touch it and do not hold what comes across.
   GrownEllipsoid fitted(const std::vector<Point3>& surface, const Point3& first, double shortest,
                         double most) const {
     const auto square = [](double x) { return x * x; };

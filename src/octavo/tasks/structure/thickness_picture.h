@@ -6,8 +6,8 @@
 
 namespace octavo {
 
-/// Shares of the voxels by thickness, mm, a panel each; the mean is a line. A summary without voxels
-/// gets no panel; without any the picture says so.
+/// Shares of the voxels by thickness, mm, a panel each; the mean is a line. A summary without
+/// voxels gets no panel; without any the picture says so.
 Picture thickness_picture(const ThicknessSummary& thickness, const ThicknessSummary& spacing);
 
 }  // namespace octavo
