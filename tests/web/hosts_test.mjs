@@ -1,5 +1,5 @@
-// .8vo files in viewers of others, unchanged, on a static host: neuroglancer by the Service Worker
-// that answers for zarr, niivue by its loader.
+// .8vo files in viewers of others, unchanged, on a static host: neuroglancer and vizarr by the Service
+// Worker that answers for zarr, niivue by its loader.
 //
 // usage: node hosts_test.mjs FOLDER, which tests/web/setup has filled
 import assert from "node:assert/strict";
@@ -23,6 +23,7 @@ before(async () => {
   site = await startServer({
     "/dist/": dist,
     "/v/scan/": join(folder, "neuroglancer/static/client"),
+    "/vizarr/": join(folder, "vizarr"),
     "/niivue/": join(folder, "node_modules/@niivue/niivue/dist"),
   });
   for (const name of ["zarr-worker.js", "octavo.wasm"]) {
@@ -143,6 +144,43 @@ test("neuroglancer shows a scan, the right way around", async () => {
     assert.ok(place.x < 0.5 && place.y < 0.5, JSON.stringify(place));
   });
   site.misbehave = null;
+  assert.ok(site.log.every(({ path, range }) => path !== "/scan.8vo" || range !== ""));
+});
+
+test("vizarr shows a scan, the right way around", async () => {
+  // What Galaxy would say, whose page it is built for.
+  const config = { visualization_config: { dataset_id: "1" }, root: "/galaxy/" };
+  site.files.set("/vizarr.html", Buffer.from(`<!doctype html><style>html, body, #app { height: 100%;
+    margin: 0; background: #000 }</style><div id="app" data-incoming='${JSON.stringify(config)}'></div>
+    <script type="module" src="/vizarr/index.js"></script>`));
+  site.files.set("/galaxy/api/datasets/1", Buffer.from(JSON.stringify({
+    id: "1", name: "scan", state: "deferred",
+    sources: [{ source_uri: `${site.url}/scan.8vo.zarr` }],
+  })));
+  site.log.length = 0;
+  await inChromium(async (browser) => {
+    const context = await browser.newContext({ viewport: { width: 700, height: 560 } });
+    // A decoder of JPEG 2000, which it fetches from elsewhere before all else.
+    await context.route("https://cdn.jsdelivr.net/**", (route) => route.fulfill({
+      contentType: "text/javascript", body: "export class JpxImage {}",
+      headers: { "Access-Control-Allow-Origin": "*" },
+    }));
+    const page = await context.newPage();
+    await page.goto(`${site.url}/blank.html`);
+    await startWorker(page);
+    await page.goto(`${site.url}/vizarr.html`);
+    let place;
+    for (let second = 0; second < 120; ++second) {
+      await page.waitForTimeout(1000);
+      const canvas = page.locator("canvas").first();
+      if ((await canvas.count()) === 0) continue;
+      place = await brightPlace(browser, await canvas.screenshot());
+      if (place.count > 40_000) break;
+    }
+    assert.ok(place?.count > 40_000, "nothing bright is shown");
+    // Bright to x = 100 of 128 and y = 40 of 96.
+    assert.ok(place.y < 0.5, JSON.stringify(place));
+  });
   assert.ok(site.log.every(({ path, range }) => path !== "/scan.8vo" || range !== ""));
 });
 
