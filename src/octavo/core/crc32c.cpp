@@ -30,6 +30,22 @@ consteval std::array<std::uint32_t, 256> make_table() {
 
 constexpr std::array<std::uint32_t, 256> kTable = make_table();
 
+constexpr std::size_t kStepBytes = 8;
+using StepTables = std::array<std::array<std::uint32_t, 256>, kStepBytes>;
+
+/// What a byte adds that 0 .. 7 others follow.
+StepTables make_step_tables() noexcept {
+  StepTables tables{};
+  tables[0] = kTable;
+  for (std::size_t k = 1; k < kStepBytes; ++k) {
+    for (std::size_t byte = 0; byte < 256; ++byte) {
+      const std::uint32_t before = tables[k - 1][byte];
+      tables[k][byte] = kTable[before & 0xff] ^ before >> 8;
+    }
+  }
+  return tables;
+}
+
 // The product of two polynomials modulo that of the checksum; the highest bit is that of x^0.
 constexpr std::uint32_t multiplied(std::uint32_t a, std::uint32_t b) noexcept {
   std::uint32_t product = 0;
@@ -108,8 +124,23 @@ OCTAVO_CRC32C_TARGET std::uint32_t crc32c_by_instruction(std::span<const std::ui
 }  // namespace
 
 std::uint32_t crc32c_portable(std::span<const std::uint8_t> bytes, std::uint32_t crc) noexcept {
+  // Made once: in a program for browsers they would weigh more than the code that needs them.
+  static const StepTables tables = make_step_tables();
   crc = ~crc;
-  for (const std::uint8_t byte : bytes) crc = kTable[(crc ^ byte) & 0xff] ^ crc >> 8;
+  const std::uint8_t* p = bytes.data();
+  std::size_t left = bytes.size();
+  const auto word = [](const std::uint8_t* at) {
+    return std::uint32_t{at[0]} | std::uint32_t{at[1]} << 8 | std::uint32_t{at[2]} << 16 |
+           std::uint32_t{at[3]} << 24;
+  };
+  for (; left >= kStepBytes; left -= kStepBytes, p += kStepBytes) {
+    const std::uint32_t low = crc ^ word(p);
+    const std::uint32_t high = word(p + 4);
+    crc = tables[7][low & 0xff] ^ tables[6][low >> 8 & 0xff] ^ tables[5][low >> 16 & 0xff] ^
+          tables[4][low >> 24] ^ tables[3][high & 0xff] ^ tables[2][high >> 8 & 0xff] ^
+          tables[1][high >> 16 & 0xff] ^ tables[0][high >> 24];
+  }
+  for (; left > 0; --left, ++p) crc = kTable[(crc ^ *p) & 0xff] ^ crc >> 8;
   return ~crc;
 }
 
