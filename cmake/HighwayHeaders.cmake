@@ -1,9 +1,9 @@
 # octavo_highway_headers(TARGET...): the headers of Highway for targets of another machine, out of
 # those of the building machine and without the other headers beside them.
 #
-# Highway 1.0 keeps two instructions of WebAssembly switched off, for a browser of 2021: bytes looked
-# up in a vector (i8x16.swizzle) and the bits of a mask (bitmask) go through memory one by one. Here
-# they are switched on; later versions have them, and stay as they are.
+# Highway 1.0 keeps two instructions of WebAssembly switched off, for a browser of 2021: bytes
+# looked up in a vector (i8x16.swizzle) and the bits of a mask (bitmask) go through memory one by
+# one. Here they are switched on; later versions have them, and stay as they are.
 function(octavo_highway_headers)
   find_path(HIGHWAY_INCLUDE hwy/highway.h PATHS /usr/include REQUIRED NO_CMAKE_FIND_ROOT_PATH)
   set(folder ${CMAKE_BINARY_DIR}/include)
