@@ -22,7 +22,7 @@
 #include "common/option_tree.h"
 #include "common/options.h"
 #include "octavo/io/isolation/import_worker.h"
-#include "planned_work.h"
+#include "parts/planned_work.h"
 #include "text/usage_words.h"
 #include "verbs.h"
 

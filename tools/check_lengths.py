@@ -1,17 +1,19 @@
 #!/usr/bin/env python3
-"""Proves the limits of length: 600 lines a file, 100 columns a line.
+"""Proves the limits of length: 600 lines a file, 100 columns a line, 30 .cpp files a folder.
 
 usage: check_lengths.py [ROOT]
 
 The limit holds for tables, too. The README of a module stays within 40 lines.
 """
 
+import collections
 import pathlib
 import sys
 
 MAX_LINES = 600
 MAX_README_LINES = 40
 MAX_COLUMNS = 100
+MAX_SOURCES = 30
 FOLDERS = ("src", "cli", "tests", "bench", "tools", "examples", "cmake", "web", "python")
 GENERATED = {"node_modules", "dist", "__pycache__"}
 SOURCES = {".h", ".cpp", ".py", ".cmake", ".ts", ".js"}
@@ -38,9 +40,16 @@ def check_file(path: pathlib.Path, root: pathlib.Path) -> list[str]:
     return errors
 
 
+def check_folders(paths: list[pathlib.Path], root: pathlib.Path) -> list[str]:
+    counts = collections.Counter(path.parent for path in paths if path.suffix == ".cpp")
+    return [f"{folder.relative_to(root)}: {count} .cpp files, at most {MAX_SOURCES}"
+            for folder, count in counts.items() if count > MAX_SOURCES]
+
+
 def main(root: pathlib.Path) -> int:
     paths = list(sources(root))
     errors = [error for path in paths for error in check_file(path, root)]
+    errors += check_folders(paths, root)
     print("\n".join(errors) if errors else f"{len(paths)} files are within the limits")
     return 1 if errors or not paths else 0
 

@@ -1,4 +1,4 @@
-#include "planned_work.h"
+#include "parts/planned_work.h"
 
 #include <algorithm>
 #include <any>

@@ -11,7 +11,7 @@
 #include "common/task_run.h"
 #include "octavo/core/text.h"
 #include "octavo/tasks/parts/plan_scan.h"
-#include "planned_work.h"
+#include "parts/planned_work.h"
 #include "text/quantities.h"
 #include "text/shell_words.h"
 #include "text/volume_json.h"

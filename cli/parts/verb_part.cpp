@@ -10,7 +10,7 @@
 #include "common/task_run.h"
 #include "octavo/core/text.h"
 #include "octavo/tasks/parts/make_parts.h"
-#include "planned_work.h"
+#include "parts/planned_work.h"
 #include "verbs.h"
 
 namespace octavo::cli {
