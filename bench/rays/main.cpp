@@ -5,7 +5,8 @@
 // VOLUME    "NAME PATH nx,ny,nz,type", a headerless file
 // SPACING   mm, "x,y,z"
 // TRANSFER  points of colors and opacities of a layer of 1 mm: "value,r,g,b,opacity;..."
-// MODE      volume, mip, or an isovalue in stored values
+// MODE      volume, moving (volume with gradients of single cells), mip, or an isovalue in stored
+//           values
 //
 // 1024 x 1024 pixels, parallel rays, samples one finest spacing apart. Prints a line for each
 // picture: CPU seconds of the process, samples, bricks in memory. The first one has all that a new
@@ -71,6 +72,7 @@ class Scene {
                                              bricks_.range(), step);
     frame_.table = table_->table();
     if (words[3] == "mip") frame_.mode = RayMode::extreme;
+    else if (words[3] == "moving") frame_.has_cell_gradients = true;
     else if (words[3] != "volume") frame_.mode = RayMode::iso;
     if (frame_.mode == RayMode::iso) {
       frame_.isovalue = static_cast<float>(bricks_.scale().pooled(std::stod(words[3])));

@@ -255,6 +255,8 @@ void add_ray_options(Verb verb, RenderArguments& arguments) {
                 "rays: write coarse pictures first, each in place of the one before");
   verb.add_flag("--adaptive", arguments.is_adaptive,
                 "rays: one for 2 x 2 pixels, and all of them where these differ");
+  verb.add_flag("--moving", arguments.is_moving,
+                "volume: light of single cells, for pictures that move");
   verb.add_flag("--smooth-edges", arguments.has_smooth_edges,
                 "rays: four for a pixel that differs much from its neighbors");
 }
@@ -295,6 +297,7 @@ RenderOptions render_options(const RenderArguments& arguments, const Context& co
   options.time_budget_s = arguments.time_budget_s;
   options.is_progressive = arguments.is_progressive;
   options.is_adaptive = arguments.is_adaptive;
+  options.is_moving = arguments.is_moving;
   options.has_smooth_edges = arguments.has_smooth_edges;
   options.background = asked_background(arguments.background);
   options.fade = arguments.fade;

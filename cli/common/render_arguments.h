@@ -40,6 +40,7 @@ struct RenderArguments {
   std::optional<double> time_budget_s;
   bool is_progressive = false;
   bool is_adaptive = false;
+  bool is_moving = false;
   bool has_smooth_edges = false;
   int turntable = 0;
   bool is_growing = false;

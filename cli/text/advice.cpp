@@ -174,6 +174,7 @@ constexpr Advice kAdvice[] = {
     {kUsage, "ranges.look", "", "leave it out of --range, or give --mode transparency"},
     {kUsage, "ranks.mode", "", "give --mode volume, or draw it with octavo render"},
     {kUsage, "ranks.options", "", "draw it with octavo render"},
+    {kUsage, "is_moving", "", "leave out --moving"},
     {kUsage, "refine.mode", "", "leave out --adaptive and --smooth-edges"},
     {kUsage, "shade", "", "leave out --shade"},
     {kUsage, "thumbnail", "", "give --thumbnail NAME.png"},

@@ -159,6 +159,7 @@ struct RayFrame {
   float sign = 1;        ///< extreme, iso: of values
   float isovalue = 0;    ///< times the sign
   float enough = 0.995f; ///< opacity at which a ray ends
+  bool has_cell_gradients = false;  ///< of volume: coarser light, out of a fourth of the samples
   /// By tile, bit i: rays 16 i to 16 i + 15 of it, 4 x 4 pixels, are cast; none: all are.
   const std::uint64_t* chosen = nullptr;
   const RayMeshes* meshes = nullptr;  ///< in the same picture; or none
@@ -180,8 +181,8 @@ inline constexpr float kSmallestStep = 1e-9f;
 inline constexpr float kFlatLight = 0.75f;
 /// What part of it comes from all around.
 inline constexpr float kFlatAmbient = 0.25f;
-/// Steps of less opacity have that light.
-inline constexpr float kUnlitOpacity = 1.0f / 1024;
+/// Steps that give less to a picture have that light.
+inline constexpr float kUnlitWeight = 1.0f / 512;
 /// A highlight is the cosine squared so many times.
 inline constexpr int kShineSquares = 5;
 /// Parts of a step in which its length counts: 1 << it.

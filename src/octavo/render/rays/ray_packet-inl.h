@@ -409,10 +409,12 @@ class Packet {
     PacketLight light{real(kFlatLight), hn::Zero(kRays), hn::Zero(kRays)};
     const bool has_slope = table.gradient_rise > 0;
     const RayMask is_lit =
-        has_slope ? seen : hn::And(seen, hn::Gt(part.opacity, real(kUnlitOpacity)));
+        has_slope ? seen : hn::And(seen, hn::Gt(weight, real(kUnlitWeight)));
     if (!hn::AllFalse(kRays, is_lit)) {
-      const PacketLight full =
-          light_on(f_, gradient_at<kIsWide>(f_.bricks, middle), shade_around(part.k));
+      const Gradients gradient = f_.has_cell_gradients
+                                     ? cell_gradient_at<kIsWide>(f_.bricks, middle)
+                                     : gradient_at<kIsWide>(f_.bricks, middle);
+      const PacketLight full = light_on(f_, gradient, shade_around(part.k));
       light = {hn::IfThenElse(is_lit, full.light, light.light),
                hn::IfThenElseZero(is_lit, full.highlight), full.slope};
     }

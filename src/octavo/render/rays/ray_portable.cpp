@@ -158,6 +158,21 @@ RayPlace gradient_at(const BrickTables& b, const SampleCorner& c) {
   return {x, y, z};
 }
 
+/// Differences within the cell of a place, twice.
+template <bool kIsWide>
+RayPlace cell_gradient_at(const BrickTables& b, const SampleCorner& c) {
+  const auto row = [&](std::int32_t by) { return row_value<kIsWide>(b, c.at + by, c.share[0]); };
+  const auto slope = [&](std::int32_t by) {
+    return sample_at<kIsWide>(b, c.at + by + 1) - sample_at<kIsWide>(b, c.at + by);
+  };
+  const float x =
+      ray_mixed(ray_mixed(slope(0), slope(b.row), c.share[1]),
+                ray_mixed(slope(b.plane), slope(b.plane + b.row), c.share[1]), c.share[2]);
+  const float y = ray_mixed(row(b.row) - row(0), row(b.plane + b.row) - row(b.plane), c.share[2]);
+  const float z = ray_mixed(row(b.plane) - row(0), row(b.plane + b.row) - row(b.row), c.share[1]);
+  return {x + x, y + y, z + z};
+}
+
 /// Light and highlight on a surface across a gradient; the side that is seen is the outer one.
 struct PortableLight {
   float light = 0;
@@ -464,9 +479,11 @@ class PortableFollower {
     float weight = opacity * (1 - tile_.gathered[number_]);
     PortableLight light{kFlatLight, 0, 0};
     const bool has_slope = f_.table.gradient_rise > 0;
-    if (has_slope || opacity > kUnlitOpacity) {
-      light = light_on(f_, gradient_at<kIsWide>(f_.bricks, middle),
-                       shade_at(f_.shade, place_at(k)));
+    if (has_slope || weight > kUnlitWeight) {
+      const RayPlace gradient = f_.has_cell_gradients
+                                    ? cell_gradient_at<kIsWide>(f_.bricks, middle)
+                                    : gradient_at<kIsWide>(f_.bricks, middle);
+      light = light_on(f_, gradient, shade_at(f_.shade, place_at(k)));
     }
     if (has_slope) {
       const float rise = (light.slope - f_.table.gradient_begin) * f_.table.gradient_rise;

@@ -136,6 +136,7 @@ class RayScene final : public RenderScene {
     RayFrame frame;
     frame.mode = mode_;
     frame.bricks = bricks_.tables();
+    frame.has_cell_gradients = asked_.is_moving;
     frame.sign = sign_;
     frame.isovalue = isovalue_;
     if (table_) frame.table = table_->table();

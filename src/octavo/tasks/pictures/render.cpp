@@ -74,6 +74,9 @@ void check_ray_options(const RenderOptions& options) {
   if ((options.is_adaptive || options.has_smooth_edges) && !is_ray_mode(options.mode)) {
     reject_render("rays are adaptive and have smooth edges, other modes do not", "refine.mode");
   }
+  if (options.is_moving && options.mode != RenderMode::volume) {
+    reject_render("light for moving pictures is of mode volume", "is_moving");
+  }
   const bool has_light = options.mode == RenderMode::volume || is_iso;
   if (!options.label_map.empty() && !has_light) {
     reject_render("labels beside grey values are of modes volume and iso", "label_map.mode");

@@ -134,6 +134,7 @@ struct RenderOptions {
   /// Of one picture of rays: coarse levels first, each in place of the one before.
   bool is_progressive = false;
   bool is_adaptive = false;       ///< of rays: one for 2 x 2 pixels where these hardly differ
+  bool is_moving = false;         ///< of volume: coarser light, sooner
   bool has_smooth_edges = false;  ///< of rays: four for a pixel where it differs from its neighbors
   bool has_scale_bar = true;
   bool has_sides = true;

@@ -64,6 +64,7 @@ struct RaySetup {
   float enough = 0.995f;
   float gradient_begin = 0;
   float gradient_rise = 0;
+  bool has_cell_gradients = false;
   int brick_shift = 6;
   std::uint64_t memory_bytes = std::uint64_t{1} << 30;
   int threads = 2;
@@ -104,6 +105,7 @@ CastScene cast_scene(const RayVolume<T>& volume, const RaySetup& setup) {
   frame.bricks = bricks.tables();
   frame.sign = setup.sign;
   frame.enough = setup.enough;
+  frame.has_cell_gradients = setup.has_cell_gradients;
   frame.isovalue = static_cast<float>(scene.scale.pooled(setup.isovalue)) * setup.sign;
   set_camera(frame, {scene.view, shown, setup.angle_degrees, step_mm, setup.frame.zoom});
   std::vector<SteppedTransfer> transfers = {{setup.transfer, 1}};
