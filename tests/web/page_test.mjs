@@ -61,7 +61,7 @@ test("the first picture is coarse and says so; then all of it is there", async (
     assert.ok(first.requests <= 3 && first.bytes <= 300_000, JSON.stringify(first));
     await settled(shown);
     await shown.waitForFunction(
-      () => document.getElementById("fidelity").textContent === "full resolution");
+      () => document.getElementById("fidelity").textContent.startsWith("full resolution"));
     assert.equal(await shown.evaluate(() => octavo.rays.fidelity().isFinal), true);
   });
 });

@@ -44,16 +44,19 @@ export class Fidelity {
     this.count(session, () => this.update(slices, rays));
     const shown = slices.filter((panel) => panel.isShown).map((panel) => panel.shownLevel());
     const seen = rays.fidelity();
+    const isBeside = shown.length > 0 && seen !== undefined && seen.level > 0;
+    const rayText = isBeside ? `, 3-D ${levelText(session.facts.levels[seen.level]!)}` : "";
     if (shown.length === 0 && seen) shown.push(seen.level);
     const level = Math.max(0, ...shown);
     const isWhole = level === 0 && this.missingBytes === 0;
     const text =
       level === 0 ? "full resolution" : `${levelText(session.facts.levels[level]!)} shown`;
+    const beside = text + rayText;
     const error = session.facts.maxError > 0 ? ", lossy file" : "";
     this.line.className = level === 0 ? "full" : "coarse";
     const line = isWhole
-      ? `${text}${error}`
-      : `${text}${error}; ${byteText(bytes)} of ${byteText(bytes + this.missingBytes)}`;
+      ? `${beside}${error}`
+      : `${beside}${error}; ${byteText(bytes)} of ${byteText(bytes + this.missingBytes)}`;
     if (this.line.textContent !== line) this.line.textContent = line;
   }
 

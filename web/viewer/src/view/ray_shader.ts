@@ -250,13 +250,20 @@ const LABELS = `
       vec4 look = colorOfLabel(label);
       float alpha = look.a * labelShare;
       if (alpha > 0.0) {
+        // Where it is entered, so that neighbors are lit alike.
+        float a = max(first, t - stepMm), b = t;
+        for (int k = 0; k < 4; ++k) {
+          float c = 0.5 * (a + b);
+          if (labelAt(toLabels(start + forward * c) + labelFrom) == label) b = c; else a = c;
+        }
+        vec3 entry = toLabels(start + forward * b) + labelFrom;
         vec3 h = labels.scale;
         vec3 g = vec3(0.0);
-        for (int a = 0; a < 3; ++a) {
-          vec3 s = vec3(a == 0 ? h.x : 0.0, a == 1 ? h.y : 0.0, a == 2 ? h.z : 0.0);
+        for (int n = 0; n < 3; ++n) {
+          vec3 s = vec3(n == 0 ? h.x : 0.0, n == 1 ? h.y : 0.0, n == 2 ? h.z : 0.0);
           for (int k = 1; k <= 2; ++k) {
-            g[a] += float(labelAt(labelPosition + s * float(k)) == label) -
-                    float(labelAt(labelPosition - s * float(k)) == label);
+            g[n] += float(labelAt(entry + s * float(k)) == label) -
+                    float(labelAt(entry - s * float(k)) == label);
           }
         }
         sum += through * alpha * look.rgb * brightness(labelSlope(g / h));

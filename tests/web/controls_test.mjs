@@ -1,0 +1,168 @@
+// The page under hands: fingers, keys, switches, sliders, points of a curve, a file that is dropped.
+//
+// usage: OCTAVO=build/octavo node tests/web/controls_test.mjs
+import assert from "node:assert/strict";
+import { after, before, test } from "node:test";
+import { inChromium } from "./support/chromium.mjs";
+import { calm, settled, startPage, text, withPage } from "./support/viewer_page.mjs";
+
+let host;
+let files;
+before(async () => {
+  ({ host, files } = await startPage());
+});
+after(() => host.close());
+
+const state = (shown, ...keys) =>
+  shown.evaluate((names) => names.map((name) => octavo.store.now[name]), keys);
+
+/** A place of a panel, in parts of its sides. */
+async function place(shown, id, x, y) {
+  const box = await shown.locator(`#${id}`).boundingBox();
+  return [box.x + box.width * x, box.y + box.height * y];
+}
+
+async function drag(shown, id, from, to, button = "left") {
+  await shown.mouse.move(...(await place(shown, id, ...from)));
+  await shown.mouse.down({ button });
+  await shown.mouse.move(...(await place(shown, id, ...to)), { steps: 4 });
+  await shown.mouse.up({ button });
+}
+
+test("every control has a name, and the panels say what they show", async () => {
+  await withPage("?url=scan.8vo&labels=labels.8vo", async (shown) => {
+    await shown.waitForFunction(() => octavo?.overlay?.hasPreview, null, { timeout: 60_000 });
+    await settled(shown);
+    const nameless = await shown.evaluate(() => [...document.querySelectorAll(
+      "button, input, select, [role=application], [role=toolbar], [role=radiogroup], canvas[role]")]
+      .filter((one) => !one.getAttribute("aria-label") && !one.title && !one.textContent.trim() &&
+        !one.closest("label") && !one.hidden)
+      .map((one) => one.outerHTML));
+    assert.deepEqual(nameless, []);
+    const label = (id) => shown.locator(`#${id}`).getAttribute("aria-label");
+    assert.match(await label("panel-z"), /^across z slice, z 45 \/ 89, 1\/\d of full resolution$/);
+    assert.match(await label("panel-3d"), /^3-D view, 1\/\d of full resolution/);
+    await shown.waitForFunction(() => document.getElementById("spoken").textContent !== "");
+    assert.match(await text(shown, "spoken"), /^voxel 75, 65, 45 · .* mm · /);
+  }, { viewport: { width: 900, height: 640 } });
+});
+
+test("sides change places, a window is dragged, an angle is measured", async () => {
+  await withPage("?url=scan.8vo&layout=z", async (shown) => {
+    await settled(shown);
+    const sides = () => shown.evaluate(() => {
+      const { left, right } = octavo.slices[2].orientation;
+      return [left, right];
+    });
+    assert.deepEqual(await sides(), ["R", "L"]);
+    await shown.locator("button[title^='Neurological']").click();
+    assert.deepEqual(await sides(), ["L", "R"]);
+    const [before] = await state(shown, "window");
+    await drag(shown, "panel-z", [0.4, 0.5], [0.6, 0.4], "right");
+    const [after] = await state(shown, "window");
+    assert.ok(after.width > before.width && after.center !== before.center);
+    await shown.keyboard.press("a");
+    for (const at of [[0.4, 0.3], [0.4, 0.6], [0.6, 0.6]]) {
+      await shown.mouse.click(...(await place(shown, "panel-z", ...at)));
+    }
+    assert.match(await text(shown, "measurements"), /angle z \d+: (89\.|90\.)\d°/);
+    await shown.keyboard.press("Delete");
+    assert.deepEqual(await state(shown, "measurements"), [[]]);
+  });
+});
+
+test("curve, clip box, isovalue and modes change the 3-D view", async () => {
+  await withPage("?url=scan.8vo&layout=3d&mode=volume", async (shown) => {
+    await settled(shown);
+    const [curve] = await state(shown, "transfer");
+    const point = await shown.evaluate(() => {
+      const box = document.getElementById("transfer").getBoundingClientRect();
+      const [x, y] = octavo.transfer.place(
+        octavo.store.now.transfer[1].value, octavo.store.now.transfer[1].opacity);
+      return [box.x + x, box.y + y];
+    });
+    await shown.mouse.move(...point);
+    await shown.mouse.down();
+    await shown.mouse.move(point[0] + 6, point[1] - 25, { steps: 3 });
+    await shown.mouse.up();
+    const [moved, name] = await state(shown, "transfer", "transferName");
+    assert.ok(moved[1].opacity > curve[1].opacity && moved[1].value > curve[1].value);
+    assert.equal(name, "own");
+    await shown.locator("summary", { hasText: "Clip box" }).click();
+    await shown.locator("input[aria-label='Clip x, to']").fill("60");
+    assert.equal((await state(shown, "clip"))[0].hi[0], 60);
+    await shown.locator("#modes button", { hasText: "Surface" }).click();
+    await shown.locator("#iso").fill("650");
+    assert.deepEqual(await state(shown, "mode", "iso"), ["iso", 650]);
+    await settled(shown);
+    const [camera] = await state(shown, "camera");
+    await drag(shown, "panel-3d", [0.5, 0.5], [0.7, 0.5]);
+    assert.notEqual((await state(shown, "camera"))[0].azimuth, camera.azimuth);
+    await shown.locator("#panel-3d").focus();
+    await shown.keyboard.press("+");
+    assert.ok((await state(shown, "camera"))[0].zoom > camera.zoom);
+  }, { viewport: { width: 760 + 20, height: 560 } });
+});
+
+test("dark and light change places and last", async () => {
+  await withPage("?url=scan.8vo&layout=z", async (shown) => {
+    await settled(shown);
+    const page = () => shown.evaluate(() => getComputedStyle(document.body).backgroundColor);
+    const before = await page();
+    await shown.keyboard.press("t");
+    const other = await page();
+    assert.notEqual(other, before);
+    await shown.reload();
+    assert.equal(await page(), other);
+  });
+});
+
+test("a file that is dropped is shown without a request", async () => {
+  await withPage("", async (shown) => {
+    await shown.locator("#welcome").waitFor();
+    host.log.length = 0;
+    await shown.evaluate((bytes) => {
+      const held = new DataTransfer();
+      held.items.add(new File([Uint8Array.from(bytes)], "dropped.8vo"));
+      for (const kind of ["dragover", "drop"]) {
+        document.body.dispatchEvent(new DragEvent(kind, {
+          dataTransfer: held, bubbles: true, cancelable: true }));
+      }
+    }, [...files.scan]);
+    await settled(shown);
+    assert.equal(await text(shown, "title"), "dropped.8vo");
+    assert.deepEqual(host.requestsOf("/scan.8vo"), []);
+  });
+});
+
+test("fingers move the cursor, two of them zoom; a phone shows all tools", async () => {
+  calm();
+  await inChromium(async (browser) => {
+    const context = await browser.newContext({
+      viewport: { width: 390, height: 780 }, hasTouch: true, isMobile: true });
+    const shown = await context.newPage();
+    await shown.goto(`${host.url}/index.html?url=scan.8vo&layout=z`);
+    await settled(shown);
+    await shown.touchscreen.tap(...(await place(shown, "panel-z", 0.3, 0.5)));
+    const [tapped] = await state(shown, "at");
+    assert.ok(tapped[0] < 60, `${tapped}`);
+    const client = await context.newCDPSession(shown);
+    const touch = async (type, ...points) => client.send("Input.dispatchTouchEvent", {
+      type, touchPoints: points.map(([x, y], id) => ({ x, y, id })) });
+    const at = (x) => place(shown, "panel-z", x, 0.5);
+    await touch("touchStart", await at(0.4), await at(0.6));
+    for (const more of [0.05, 0.1, 0.15, 0.2]) {
+      await touch("touchMove", await at(0.4 - more), await at(0.6 + more));
+    }
+    await touch("touchEnd");
+    const [slices] = await state(shown, "slices");
+    assert.ok(slices[2].zoom > 1.5, JSON.stringify(slices[2]));
+    const isWide = await shown.evaluate(
+      () => document.documentElement.scrollWidth > document.documentElement.clientWidth);
+    assert.equal(isWide, false);
+    // Settings are a button away.
+    await shown.locator("button[title='Show or hide the settings']").click();
+    await shown.locator("#preset").selectOption("bone");
+    assert.deepEqual(await state(shown, "window"), [{ center: 400, width: 1800 }]);
+  });
+});
