@@ -41,6 +41,8 @@ set(OCTAVO_LIBRARY_FOLDER ${CMAKE_INSTALL_LIBDIR}/octavo)
 file(RELATIVE_PATH octavo_library_path
   /${CMAKE_INSTALL_BINDIR} /${OCTAVO_LIBRARY_FOLDER})
 set(OCTAVO_PROGRAM_RPATH $ORIGIN/${octavo_library_path})
+# A build folder may be moved, or seen by another path.
+set(CMAKE_BUILD_RPATH_USE_ORIGIN ON)
 
 # Half of a compiler's time goes into headers that every source of a target reads again.
 option(OCTAVO_UNITY "Compile the sources of a target sixteen at a time" OFF)
