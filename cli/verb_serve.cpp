@@ -26,11 +26,16 @@ constexpr VerbText kServeText = {
     "becomes part of every address: who does not know it gets nothing. What is sent is not\n"
     "encrypted.\n"
     "Pages of other sites may read the files with --allow-origin alone.\n\n"
+    "With --as zarr3 each file also stands at its address with .zarr/ behind it, as an OME-Zarr\n"
+    "0.5 image whose chunks are decoded when they are asked for: neuroglancer takes\n"
+    "zarr3://ADDRESS, zarr-python and tensorstore the address itself. As such a file stays what\n"
+    "it was when the program was started.\n\n"
     "Examples:\n"
     "  octavo serve head.8vo\n"
     "  octavo serve head.8vo organs.8vo --port 8080\n"
     "  octavo serve head.8vo --bind 0.0.0.0 --token auto\n"
-    "  octavo serve head.8vo --allow-origin https://viewer.example.org"};
+    "  octavo serve head.8vo --allow-origin https://viewer.example.org\n"
+    "  octavo serve head.8vo --as zarr3 --allow-origin https://neuroglancer-demo.appspot.com"};
 
 constexpr VerbText kViewText = {
     "view", "Show an .8vo file in the browser.",
@@ -48,10 +53,14 @@ struct ServeArguments {
   int port = 0;
   std::string token;
   std::vector<std::string> origins;
+  std::string as;
 };
 
 nlohmann::ordered_json site_json(const ServedSite& site) {
-  return {{"url", site.url}, {"port", site.port}, {"files", site.urls}, {"page", site.has_page}};
+  nlohmann::ordered_json said = {
+      {"url", site.url}, {"port", site.port}, {"files", site.urls}, {"page", site.has_page}};
+  if (!site.zarr_urls.empty()) said["zarr3"] = site.zarr_urls;
+  return said;
 }
 
 void say_where(const ServedSite& site, Context& context) {
@@ -61,6 +70,7 @@ void say_where(const ServedSite& site, Context& context) {
   }
   if (site.has_page) print(site.url + "\n");
   else for (const std::string& url : site.urls) print(url + "\n");
+  for (const std::string& url : site.zarr_urls) print("zarr3://" + url + "\n");
   context.note("serving; Ctrl-C ends it");
 }
 
@@ -72,6 +82,7 @@ int run_serve(const ServeArguments& arguments, Context& context) {
   options.port = arguments.port;
   options.token = arguments.token;
   options.allowed_origins = arguments.origins;
+  options.is_zarr = !arguments.as.empty();
   options.on_ready = [&](const ServedSite& site) { say_where(site, context); };
   run_task(serve, options, context);
   return kExitDone;
@@ -111,6 +122,9 @@ void add_serve(CLI::App& app, Context& context) {
                   "A site of which pages may read the files, or * for all; can be repeated")
       ->type_name("ORIGIN")
       ->allow_extra_args(false);
+  verb.add_option("--as", arguments->as, "Also as another format: zarr3")
+      ->type_name("FORMAT")
+      ->check(one_of({"zarr3"}));
 }
 
 void add_view(CLI::App& app, Context& context) {

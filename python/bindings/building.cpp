@@ -20,6 +20,7 @@
 #include "octavo/builder/builder.h"
 #include "octavo/file/storage/storage.h"
 #include "octavo/file/write/writer.h"
+#include "octavo/io/zarr/zarr_source.h"
 #include "octavo/planes/plane_cursor.h"
 
 namespace octavo::python {
@@ -116,6 +117,35 @@ nb::dict build(const std::string& path, const Zyx& shape, const nb::dict& facts,
   BuildResult result;
   call.run_apart([&] { result = build_file(planes, local_storage(), path, options, call); });
   return outcome_of(result);
+}
+
+/// Builds what open_zarr_source reads. (kind of the file, its warnings)
+nb::tuple build_zarr(const std::string& source, const std::string& path, const nb::dict& asked,
+                     const nb::dict& given, nb::object on_progress) {
+  Call call(std::move(on_progress));
+  SourceOptions how;
+  how.channel = nb::cast<std::string>(asked["channel"]);
+  how.time = nb::cast<std::optional<std::int64_t>>(asked["time"]);
+  if (const auto zyx = nb::cast<std::optional<std::array<double, 3>>>(asked["spacing"])) {
+    how.spacing_mm = Point3{(*zyx)[2], (*zyx)[1], (*zyx)[0]};
+  }
+  how.max_memory_bytes = nb::cast<std::uint64_t>(given["max_memory"]);
+  const int threads = nb::cast<int>(given["threads"]);
+  how.threads = threads > 0 ? threads : static_cast<int>(std::thread::hardware_concurrency());
+  const auto kind = nb::cast<std::optional<std::string>>(asked["kind"]);
+  const int level = nb::cast<int>(asked["level"]);
+  BuildOptions options = options_of(given);
+  std::vector<Warning> warnings;
+  call.run_apart([&] {
+    const auto planes = open_zarr_source(source, how, level);
+    options.kind = kind ? (*kind == "labels" ? VolumeKind::labels : VolumeKind::grey)
+                        : planes->description().kind;
+    build_file(*planes, local_storage(), path, options, call);
+    warnings = planes->warnings();
+  });
+  nb::list texts;
+  for (const Warning& warning : warnings) texts.append(warning.text);
+  return nb::make_tuple(options.kind == VolumeKind::labels ? "labels" : "grey", texts);
 }
 
 /// Planes that one thread hands over and another one, the builder's, takes: one waits at a time.
@@ -315,6 +345,9 @@ class PlaneWriter {
 void bind_building(nb::module_& module) {
   module.def("build", &build, "path"_a, "shape"_a, "facts"_a, "plane_at"_a, "options"_a,
              "on_progress"_a.none());
+  module.def("build_zarr", &build_zarr, "source"_a, "path"_a, "asked"_a, "options"_a,
+             "on_progress"_a.none());
+  module.def("is_zarr", &is_zarr_source, "path"_a);
   nb::class_<PlaneWriter>(module, "PlaneWriter")
       .def(nb::init<const std::string&, const Zyx&, const nb::dict&, const nb::dict&>(), "path"_a,
            "shape"_a, "facts"_a, "options"_a)

@@ -29,6 +29,10 @@ void translate(const std::exception_ptr& thrown, void*) {
   } catch (const Error& error) {
     const nb::object exception = exception_of(error);
     PyErr_SetObject(exception.type().ptr(), exception.ptr());
+  } catch (const nb::cast_error&) {
+    const nb::object exception = exception_of(
+        Error(ErrorKind::invalid_argument, "an argument is of a type that has no meaning here"));
+    PyErr_SetObject(exception.type().ptr(), exception.ptr());
   }
 }
 

@@ -8,6 +8,7 @@
 #include "pictures.h"
 #include "reading.h"
 #include "remaking.h"
+#include "structure.h"
 
 NB_MODULE(_octavo, module) {
   module.attr("version") = OCTAVO_VERSION;
@@ -18,4 +19,5 @@ NB_MODULE(_octavo, module) {
   octavo::python::bind_measuring(module);
   octavo::python::bind_pictures(module);
   octavo::python::bind_remaking(module);
+  octavo::python::bind_structure(module);
 }

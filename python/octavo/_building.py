@@ -1,11 +1,13 @@
 """Files out of arrays, of planes as they come, and of scans on disk."""
 
 import contextlib
+import itertools
 import json
 import operator
 import os
 import shutil
 import subprocess
+import warnings
 
 import numpy as np
 
@@ -16,12 +18,14 @@ from ._volume import RealView, View, Volume
 from ._work import MOST_THREADS, _reporter, if_given, number_of, whole_number
 
 _BLOCK_BYTES = 64 << 20
+_OF_ARRAYS = ("slope", "intercept", "unit", "label_names", "direction", "origin")
 
 
 def build(source, path, *, kind=None, spacing=None, origin=None, direction=None, unit=None,
           slope=None, intercept=None, label_names=None, preset="small", access=None,
           max_error=0.0, keep_details=0, nan=None, inf=None, thumbnail=False, overwrite=False,
-          resume=False, threads=0, max_memory=0, progress=None):
+          resume=False, threads=0, max_memory=0, progress=None, shape=None, channel=None,
+          time=None):
     """Build an .8vo file.
 
     Parameters
@@ -30,8 +34,10 @@ def build(source, path, *, kind=None, spacing=None, origin=None, direction=None,
         Anything of three dimensions [z, y, x] with `shape`, `dtype` and slices: a numpy, dask, zarr
         or h5py array. It is read some planes at a time, never as a whole, and may have any strides
         and byte order. Or a path that the program `octavo` reads: a folder of DICOM or TIFF
-        slices, NIfTI, NRRD, MetaImage and others; the program has to be on PATH. Of a volume or one
-        of its levels, what is not given below stays as it is.
+        slices, NIfTI, NRRD, MetaImage and others; the program has to be on PATH. OME-Zarr images
+        and arrays of zarr, a folder or an .ozx file, are read without it. Of a volume or one of its
+        levels, what is not given below stays as it is. Or an iterator of planes [y, x], with
+        `shape`.
     path : str or os.PathLike
         Ends in .8vo. Nothing stands there before the file is whole.
     kind : {"grey", "labels"}, optional
@@ -64,6 +70,11 @@ def build(source, path, *, kind=None, spacing=None, origin=None, direction=None,
         0: all cores, no limit (bytes).
     progress : callable or True, optional
         Called as progress(done, total, what); True shows a bar of tqdm.
+    shape : (int, int, int), optional
+        z, y, x, of planes that an iterator gives.
+    channel : int or str, optional
+    time : int, optional
+        What is taken of a path that has several.
 
     Returns
     -------
@@ -80,10 +91,17 @@ def build(source, path, *, kind=None, spacing=None, origin=None, direction=None,
     said = dict(kind=kind, spacing=spacing, origin=origin, direction=direction, unit=unit,
                 slope=slope, intercept=intercept, label_names=label_names)
     if isinstance(source, (str, os.PathLike)):
+        source = os.fspath(source)
+        if is_zarr(source):
+            return build_zarr(source, path, said, given, progress, channel=channel, time=time)
         if progress is not None:
             raise ArgumentError("progress is told of arrays; files are read by another program")
-        _build_by_program(os.fspath(source), path, said, given)
+        _build_by_program(source, path, said, {**given, "channel": channel, "time": time})
         return Volume(path)
+    if channel is not None or time is not None:
+        raise ArgumentError("channel and time are of paths; index an array")
+    if shape is not None:
+        return _build_of_planes(source, path, shape, said, given, progress)
     if isinstance(source, View):
         _require_not_own_source(source, path)
         shape, dtype = source.shape, source.dtype
@@ -102,6 +120,52 @@ def build(source, path, *, kind=None, spacing=None, origin=None, direction=None,
     given["kind"] = facts["kind"]
     with _reporter(progress) as report:
         _octavo.build(path, shape, facts, planes.plane, given, report)
+    return Volume(path)
+
+
+def is_zarr(path):
+    """Whether a path is an image or array of zarr that is read without the program."""
+    return "://" not in path and "\0" not in path and _octavo.is_zarr(path)
+
+
+def build_zarr(source, path, said, given, progress, *, level=0, channel=None, time=None):
+    """`build` of an image or array of zarr."""
+    for name in _OF_ARRAYS:
+        if said.get(name) is not None:
+            raise ArgumentError(f"{name} comes from the files of a scan; it is for arrays")
+    if said["kind"] not in (None, "grey", "labels"):
+        raise ArgumentError(f'kind is "grey" or "labels", not {said["kind"]!r}')
+    asked = dict(level=whole_number(level, "level", 0, 63), kind=said["kind"],
+                 channel="" if channel is None else str(channel),
+                 time=if_given(whole_number, time, "time", 0),
+                 spacing=None if said["spacing"] is None else _three(said["spacing"], "spacing"))
+    given["kind"] = said["kind"] or "grey"
+    with _reporter(progress) as report:
+        _, texts = _octavo.build_zarr(source, path, asked, given, report)
+    for text in texts:
+        warnings.warn(f"{source}: {text}", stacklevel=3)
+    return Volume(path)
+
+
+def _build_of_planes(planes, path, shape, said, given, progress):
+    """`build` of planes that an iterator gives."""
+    if hasattr(planes, "shape") or not hasattr(planes, "__iter__"):
+        raise ArgumentError("shape is of an iterator of planes; an array has its own")
+    shape = _volume_shape(shape)
+    if progress is not None and progress is not True and not callable(progress):
+        raise ArgumentError("progress is a function, or True")
+    options = {name: value for name, value in given.items()}
+    planes = iter(planes)
+    first = next(planes, None)
+    if first is None:
+        raise ArgumentError(f"the iterator gives no plane, and {shape[0]} are announced")
+    first = np.asanyarray(first)
+    with Writer(path, shape, first.dtype, **said, **options) as writer, \
+            _reporter(progress) as report:
+        for plane in itertools.chain((first,), planes):
+            writer.add(plane)
+            if report:
+                report(writer.added, shape[0], "building")
     return Volume(path)
 
 
@@ -335,6 +399,10 @@ def _require_text(text):
         raise ArgumentError("unit is text, and label_names gives text to labels")
 
 
+BUILD_OPTIONS = dict(preset="small", access=None, max_error=0.0, keep_details=0, nan=None, inf=None,
+                     thumbnail=False, overwrite=False, resume=False, threads=0, max_memory=0)
+
+
 def _given(preset, access, max_error, keep_details, nan, inf, thumbnail, overwrite, resume,
            threads, max_memory):
     if preset not in ("small", "fast"):
@@ -402,7 +470,7 @@ def _build_by_program(source, path, options, given):
 
 def _words_of(options, given):
     """What the program is told of the bytes that it makes of a scan."""
-    for name in ("slope", "intercept", "unit", "label_names", "direction", "origin"):
+    for name in _OF_ARRAYS:
         if options.get(name) is not None:
             raise ArgumentError(f"{name} comes from the files of a scan; it is for arrays")
     words = [] if given["preset"] == "small" else ["--preset", given["preset"]]
@@ -410,7 +478,8 @@ def _words_of(options, given):
         words.append(f"--{options['kind']}")
     if options["spacing"] is not None:
         words += ["--spacing", ",".join(map(repr, _three(options["spacing"], "spacing")[::-1]))]
-    for name, flag in (("access", "--access"), ("nan", "--nan"), ("inf", "--inf")):
+    for name, flag in (("access", "--access"), ("nan", "--nan"), ("inf", "--inf"),
+                       ("channel", "--channel"), ("time", "--time")):
         if given[name] is not None:
             words += [flag, str(given[name])]
     for name, flag in (("max_error", "--max-error"), ("keep_details", "--keep-details")):

@@ -299,13 +299,17 @@ class LabelMap(FileTasks):
             raise ArgumentError(f"give a LabelMap, not {type(other).__name__}; Volume.mask and "
                                 "Volume.label_map make one")
 
-    def _opened_file(self):
-        # Tasks on files take it from a file that lives as long as this does.
+    def saved(self):
+        """The map as a Volume with levels, in a file that goes when the map does."""
+        # Tasks on files take it from there.
         if self._saved is None:
             folder = tempfile.TemporaryDirectory(prefix="octavo-")
             self._saved = self.save(os.path.join(folder.name, "labels.8vo"))
             weakref.finalize(self, folder.cleanup)
-        return "the label map", self._saved._file._opened()
+        return self._saved
+
+    def _opened_file(self):
+        return "the label map", self.saved()._file._opened()
 
 
 def _steps_of(chosen):

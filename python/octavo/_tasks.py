@@ -8,6 +8,7 @@ import numpy as np
 from . import _octavo
 from ._errors import ArgumentError
 from ._sources import written_path
+from ._structure import StructureTasks
 from ._work import (asked_labels, if_given, level_of, number_of, range_of, several_of, text_of,
                     texts_of, whole_number, work_of)
 
@@ -34,7 +35,7 @@ class Surface(NamedTuple):
     facts: dict
 
 
-class FileTasks:
+class FileTasks(StructureTasks):
     """What volumes and label maps share: each method is a verb of the program ``octavo``, and gives
     what that gives. All release the GIL, end with Ctrl-C, and take
 

@@ -7,10 +7,10 @@ import re
 import numpy as np
 
 from . import _octavo
-from ._building import build
+from ._building import BUILD_OPTIONS, _given, _output, build, build_zarr, is_zarr
 from ._errors import ArgumentError
 from ._sources import written_path
-from ._tasks import opened_file
+from ._tasks import FileTasks, opened_file
 from ._volume import RealView, View, Volume
 from ._work import whole_number, work_of
 
@@ -75,7 +75,8 @@ def as_zarr(volume):
 
     Parameters
     ----------
-    volume : Volume
+    volume : Volume or LabelMap
+        Of a map the levels are made first, in a file in the folder for these.
 
     Returns
     -------
@@ -158,8 +159,7 @@ def as_zarr(volume):
             elif folder.isdigit():
                 yield "zarr.json"
 
-    if not isinstance(volume, Volume):
-        raise ArgumentError(f"give an open volume, not {type(volume).__name__}")
+    volume = _with_levels(volume)
     return OctavoStore(ZarrFiles(volume))
 
 
@@ -168,8 +168,8 @@ def as_dask(volume, level=0, *, chunks=None):
 
     Parameters
     ----------
-    volume : Volume, View or RealView
-        A volume's `level`; a view as it is.
+    volume : Volume, LabelMap, View or RealView
+        A volume's or map's `level`; a view as it is.
     chunks : int or tuple, optional
         Those of the bricks where it is not given.
 
@@ -181,7 +181,8 @@ def as_dask(volume, level=0, *, chunks=None):
         import dask.array
     except ImportError:
         raise ArgumentError("as_dask needs dask (pip install dask)") from None
-    if isinstance(volume, Volume):
+    if isinstance(volume, FileTasks):
+        volume = _with_levels(volume)
         level = whole_number(level, "level", 0, len(volume.levels) - 1)
         view = volume.levels[level]
     elif isinstance(volume, (View, RealView)):
@@ -190,6 +191,18 @@ def as_dask(volume, level=0, *, chunks=None):
         raise ArgumentError(f"give a volume or a view of it, not {type(volume).__name__}")
     return dask.array.from_array(view, chunks=chunks or view.chunks, asarray=False, fancy=False,
                                  meta=np.empty((0, 0, 0), view.dtype))
+
+
+def _with_levels(given):
+    """A volume as it is; of a label map one that lives as long as it is used."""
+    if isinstance(given, Volume):
+        return given
+    if not isinstance(given, FileTasks):
+        raise ArgumentError("give an open volume, a label map or a mask, not "
+                            f"{type(given).__name__}")
+    volume = Volume(given.saved().name)
+    volume.made_of = given  # whose end would remove the file
+    return volume
 
 
 def export(volume, path, *, level=0, compression="zstd", chunk_side=64, shard_chunks=4,
@@ -245,10 +258,11 @@ def from_ome_zarr(source, path, *, level=0, channel=None, time=None, **options):
     level : int
         Of the image: its resolution that becomes level 0.
     channel, time : int, optional
-        What is taken where there are several.
+        What is taken where there are several; a channel also by its label.
     **options
         Of `octavo.build`; what is not given is what the image says: the spacing in mm, and all
-        else of one that `export` wrote.
+        else of one that `export` wrote. Paths are read as by the program; a group or a URL through
+        zarr 3, which has to be installed.
 
     Returns
     -------
@@ -259,10 +273,13 @@ def from_ome_zarr(source, path, *, level=0, channel=None, time=None, **options):
     octavo.ArgumentError
         For what is no such image, axes that are missing, and channels or times to choose from.
     """
+    if isinstance(source, (str, os.PathLike)) and is_zarr(os.fspath(source)):
+        return _build_of_path(os.fspath(source), path, level, channel, time, options)
     try:
         import zarr
     except ImportError:
-        raise ArgumentError("from_ome_zarr needs zarr 3 (pip install zarr)") from None
+        raise ArgumentError("from_ome_zarr needs zarr 3 for URLs (pip install zarr), and a folder "
+                            "or an .ozx file otherwise") from None
     group = source if isinstance(source, zarr.Group) else _opened_group(zarr, source)
     attributes = dict(group.attrs)
     multiscales = attributes.get("ome", attributes).get("multiscales")
@@ -278,6 +295,18 @@ def from_ome_zarr(source, path, *, level=0, channel=None, time=None, **options):
     facts = _facts_of_image(attributes, image, dataset, axes, units, level)
     facts.update(options)
     return build(chosen, path, **facts)
+
+
+def _build_of_path(source, path, level, channel, time, options):
+    progress = options.pop("progress", None)
+    said = {name: options.pop(name, None) for name in
+            ("kind", "spacing", "origin", "direction", "unit", "slope", "intercept",
+             "label_names")}
+    given = {name: options.pop(name, usual) for name, usual in BUILD_OPTIONS.items()}
+    if options:
+        raise TypeError(f"build has no option {next(iter(options))}")
+    return build_zarr(source, _output(path), said, _given(**given), progress, level=level,
+                      channel=channel, time=time)
 
 
 _MM_PER = {"millimeter": 1.0, "micrometer": 1e-3, "nanometer": 1e-6, "angstrom": 1e-7,

@@ -70,6 +70,91 @@ class Serving(cli_test.InFolder):
         return answer, body
 
 
+class ZarrFacade(Serving):
+    """The files of a zarr hierarchy that are made when they are asked for."""
+
+    SIZE = (70, 66, 130)  # x, y, z
+
+    def setUp(self):
+        super().setUp()
+        x, y, z = self.SIZE
+        self.voxels = random.Random(4).randbytes(x * y * z)
+        (self.folder / "v.raw").write_bytes(self.voxels)
+        self.expect(0, "build", "v.raw", "--raw", f"{x},{y},{z},uint8", "--spacing", "2", "-o",
+                    "v.8vo", "-q")
+
+    def chunk(self, voxels, size, place):
+        """64^3 voxels from x, y, z of a volume of that size, 0 behind its end."""
+        out = bytearray(64 ** 3)
+        for dz, dy in ((dz, dy) for dz in range(64) for dy in range(64)):
+            z, y = 64 * place[2] + dz, 64 * place[1] + dy
+            if z >= size[2] or y >= size[1]:
+                continue
+            start = (z * size[1] + y) * size[0]
+            row = voxels[start + 64 * place[0]:start + min(size[0], 64 * place[0] + 64)]
+            at = (dz * 64 + dy) * 64
+            out[at:at + len(row)] = row
+        return bytes(out)
+
+    def test_texts_and_chunks_of_all_levels_are_there(self):
+        _, site = self.serve("serve", "v.8vo", "--as", "zarr3")
+        base = f"http://127.0.0.1:{site['port']}/v.8vo.zarr/"
+        self.assertEqual(site["zarr3"], [base])
+        answer, body = self.ask(site, "/v.8vo.zarr/zarr.json")
+        self.assertEqual((answer.status, answer.headers["Content-Type"]),
+                         (200, "application/json"))
+        image = json.loads(body)["attributes"]["ome"]["multiscales"][0]
+        self.assertGreater(len(image["datasets"]), 6)
+        for level, dataset in enumerate(image["datasets"]):
+            array = json.loads(self.ask(site, f"/v.8vo.zarr/{dataset['path']}/zarr.json")[1])
+            size = array["shape"][::-1]
+            self.expect(0, "export", "v.8vo", "--level", str(level), "-o", "l.mhd", "-f")
+            voxels = (self.folder / "l.raw").read_bytes()
+            if level == 0:
+                self.assertEqual(voxels, self.voxels)
+            for z in range(-(-size[2] // 64)):
+                for y in range(-(-size[1] // 64)):
+                    for x in range(-(-size[0] // 64)):
+                        answer, body = self.ask(site, f"/v.8vo.zarr/{level}/c/{z}/{y}/{x}")
+                        self.assertEqual(answer.status, 200)
+                        self.assertEqual(body, self.chunk(voxels, size, (x, y, z)))
+        answer, body = self.ask(site, "/v.8vo.zarr/0/c/0/0/0", Range="bytes=64-127")
+        self.assertEqual((answer.status, body), (206, self.voxels[70:134]))
+
+    def test_nothing_else_is_there(self):
+        _, site = self.serve("serve", "v.8vo", "--as", "zarr3")
+        for key in ("", "0", "0/", "0/c", "0/c/0/0", "0/c/0/0/0/", "0/c/0/0/0/0", "0/c/3/0/0",
+                    "0/c/0/2/0", "0/c/0/0/2", "0/c/-1/0/0", "0/c/00/0/0", "0/c/+0/0/0",
+                    "0/c/0/0/99999999999999999999", "00/zarr.json", "99/zarr.json", "0/zarr.json/",
+                    "../v.8vo", "0/../zarr.json", "0//zarr.json", "/zarr.json", ".zgroup",
+                    "0/c/0/0/0%00", "zarr.json%2f", "%2e%2e/%2e%2e/etc/passwd"):
+            self.assertEqual(self.ask(site, f"/v.8vo.zarr/{key}")[0].status, 404, key)
+        self.assertEqual(self.ask(site, "/v.8vo.zarr/zarr.json", "POST")[0].status, 405)
+        self.assertEqual(self.ask(site, "/v.8vo.zarr/zarr.json", Host="x.example")[0].status, 403)
+        self.assertEqual(self.ask(site, "/v.8vo.zarr/zarr.json", Origin=ORIGIN)[0].status, 403)
+        _, plain = self.serve("serve", "v.8vo")
+        self.assertEqual(self.ask(plain, "/v.8vo.zarr/zarr.json")[0].status, 404)
+        self.assertNotIn("zarr3", plain)
+
+    def test_pages_of_allowed_origins_read_it_behind_a_token(self):
+        _, site = self.serve("serve", "v.8vo", "--as", "zarr3", "--allow-origin", ORIGIN,
+                             "--token", "auto")
+        path = urllib.parse.urlsplit(site["zarr3"][0]).path
+        answer, _ = self.ask(site, path + "zarr.json", Origin=ORIGIN)
+        self.assertEqual(answer.status, 200)
+        self.assertEqual(answer.headers["Access-Control-Allow-Origin"], ORIGIN)
+        self.assertEqual(self.ask(site, "/v.8vo.zarr/zarr.json", Origin=ORIGIN)[0].status, 404)
+
+    def test_a_damaged_brick_is_an_error_and_the_others_go_on(self):
+        held = bytearray((self.folder / "v.8vo").read_bytes())
+        held[len(held) // 3] ^= 1
+        (self.folder / "v.8vo").write_bytes(held)
+        _, site = self.serve("serve", "v.8vo", "--as", "zarr3")
+        answers = [self.ask(site, f"/v.8vo.zarr/0/c/{z}/{y}/{x}")[0].status
+                   for z in range(3) for y in range(2) for x in range(2)]
+        self.assertEqual(sorted(set(answers)), [200, 500], answers)
+
+
 class Server(Serving):
     def test_a_file_its_page_and_the_list_are_there_and_nothing_else(self):
         _, site = self.serve("serve", "a b.8vo")

@@ -1,13 +1,14 @@
-// .8vo files in viewers of others, unchanged, on a static host: neuroglancer and vizarr by the Service
-// Worker that answers for zarr, niivue by its loader.
+// .8vo files in viewers of others, unchanged: on a static host neuroglancer and vizarr by the Service
+// Worker that answers for zarr, niivue by its loader; neuroglancer beside octavo serve as well.
 //
 // usage: node hosts_test.mjs FOLDER, which tests/web/setup has filled
 import assert from "node:assert/strict";
-import { readFileSync } from "node:fs";
+import { spawn } from "node:child_process";
+import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { inChromium, newPage } from "./support/chromium.mjs";
-import { builtScan, dist } from "./support/golden.mjs";
+import { builtScan, dist, inFolder, program } from "./support/golden.mjs";
 import { startServer } from "./support/server.mjs";
 
 const folder = process.argv[2];
@@ -105,10 +106,15 @@ test("a Service Worker answers for a zarr hierarchy", async () => {
   });
 });
 
-test("neuroglancer shows a scan, the right way around", async () => {
+/**
+ * Where neuroglancer shows the bright part of a scan.
+ * source   as its users type it
+ * prepare  called with a page of the site before
+ */
+async function shownByNeuroglancer(source, prepare) {
   const state = {
     layers: [{
-      type: "image", name: "scan", source: `zarr3://${site.url}/scan.8vo.zarr/`,
+      type: "image", name: "scan", source,
       shaderControls: { normalized: { range: [0, bright] } },
     }],
     layout: "xy", showAxisLines: false, showScaleBar: false, showDefaultAnnotations: false,
@@ -127,24 +133,52 @@ test("neuroglancer shows a scan, the right way around", async () => {
     response.writeHead(200, { "Content-Type": "application/json" }).end("{}");
     return true;
   };
+  let place;
   await inChromium(async (browser) => {
     const context = await browser.newContext({ viewport: { width: 700, height: 560 } });
     const page = await context.newPage();
     await page.goto(`${site.url}/blank.html`);
-    await startWorker(page);
+    await prepare(page);
     await page.goto(`${site.url}/v/scan/index.html`);
-    let place;
     for (let second = 0; second < 120; ++second) {
       await page.waitForTimeout(1000);
-      place = await brightPlace(browser, await page.locator("canvas").first().screenshot());
+      const picture = await page.locator("canvas").first().screenshot();
+      place = await brightPlace(browser, picture);
       if (place.count > 2000) break;
     }
-    assert.ok(place.count > 2000, "nothing bright is shown");
-    // The first axis, z, goes to the right, y down.
-    assert.ok(place.x < 0.5 && place.y < 0.5, JSON.stringify(place));
   });
   site.misbehave = null;
+  return place;
+}
+
+/** The first axis, z, goes to the right, y down. */
+function expectRightWayAround(place) {
+  assert.ok(place.count > 2000, "nothing bright is shown");
+  assert.ok(place.x < 0.5 && place.y < 0.5, JSON.stringify(place));
+}
+
+test("neuroglancer shows a scan, the right way around", async () => {
+  expectRightWayAround(await shownByNeuroglancer(`zarr3://${site.url}/scan.8vo.zarr/`, startWorker));
   assert.ok(site.log.every(({ path, range }) => path !== "/scan.8vo" || range !== ""));
+});
+
+test("neuroglancer shows what octavo serve gives out as zarr, from another origin", async () => {
+  await inFolder(async (place) => {
+    writeFileSync(join(place, "scan.8vo"), scan.bytes);
+    const server = spawn(program, ["serve", join(place, "scan.8vo"), "--as", "zarr3",
+      "--allow-origin", site.url, "--json"], { stdio: ["ignore", "pipe", "inherit"] });
+    try {
+      let said = "";
+      for await (const part of server.stdout) {
+        said += part;
+        if (said.trimEnd().endsWith("}")) break;
+      }
+      expectRightWayAround(
+        await shownByNeuroglancer(`zarr3://${JSON.parse(said).zarr3[0]}`, async () => {}));
+    } finally {
+      server.kill();
+    }
+  });
 });
 
 test("vizarr shows a scan, the right way around", async () => {

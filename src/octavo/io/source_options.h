@@ -43,6 +43,7 @@ struct SourceOptions {
   std::optional<std::int64_t> time;  ///< from 0, where there are several volumes in time
   bool keep_identity = false;             ///< names, dates, free text enter the metadata
   std::uint64_t max_memory_bytes = 0;     ///< of a process that opens the source; 0: no limit
+  int threads = 1;  ///< that may unpack what a plane is made of, where that is several pieces
   /// The paths are slices, in their order, of a stack that was proven when all of it was open: how
   /// they become planes. Nothing is asked that only a whole stack tells; the description is that of
   /// the type and the size alone.

@@ -77,6 +77,7 @@ IsolationOptions isolation_options(const TaskContext& context) {
 SourceOptions source_options(const ScanOptions& options, const TaskContext& context) {
   SourceOptions how = options.source;
   how.max_memory_bytes = context.max_memory_bytes;
+  how.threads = context.thread_count();
   how.is_cancelled = [&watcher = context.watcher()] { return watcher.is_cancelled(); };
   return how;
 }

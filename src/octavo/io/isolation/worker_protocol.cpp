@@ -168,7 +168,7 @@ std::optional<SliceOutline> take_outline(Reader& in) {
 
 void put_options(Writer& out, const SourceOptions& options) {
   const auto& [raw, spacing_mm, series, on_gap, drop_duplicates, untilt, segment, channel,
-               time, keep_identity, max_memory_bytes, excerpt, is_cancelled] = options;
+               time, keep_identity, max_memory_bytes, threads, excerpt, is_cancelled] = options;
   out.put_u8(raw ? 1 : 0);
   if (raw) {
     const auto& [size, type, big_endian, header_bytes] = *raw;
@@ -191,6 +191,7 @@ void put_options(Writer& out, const SourceOptions& options) {
   if (time) out.put_signed(*time);
   out.put_u8(keep_identity ? 1 : 0);
   out.put_u64(max_memory_bytes);
+  out.put_signed(threads);
   put_outline(out, excerpt);
 }
 
@@ -216,6 +217,7 @@ SourceOptions take_options(Reader& in) {
   if (in.flag()) options.time = in.signed_varint();
   options.keep_identity = in.flag();
   options.max_memory_bytes = in.u64();
+  options.threads = static_cast<int>(in.signed_varint());
   options.excerpt = take_outline(in);
   return options;
 }

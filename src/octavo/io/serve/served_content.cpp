@@ -174,6 +174,10 @@ constexpr MediaType kMediaTypes[] = {
 
 }  // namespace
 
+std::shared_ptr<const ServedBytes> memory_bytes(std::vector<std::uint8_t> bytes) {
+  return std::make_shared<MemoryBytes>(std::move(bytes));
+}
+
 std::unique_ptr<ServedContent> memory_content(std::vector<std::uint8_t> bytes,
                                               std::string media_type) {
   return std::make_unique<MemoryContent>(std::move(bytes), std::move(media_type));

@@ -3,8 +3,10 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace octavo {
@@ -21,14 +23,25 @@ class ServedBytes {
   virtual bool read(std::uint64_t offset, std::span<std::uint8_t> out) const = 0;
 };
 
+/// A file in what stands at an address.
+struct ServedPart {
+  std::string media_type;
+  std::shared_ptr<const ServedBytes> bytes;  ///< null where they cannot be read
+};
+
 /// What stands at one address of a site.
 class ServedContent {
  public:
   virtual ~ServedContent() = default;
+  /// What stands behind an address that ends in "/"; nothing where nothing does.
+  virtual std::optional<ServedPart> beneath(std::string_view /*key*/) { return std::nullopt; }
   virtual const std::string& media_type() const = 0;
   /// The bytes that stand there now; null where they cannot be read.
   virtual std::shared_ptr<const ServedBytes> now() = 0;
 };
+
+/// Bytes in memory; their tag is their checksum.
+std::shared_ptr<const ServedBytes> memory_bytes(std::vector<std::uint8_t> bytes);
 
 /// Bytes in memory.
 std::unique_ptr<ServedContent> memory_content(std::vector<std::uint8_t> bytes,

@@ -98,7 +98,7 @@ class Answering {
       return plain(405);
     }
     const auto found = table_.find(head_.path == "/" ? "/index.html" : head_.path);
-    if (found == table_.end()) return plain(404);
+    if (found == table_.end()) return of_folder();
     const auto bytes = found->second->now();
     if (!bytes) return plain(404);
     return of_content(found->second->media_type(), bytes);
@@ -154,6 +154,20 @@ class Answering {
                "Access-Control-Max-Age: 600\r\n";
     if (head_.asks_private_network) fields_ += "Access-Control-Allow-Private-Network: true\r\n";
     return finished(204, 0);
+  }
+
+  /// Of the entry of the table with the longest name that the path goes on behind.
+  SiteAnswer of_folder() {
+    const std::string_view path = head_.path;
+    for (std::size_t end = path.rfind('/'); end != path.npos && end > 0;
+         end = path.rfind('/', end - 1)) {
+      const auto folder = table_.find(path.substr(0, end + 1));
+      if (folder == table_.end()) continue;
+      const std::optional<ServedPart> part = folder->second->beneath(path.substr(end + 1));
+      if (!part) return plain(404);
+      return part->bytes ? of_content(part->media_type, part->bytes) : plain(500);
+    }
+    return plain(404);
   }
 
   SiteAnswer of_content(const std::string& type, std::shared_ptr<const ServedBytes> bytes) {

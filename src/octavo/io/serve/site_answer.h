@@ -3,7 +3,8 @@
 //     request                                      answer
 //     a Host that is not this machine's            403
 //     an Origin that is not allowed                403
-//     an address that is not in the table          404
+//     an address that is not in the table          404; nor behind a folder that is in it
+//     what stands there but cannot be read         500
 //     anything but GET and HEAD                    405; OPTIONS for allowed origins 204
 //     If-Match of other bytes                      412
 //     If-None-Match of these bytes                 304

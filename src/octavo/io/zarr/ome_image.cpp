@@ -150,7 +150,7 @@ void take_own_facts(const OmeImage& image, std::size_t level, const Point3& plac
     finest.metadata = metadata;
     facts.place_known = is_place_known(finest);
   }
-  facts.unit = metadata.unit();
+  facts.noted.unit = own.unit;
   double lost = metadata.source_max_error();
   if (own.coding) lost += own.coding->max_error.value_or(0);
   if (lost > 0) facts.noted.source_max_error = lost;

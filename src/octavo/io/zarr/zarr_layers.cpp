@@ -1,9 +1,11 @@
 #include "octavo/io/zarr/zarr_layers.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
+#include <atomic>
 #include <cstring>
+#include <exception>
+#include <functional>
+#include <thread>
 #include <utility>
 
 #include "octavo/core/checked.h"
@@ -32,14 +34,38 @@ std::uint64_t number_at(std::span<const std::uint8_t> bytes, std::size_t at, std
   return number;
 }
 
+/// Calls work(0) .. work(count - 1) on so many threads. Throws what the first of them throws.
+void for_each_apart(std::int64_t count, int threads,
+                    const std::function<void(std::int64_t)>& work) {
+  std::atomic<std::int64_t> next{0};
+  std::atomic<bool> has_failed{false};
+  std::exception_ptr failure;
+  const auto run = [&] {
+    try {
+      for (std::int64_t i = next++; i < count && !has_failed; i = next++) work(i);
+    } catch (...) {
+      if (!has_failed.exchange(true)) failure = std::current_exception();
+    }
+  };
+  {
+    std::vector<std::jthread> others;
+    for (std::int64_t i = 1; i < std::min<std::int64_t>(threads, count); ++i) {
+      others.emplace_back(run);
+    }
+    run();
+  }
+  if (failure) std::rethrow_exception(failure);
+}
+
 }  // namespace
 
 ZarrLayers::ZarrLayers(std::shared_ptr<const ZarrHierarchy> hierarchy, std::string folder,
-                       ZarrLayout layout, ZarrPart part)
+                       ZarrLayout layout, ZarrPart part, int threads)
     : hierarchy_(std::move(hierarchy)),
       folder_(std::move(folder)),
       layout_(std::move(layout)),
-      part_(std::move(part)) {}
+      part_(std::move(part)),
+      threads_(threads) {}
 
 Size3 ZarrLayers::size() const {
   return {layout_.shape[part_.x], layout_.shape[part_.y], layout_.shape[part_.z]};
@@ -74,7 +100,7 @@ void ZarrLayers::fill_layer(std::int64_t layer) {
     if (shard != shard_layer_) shards_.clear();
     shard_layer_ = shard;
   }
-  tbb::parallel_for(std::int64_t{0}, rows * columns, [&](std::int64_t i) {
+  for_each_apart(rows * columns, threads_, [&](std::int64_t i) {
     take_chunk(layer, i / columns, i % columns);
   });
   held_ = layer;

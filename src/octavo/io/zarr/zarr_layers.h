@@ -28,9 +28,11 @@ struct ZarrPart {
 /// Gives planes of stored numbers in native byte order. One thread at a time.
 class ZarrLayers {
  public:
-  /// folder  of the array in the hierarchy; empty where it is all of it
+  /// folder   of the array in the hierarchy; empty where it is all of it
+  /// threads  that unpack chunks side by side, made for each layer: those of a task arena may wait
+  ///          for a plane themselves
   ZarrLayers(std::shared_ptr<const ZarrHierarchy> hierarchy, std::string folder,
-             ZarrLayout layout, ZarrPart part);
+             ZarrLayout layout, ZarrPart part, int threads);
 
   Size3 size() const;
   /// Bytes of a layer.
@@ -54,6 +56,7 @@ class ZarrLayers {
   std::string folder_;
   ZarrLayout layout_;
   ZarrPart part_;
+  int threads_;
   std::int64_t held_ = -1;  ///< number of the layer in voxels_
   std::vector<std::byte> voxels_;
   std::mutex lock_;  ///< of shards_

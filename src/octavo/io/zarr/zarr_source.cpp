@@ -249,7 +249,8 @@ std::unique_ptr<PlaneSource> open_zarr_source(const std::string& path,
   settle(facts, with_numbered_channel(facts, options, path), path);
   choose(found, facts.choice, part);
   const auto layers =
-      std::make_shared<ZarrLayers>(found.hierarchy, found.folder, found.layout, part);
+      std::make_shared<ZarrLayers>(found.hierarchy, found.folder, found.layout, part,
+                                   options.threads);
   require_memory(*layers, options, path);
   settle_narrowing(facts, [&](std::int64_t z, std::span<std::byte> plane) {
     layers->read(z, plane);

@@ -8,6 +8,7 @@
 #include "octavo/core/error.h"
 #include "octavo/core/url_text.h"
 #include "octavo/io/serve/site_server.h"
+#include "octavo/io/zarr/served_zarr.h"
 #include "octavo/tasks/files/web_page.h"
 #include "octavo/tasks/inputs.h"
 
@@ -15,6 +16,7 @@ namespace octavo {
 
 namespace {
 
+constexpr const char* kZarrEnding = ".zarr/";
 constexpr std::size_t kMinTokenLength = 22;  // 128 bits, of 64 signs
 constexpr std::string_view kTokenSigns =
     "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_";
@@ -71,7 +73,9 @@ std::vector<std::uint8_t> bytes_of(std::string_view text) {
 /// What stands at which address.
 class Site {
  public:
-  Site(const ServeOptions& options, std::string token)
+  /// volumes  open, where files also stand as zarr
+  Site(const ServeOptions& options, std::string token,
+       const std::vector<std::shared_ptr<FileReader>>& volumes)
       : root_(token.empty() ? "/" : "/" + token + "/") {
     const std::vector<std::string> page = page_files(options);
     for (const std::string& name : page) {
@@ -80,7 +84,11 @@ class Site {
     names_ = web_names(options.inputs, page);
     for (std::size_t i = 0; i < names_.size(); ++i) {
       put(names_[i], file_content(options.inputs[i], media_type_of(".8vo")));
+      if (!options.is_zarr) continue;
+      const std::string stem = names_[i].substr(0, names_[i].rfind('.'));
+      put(names_[i] + kZarrEnding, zarr_content(volumes[i], stem));
     }
+    is_zarr_ = options.is_zarr;
     put(kWebListName, memory_content(bytes_of(web_list(names_)), media_type_of(kWebListName)));
     has_page_ = !page.empty();
     if (has_page_) {
@@ -97,6 +105,9 @@ class Site {
     site.has_page = has_page_;
     const std::string base = "http://" + host + root_;
     for (const std::string& name : names_) site.urls.push_back(base + percent_encoded(name));
+    for (const std::string& url : site.urls) {
+      if (is_zarr_) site.zarr_urls.push_back(url + kZarrEnding);
+    }
     std::string shown = shown_url.empty() ? "" : percent_encoded(shown_url);
     if (shown.empty() && names_.size() == 1) shown = percent_encoded(names_.front());
     site.url = base + (!has_page_ ? kWebListName : shown.empty() ? "" : "?url=" + shown);
@@ -121,6 +132,7 @@ class Site {
   SiteTable table_;
   std::vector<std::string> names_;
   bool has_page_ = false;
+  bool is_zarr_ = false;
 };
 
 std::string host_of(const std::string& address, int port) {
@@ -134,15 +146,16 @@ std::string host_of(const std::string& address, int port) {
 ServeResult serve(const ServeOptions& options, const TaskContext& context) {
   check_origins(options.allowed_origins);
   const std::string token = token_of(options);
+  std::vector<std::shared_ptr<FileReader>> volumes;
   for (const std::string& path : options.inputs) {
     if (is_url(path)) {
       throw Error(ErrorKind::invalid_argument, "only files of this machine are served",
                   public_name(path))
           .with_field("serve.inputs");
     }
-    open_volume(path, context);
+    volumes.push_back(open_volume(path, context));
   }
-  Site site(options, token);
+  Site site(options, token, volumes);
   if (!site.has_page()) context.note("the page of the viewer is not there: files alone are served");
 
   SiteServerOptions listening;

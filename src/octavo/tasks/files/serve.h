@@ -15,6 +15,7 @@ struct ServedSite {
   int port = 0;
   std::string url;                ///< of the page, or of all files where there is no page
   std::vector<std::string> urls;  ///< of the files
+  std::vector<std::string> zarr_urls;  ///< of the files as zarr, where that was asked for
   bool has_page = false;
 };
 
@@ -28,6 +29,8 @@ struct ServeOptions {
   /// The first part of every address: "auto" makes one, else at least 22 letters, digits, - and _.
   std::string token;
   std::vector<std::string> allowed_origins;  ///< pages of which may read: "https://x.org", or "*"
+  /// Whether each file also stands as a zarr hierarchy at its address with ".zarr/" behind it.
+  bool is_zarr = false;
   std::string shown_url;                     ///< a URL that the page shows in place of the files
   std::function<void(const ServedSite&)> on_ready = {};  ///< told once, before the first answer
 };

@@ -1,0 +1,207 @@
+"""Distances, thickness and poses of masks."""
+
+import contextlib
+import os
+import tempfile
+
+import numpy as np
+
+from . import _octavo
+from ._errors import ArgumentError
+from ._work import if_given, number_of, work_of
+
+
+class StructureTasks:
+    """What is measured of a label map, every voxel but 0 of which is in the mask."""
+
+    def distance(self, path=None, *, to="faces", max_mm=None, step_mm=None, overwrite=False,
+                 threads=0, max_memory=0, progress=None):
+        """The signed distance of every voxel's center from the surface of the mask.
+
+        Exact on every grid. What lies beyond the volume is not known: no distance ends there.
+
+        Parameters
+        ----------
+        path : str or os.PathLike, optional
+            An .8vo file to write; without one an array is returned.
+        to : {"faces", "centers"}
+            Where distances end: at the faces of voxels, or at the center of the nearest voxel on
+            the other side.
+        max_mm : float, optional
+            Larger distances become this one, either sign.
+        step_mm : float or True, optional
+            int16 voxels of so many mm, in the file; True: the smallest power of two that reaches
+            all. float32 otherwise.
+
+        Returns
+        -------
+        numpy.ndarray of float32, [z, y, x], mm; Volume where a path is given
+            Below 0 inside, above 0 outside.
+
+        Raises
+        ------
+        octavo.ArgumentError
+            For a mask that is empty or fills the volume, grey values, a spacing that is not known.
+        """
+        if to not in ("faces", "centers"):
+            raise ArgumentError(f'to is "faces" or "centers", not {to!r}')
+        if step_mm is not None and path is None:
+            raise ArgumentError("step_mm is of files: give a path")
+        is_step_chosen = step_mm is True
+        name, handle = self._opened_file()
+        asked = dict(to=to, max_mm=if_given(_length, max_mm, "max_mm"), steps=step_mm is not None,
+                     step_mm=None if is_step_chosen else if_given(_length, step_mm, "step_mm"),
+                     overwrite=bool(overwrite))
+        with _Maps() as maps, work_of(threads, max_memory, progress) as work:
+            place = maps.place_of("path", True if path is None else path)
+            _octavo.distance(handle, name, place, asked, work)
+            return maps.made("path")
+
+    def morphometry(self, *, region=None, of=None, calibration=(1, 0), thickness=True,
+                    tortuosity=False, thickness_map=None, spacing_map=None, overwrite=False,
+                    threads=0, max_memory=0, progress=None):
+        """Measure structure: volume share, surface, thickness, separation, connectivity and more.
+
+        docs/morphometry.md says how each number is computed, and by whom it is defined.
+
+        Parameters
+        ----------
+        region : Volume or LabelMap, optional
+            A label map on the same grid to measure within.
+        of : Volume, optional
+            The scan on the same grid, for densities.
+        calibration : (slope, intercept)
+            density = slope * real value of the scan + intercept.
+        thickness : bool
+            False leaves out Tb.Th, Tb.Sp and Tb.N.
+        tortuosity : bool
+            Whether the geodesic tortuosity of what is not in the mask is measured, along x, y, z.
+        thickness_map, spacing_map : True, str or os.PathLike, optional
+            The local thickness of the mask, and of what is not in it: a path writes it to an .8vo
+            file, True returns it as an array.
+
+        Returns
+        -------
+        dict
+            The members of ``octavo morphometry --json``, among them bv_tv, bs_mm2, tb_th_mm,
+            tb_sp_mm, connectivity, degree_of_anisotropy, slices; and thickness_map, spacing_map:
+            float32 arrays [z, y, x] in mm, or Volumes, None where they were not asked for.
+
+        Raises
+        ------
+        octavo.ArgumentError
+            For a mask without voxels in the region, grids that differ, a spacing that is not known.
+        """
+        from ._tasks import opened_file
+        name, handle = self._opened_file()
+        line = _line(calibration)
+        if not thickness and (thickness_map is not None or spacing_map is not None):
+            raise ArgumentError("thickness=False leaves out what the maps show")
+        if of is None and line != (1, 0):
+            raise ArgumentError("calibration is of the scan that `of` gives")
+        asked = dict(mask=name, region="", grey="", calibration=line, thickness=bool(thickness),
+                     tortuosity=bool(tortuosity), overwrite=bool(overwrite))
+        files = [handle]
+        for key, given in (("region", region), ("grey", of)):
+            if given is None:
+                continue
+            asked[key], file = opened_file(given, "of" if key == "grey" else key)
+            if asked[key] in (asked["mask"], asked["region"] if key == "grey" else ""):
+                asked[key] += f" ({key})"
+            files.append(file)
+        with _Maps() as maps, work_of(threads, max_memory, progress) as work:
+            for key, map_given in (("thickness_map", thickness_map), ("spacing_map", spacing_map)):
+                asked[key] = maps.place_of(key, map_given)
+            facts = _octavo.morphometry(files, asked, work)
+            facts["thickness_map"] = maps.made("thickness_map")
+            facts["spacing_map"] = maps.made("spacing_map")
+        return facts
+
+    def align(self, fixed, *, scale=False, threads=0, max_memory=0, progress=None):
+        """The pose that lays the surface of this mask onto that of another.
+
+        Nothing has to be near, and half of a surface may be missing on either side.
+
+        Parameters
+        ----------
+        fixed : Volume or LabelMap
+            The mask that stays.
+        scale : bool
+            Whether the size is found as well.
+
+        Returns
+        -------
+        dict
+            The members of ``octavo align --json``. matrix_mm is 4 x 4, mm in x, y, z (LPS), what
+            ``transform(affine=)`` takes; None where found is False.
+
+        Raises
+        ------
+        octavo.ArgumentError
+            For a mask without a surface, and a spacing that is not known.
+        """
+        from ._tasks import opened_file
+        name, handle = self._opened_file()
+        fixed_name, fixed_handle = opened_file(fixed, "fixed")
+        # Meshes are laid onto masks as well: the task tells them apart by what names end in.
+        name = _volume_name(name)
+        fixed_name = _volume_name(fixed_name)
+        if fixed_name == name:
+            fixed_name = "fixed " + fixed_name
+        with work_of(threads, max_memory, progress) as work:
+            facts = _octavo.align(handle, name, fixed_handle, fixed_name, bool(scale), work)
+        matrix = np.vstack((facts["matrix_mm"], (0, 0, 0, 1)))
+        facts["matrix_mm"] = matrix if facts["found"] else None
+        return facts
+
+
+class _Maps(contextlib.ExitStack):
+    """Files that a task writes: those asked for stay, others become arrays and go."""
+
+    def __init__(self):
+        super().__init__()
+        self._paths = {}
+        self._kept = set()
+
+    def place_of(self, name, given):
+        """Where the map of that name goes; empty where none was asked for."""
+        from ._building import _output
+        if given is None or given is False:
+            return ""
+        if given is not True:
+            self._kept.add(name)
+            self._paths[name] = _output(given)
+        else:
+            folder = self.enter_context(tempfile.TemporaryDirectory(prefix="octavo-"))
+            self._paths[name] = os.path.join(folder, "map.8vo")
+        return self._paths[name]
+
+    def made(self, name):
+        """The map as a Volume or an array of real values; None where none was asked for."""
+        from ._volume import Volume
+        if name not in self._paths:
+            return None
+        volume = Volume(self._paths[name])
+        if name in self._kept:
+            return volume
+        with volume:
+            return volume.real[...]
+
+
+def _volume_name(name):
+    return name if name.endswith(".8vo") else name + ".8vo"
+
+
+def _length(given, name):
+    mm = number_of(given, name)
+    if mm <= 0:
+        raise ArgumentError(f"{name} is above 0, not {given!r}")
+    return mm
+
+
+def _line(given):
+    try:
+        slope, intercept = given
+    except (TypeError, ValueError):
+        raise ArgumentError(f"calibration is (slope, intercept), not {given!r}") from None
+    return number_of(slope, "slope"), number_of(intercept, "intercept")

@@ -1,0 +1,109 @@
+#include "octavo/tasks/structure/morphometry_rows.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace octavo {
+
+namespace {
+
+void add_thickness_rows(const MorphometryResult& result, std::vector<MorphometryRow>& rows) {
+  if (const auto& th = result.thickness) {
+    rows.push_back({"tb_th_mm", "Tb.Th", th->mean_mm, "mm", "mean thickness"});
+    rows.push_back({"tb_th_sd_mm", "Tb.Th.SD", th->deviation_mm, "mm", "its standard deviation"});
+    rows.push_back({"tb_th_max_mm", "Tb.Th.max", th->maximum_mm, "mm", "largest thickness"});
+    const double number = th->mean_mm > 0 ? result.share() / th->mean_mm : 0;
+    rows.push_back({"tb_n_per_mm", "Tb.N", number, "1/mm", "number: BV/TV over Tb.Th"});
+  }
+  if (const auto& ellipsoids = result.ellipsoids) {
+    rows.push_back({"ellipsoid_factor", "EF", ellipsoids->mean, "",
+                    "-1 plates, 0 neither, 1 rods"});
+    rows.push_back({"ellipsoid_factor_sd", "EF.SD", ellipsoids->deviation, "",
+                    "its standard deviation"});
+  }
+  const auto& sp = result.spacing;
+  if (!sp || sp->voxels == 0) return;
+  rows.push_back({"tb_sp_mm", "Tb.Sp", sp->mean_mm, "mm", "mean separation, size of pores"});
+  rows.push_back({"tb_sp_sd_mm", "Tb.Sp.SD", sp->deviation_mm, "mm", "its standard deviation"});
+  rows.push_back({"tb_sp_max_mm", "Tb.Sp.max", sp->maximum_mm, "mm", "largest separation"});
+  for (const int percent : {10, 50, 90}) {
+    rows.push_back({fmt::format("pore_d{}_mm", percent), fmt::format("pore d{}", percent),
+                    sp->quantile_mm(0.01 * percent), "mm",
+                    fmt::format("{} % of the pore volume is narrower", percent)});
+  }
+}
+
+void add_path_rows(const MorphometryResult& result, std::vector<MorphometryRow>& rows) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto& path = result.paths[axis];
+    const char name = "xyz"[axis];
+    rows.push_back({fmt::format("tortuosity_{}", name), fmt::format("tau.{}", name),
+                    path ? std::optional(path->tortuosity) : std::nullopt, "",
+                    path ? fmt::format("geodesic tortuosity of pores; {:.0f} % of the far ones are "
+                                       "reached",
+                                       100 * path->reached_share)
+                         : std::string("no pore leads through")});
+  }
+}
+
+void add_form_rows(const MorphometryResult& result, std::vector<MorphometryRow>& rows) {
+  const double spread = static_cast<double>(result.euler.faces - result.euler.corners);
+  rows.push_back({"euler_number", "Euler", static_cast<double>(result.euler.corners), "",
+                  "pieces - tunnels + cavities, voxels joined by corners"});
+  rows.push_back({"euler_number_by_faces", "Euler.6", static_cast<double>(result.euler.faces), "",
+                  "the same, voxels joined by faces"});
+  rows.push_back({"euler_number_error", "Euler.err", std::abs(spread) / 2, "",
+                  "half of how far the two are apart"});
+  rows.push_back({"connectivity", "Conn", result.connectivity, "",
+                  "1 - Euler number, the border of the volume weighted"});
+  rows.push_back({"connectivity_density_per_mm3", "Conn.D",
+                  result.connectivity / result.total_mm3, "1/mm3", "connectivity over TV"});
+  if (const auto& a = result.anisotropy) {
+    rows.push_back({"degree_of_anisotropy", "DA", a->degree, "", "0 alike all round, 1 aligned"});
+    const bool is_bounded = a->lengths_mm[0] > 0 && a->lengths_mm[2] > 0;
+    rows.push_back({"mil_ratio", "MIL ratio",
+                    is_bounded ? std::optional(a->lengths_mm[0] / a->lengths_mm[2]) : std::nullopt,
+                    "", "longest over shortest mean intercept"});
+  }
+  const auto add_fractal = [&](const std::optional<FractalFit>& fit, const std::string& key,
+                               const std::string& label, const char* words) {
+    if (!fit) return;
+    rows.push_back({key, label, fit->dimension, "",
+                    fmt::format("{}, boxes of {} to {} voxels", words, fit->smallest_side,
+                                fit->largest_side)});
+    rows.push_back({key + "_r2", label + ".R2", fit->r2, "", "how well the line fits"});
+  };
+  add_fractal(result.fractal, "fractal_dimension", "FD", "fractal dimension");
+  add_fractal(result.surface_fractal, "surface_fractal_dimension", "FD.S", "that of the surface");
+}
+
+}  // namespace
+
+std::vector<MorphometryRow> morphometry_rows(const MorphometryResult& result,
+                                             bool has_tortuosity) {
+  std::vector<MorphometryRow> rows = {
+      {"bv_mm3", "BV", result.bone_mm3, "mm3", "volume of the mask"},
+      {"tv_mm3", "TV", result.total_mm3, "mm3", "volume that is measured"},
+      {"bv_tv", "BV/TV", result.share(), "", "share of the mask"},
+      {"porosity", "Po", 1 - result.share(), "", "share of what is not in it"},
+      {"bs_mm2", "BS", result.surface.area_mm2, "mm2", "surface between the two"},
+      {"bs_bv_per_mm", "BS/BV", result.surface.area_mm2 / result.bone_mm3, "1/mm",
+       "surface by volume of the mask"},
+      {"bs_tv_per_mm", "BS/TV", result.surface.area_mm2 / result.total_mm3, "1/mm",
+       "surface by volume that is measured"},
+      {"cut_mm2", "cut", result.surface.cut_mm2, "mm2", "faces at the border, not in BS"},
+      {"smi", "SMI", result.smi, "", "0 plates, 3 rods, 4 balls"}};
+  add_thickness_rows(result, rows);
+  if (has_tortuosity) add_path_rows(result, rows);
+  add_form_rows(result, rows);
+  if (result.tissue) {
+    rows.push_back({"tmd", "TMD", result.tissue->mean, "", "mean density of the mask"});
+    rows.push_back({"tmd_sd", "TMD.SD", result.tissue->deviation, "", "its standard deviation"});
+    rows.push_back({"bmd", "BMD", result.total->mean, "", "mean density of TV"});
+    rows.push_back({"bmd_sd", "BMD.SD", result.total->deviation, "", "its standard deviation"});
+  }
+  return rows;
+}
+
+}  // namespace octavo

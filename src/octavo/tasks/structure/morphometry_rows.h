@@ -1,0 +1,25 @@
+// The numbers of morphometry by name, as every face shows them.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "octavo/tasks/structure/morphometry.h"
+
+namespace octavo {
+
+struct MorphometryRow {
+  std::string key;    ///< in JSON, and in Python
+  std::string label;  ///< as the field abbreviates it
+  std::optional<double> value;
+  std::string unit;
+  std::string words;
+};
+
+/// All numbers that were measured, in the order in which they are shown.
+/// has_tortuosity  whether it was asked for: an axis that no pore leads along has none
+std::vector<MorphometryRow> morphometry_rows(const MorphometryResult& result,
+                                             bool has_tortuosity);
+
+}  // namespace octavo
