@@ -58,12 +58,6 @@ alignas(64) inline constexpr WordPlaces kWordPlaces = make_word_places();
 /// The table entries at the places of every lane. Single loads overlap better than a gather
 /// instruction where that is microcode.
 HWY_INLINE Words load_each(const std::uint32_t* from, Words index) {
-#if HWY_ARCH_WASM
-  v128_t found = wasm_v128_load32_zero(from + wasm_u32x4_extract_lane(index.raw, 0));
-  found = wasm_v128_load32_lane(from + wasm_u32x4_extract_lane(index.raw, 1), found, 1);
-  found = wasm_v128_load32_lane(from + wasm_u32x4_extract_lane(index.raw, 2), found, 2);
-  return Words{wasm_v128_load32_lane(from + wasm_u32x4_extract_lane(index.raw, 3), found, 3)};
-#else
   alignas(64) std::uint32_t places[hn::MaxLanes(kWords)];
   hn::Store(index, kWords, places);
 #if HWY_COMPILER_GCC || HWY_COMPILER_CLANG
@@ -83,7 +77,6 @@ HWY_INLINE Words load_each(const std::uint32_t* from, Words index) {
   return hn::Combine(kWords, four(4), four(0));
 #else
   return four(0);
-#endif
 #endif
 }
 
