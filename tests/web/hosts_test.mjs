@@ -1,14 +1,13 @@
 // .8vo files in viewers of others, unchanged: on a static host neuroglancer and vizarr by the Service
-// Worker that answers for zarr, niivue by its loader; neuroglancer beside octavo serve as well.
+// Worker that answers for zarr, niivue by its loader.
 //
 // usage: node hosts_test.mjs FOLDER, which tests/web/setup has filled
 import assert from "node:assert/strict";
-import { spawn } from "node:child_process";
-import { readFileSync, writeFileSync } from "node:fs";
+import { readFileSync } from "node:fs";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { inChromium, newPage } from "./support/chromium.mjs";
-import { builtScan, dist, inFolder, program } from "./support/golden.mjs";
+import { builtScan, dist } from "./support/golden.mjs";
 import { startServer } from "./support/server.mjs";
 
 const folder = process.argv[2];
@@ -160,25 +159,6 @@ function expectRightWayAround(place) {
 test("neuroglancer shows a scan, the right way around", async () => {
   expectRightWayAround(await shownByNeuroglancer(`zarr3://${site.url}/scan.8vo.zarr/`, startWorker));
   assert.ok(site.log.every(({ path, range }) => path !== "/scan.8vo" || range !== ""));
-});
-
-test("neuroglancer shows what octavo serve gives out as zarr, from another origin", async () => {
-  await inFolder(async (place) => {
-    writeFileSync(join(place, "scan.8vo"), scan.bytes);
-    const server = spawn(program, ["serve", join(place, "scan.8vo"), "--as", "zarr3",
-      "--allow-origin", site.url, "--json"], { stdio: ["ignore", "pipe", "inherit"] });
-    try {
-      let said = "";
-      for await (const part of server.stdout) {
-        said += part;
-        if (said.trimEnd().endsWith("}")) break;
-      }
-      expectRightWayAround(
-        await shownByNeuroglancer(`zarr3://${JSON.parse(said).zarr3[0]}`, async () => {}));
-    } finally {
-      server.kill();
-    }
-  });
 });
 
 test("vizarr shows a scan, the right way around", async () => {
