@@ -7,6 +7,7 @@
 #include "octavo/core/error.h"
 #include "octavo/core/json_members.h"
 #include "octavo/core/json_reader.h"
+#include "octavo/core/utf8.h"
 
 namespace octavo {
 
@@ -310,7 +311,7 @@ void take_name(std::string_view line, BuildPlan& plan) {
   JsonReader in(line);
   SourceStamp stamp;
   if (in.next() != JsonToken::begin_list || in.next() != JsonToken::string) fail("has an odd file");
-  stamp.path = in.string();
+  stamp.path = bytes_of_word(in.string());
   if (in.next() == JsonToken::end_list) {
     plan.inputs.push_back(stamp.path);
     return;
@@ -328,11 +329,45 @@ void take_name(std::string_view line, BuildPlan& plan) {
 
 }  // namespace
 
+std::string plan_word(std::string_view bytes) {
+  std::string word;
+  while (!bytes.empty()) {
+    const Utf8Piece piece = first_piece(bytes);
+    const std::string_view taken = bytes.substr(0, piece.bytes);
+    bytes.remove_prefix(piece.bytes);
+    if (piece.is_character && taken.front() != '\0') {
+      word += taken;
+      continue;
+    }
+    for (const char c : taken) {
+      const auto byte = static_cast<std::uint8_t>(c);
+      word += '\0';
+      word += kDigits[byte >> 4];
+      word += kDigits[byte & 15];
+    }
+  }
+  return word;
+}
+
+std::string bytes_of_word(std::string_view word) {
+  std::string bytes;
+  for (std::size_t i = 0; i < word.size(); ++i) {
+    if (word[i] != '\0') {
+      bytes += word[i];
+      continue;
+    }
+    if (word.size() - i < 3) fail("has a name that breaks off");
+    bytes += static_cast<char>(bits_of(word.substr(i + 1, 2)));
+    i += 2;
+  }
+  return bytes;
+}
+
 std::string plan_text(const BuildPlan& plan) {
   std::string text = object_of(plan).text() + "\n";
-  for (const std::string& input : plan.inputs) text += "[" + json_text(input) + "]\n";
+  for (const std::string& input : plan.inputs) text += "[" + json_text(plan_word(input)) + "]\n";
   for (const SourceStamp& file : plan.files) {
-    text += "[" + json_text(file.path) + "," + json_text(file.bytes) + "," +
+    text += "[" + json_text(plan_word(file.path)) + "," + json_text(file.bytes) + "," +
             json_text(file.written_ns);
     if (file.crc) text += "," + json_text(static_cast<std::int64_t>(*file.crc));
     text += "]\n";

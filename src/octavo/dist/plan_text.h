@@ -4,6 +4,8 @@
 //   others   ["NAME"] for each name that the source is opened by, then
 //            ["PATH",LENGTH,TIME] for each file of the source
 //
+// Names and paths are bytes: those that are no UTF-8 stand as plan_word has them.
+//
 // Invariants
 //   A plan has one text, and a text that was changed in any byte is no plan.
 #pragma once
@@ -17,6 +19,13 @@ namespace octavo {
 
 inline constexpr int kPlanVersion = 1;
 inline constexpr int kBandedPlanVersion = 2;  ///< of plans whose parts share groups
+
+/// Any bytes as UTF-8: each that belongs to no character, and 0, is U+0000 and two digits.
+std::string plan_word(std::string_view bytes);
+
+/// The bytes of a plan_word.
+/// Throws Error{corrupt}
+std::string bytes_of_word(std::string_view word);
 
 /// The text, each line with its end.
 std::string plan_text(const BuildPlan& plan);

@@ -8,6 +8,7 @@
 
 #include "octavo/builder/group_reader.h"
 #include "octavo/core/error.h"
+#include "octavo/core/utf8.h"
 #include "octavo/dist/codec_check.h"
 #include "octavo/dist/parts.h"
 #include "octavo/planes/memory_source.h"
@@ -71,6 +72,28 @@ std::vector<std::uint8_t> built(const Volume& volume, const BuildOptions& option
   const auto source = make_memory_source(volume.description, volume.voxels);
   build_file(*source, storage, "a.8vo", options, progress);
   return *storage.files.at("a.8vo");
+}
+
+TEST(PlanText, NamesAreBytesOfAnyKind) {
+  const std::string names[] = {"plain \u00e9", "Sch\xe4" "del_1.tif", "D\xe9/\xf0\x9f/a",
+                               "\xff\xfe" "00", std::string("\0", 1)};
+  for (const std::string& name : names) {
+    EXPECT_EQ(bytes_of_word(plan_word(name)), name);
+    EXPECT_TRUE(is_utf8(plan_word(name)));
+  }
+  EXPECT_EQ(plan_word(names[0]), names[0]);
+  for (const std::string bad : {"x0", "xg0", "x0E", "x"}) {
+    EXPECT_THROW(bytes_of_word(std::string(1, '\0') + bad.substr(1)), Error) << bad;
+  }
+  BuildOptions options;
+  options.threads = 1;
+  BuildPlan plan = plan_of(volume_of(VoxelType::uint8), options);
+  plan.inputs = {names[1]};
+  plan.files = {{names[2], 5, 7, {}}};
+  plan.id = id_of(plan);
+  const BuildPlan again = parse_plan(plan_text(plan));
+  EXPECT_EQ(again.inputs, plan.inputs);
+  EXPECT_EQ(again.files.front().path, names[2]);
 }
 
 TEST(PlanText, APlanReadBackMakesTheSameFile) {

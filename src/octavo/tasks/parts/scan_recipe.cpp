@@ -7,6 +7,7 @@
 #include "octavo/core/error.h"
 #include "octavo/core/json_members.h"
 #include "octavo/core/json_reader.h"
+#include "octavo/dist/plan_text.h"
 
 namespace octavo {
 
@@ -27,7 +28,7 @@ std::string recipe_word(const JsonObject& object, const char* member) {
   if (json.empty()) return "";
   JsonReader in(json);
   if (in.next() != JsonToken::string) fail_recipe(member);
-  return in.string();
+  return bytes_of_word(in.string());
 }
 
 bool recipe_flag(const JsonObject& object, const char* member) {
@@ -58,7 +59,7 @@ std::vector<std::string> recipe_words(const JsonObject& object, const char* memb
   if (in.next() != JsonToken::begin_list) fail_recipe(member);
   for (JsonToken token = in.next(); token != JsonToken::end_list; token = in.next()) {
     if (token != JsonToken::string) fail_recipe(member);
-    words.push_back(in.string());
+    words.push_back(bytes_of_word(in.string()));
   }
   return words;
 }
@@ -121,7 +122,7 @@ std::string recipe_text(const ScanRecipe& recipe) {
   const SourceOptions& source = recipe.scan.source;
   JsonObject object;
   const auto set_word = [&](const char* member, const std::string& word) {
-    if (!word.empty()) object.set(member, word);
+    if (!word.empty()) object.set(member, plan_word(word));
   };
   const auto set_flag = [&](const char* member, bool is_set) {
     if (is_set) object.set(member, true);
@@ -144,7 +145,9 @@ std::string recipe_text(const ScanRecipe& recipe) {
   set_flag("is_read_in_process", !recipe.scan.is_isolated);
   if (recipe.between) object.set("between", interpolation_name(*recipe.between));
   set_flag("has_given_names", recipe.has_given_names);
-  if (!recipe.words.empty()) object.set("words", recipe.words);
+  std::vector<std::string> words;
+  for (const std::string& word : recipe.words) words.push_back(plan_word(word));
+  if (!words.empty()) object.set("words", words);
   set_word("root", recipe.root);
   object.sort_by_name();
   return object.text();
