@@ -1,6 +1,8 @@
 #include "octavo/dist/rank_files.h"
 
 #include <algorithm>
+#include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -89,6 +91,17 @@ std::vector<std::int64_t> choose_holders(const std::vector<Bytes>& found) {
   return holders;
 }
 
+/// Throws what some ranks have found, the journals of another build, in the first of these alone:
+/// it is said once. The others wait for the end of the job.
+void require_same_build(Communicator& ranks, const std::optional<Error>& other_build) {
+  const std::uint64_t own = other_build ? 1 : 0;
+  const RankSums found = ranks.sum_before(std::span(&own, 1));
+  if (found.all.front() == 0) return;
+  if (other_build && found.before.front() == 0) throw *other_build;
+  ranks.barrier();
+  throw Error(ErrorKind::cancelled, "the job ends");
+}
+
 }  // namespace
 
 void remove_journals(Storage& storage, const std::string& path) noexcept {
@@ -116,10 +129,18 @@ RankFiles open_rank_files(Communicator& ranks, Storage& storage, const std::stri
 
   // What is whole: each rank looks into some of them
   const auto count = static_cast<std::size_t>(ranks.size());
+  std::optional<Error> other_build;
   for (auto i = static_cast<std::size_t>(ranks.rank()); i < journals.size(); i += count) {
-    files.groups.merge(
-        whole_groups(storage, path, journals[i], *files.growing, plan, levels, head));
+    try {
+      files.groups.merge(
+          whole_groups(storage, path, journals[i], *files.growing, plan, levels, head));
+    } catch (const Error& error) {
+      if (error.kind() != ErrorKind::invalid_argument) throw;
+      other_build = error;
+      break;
+    }
   }
+  require_same_build(ranks, other_build);
   const std::vector<Bytes> found = ranks.collect(found_bytes(files.groups));
   std::vector<std::int64_t> holders;
   if (ranks.is_first()) holders = choose_holders(found);

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <filesystem>
 #include <functional>
 #include <random>
@@ -90,9 +91,14 @@ class RankBuild : public ::testing::Test {
     run_thread_ranks(ranks, [&](Communicator& own) {
       NoProgress quiet;
       const auto source = open();
-      const BuildResult one =
-          build_by_ranks(plan, *source, own, storage, path(), by_ranks, quiet);
-      if (own.is_first()) result = one;
+      try {
+        const BuildResult one =
+            build_by_ranks(plan, *source, own, storage, path(), by_ranks, quiet);
+        if (own.is_first()) result = one;
+      } catch (const Error& error) {
+        if (error.kind() == ErrorKind::invalid_argument) ++rejections_;
+        throw;
+      }
     });
     return result;
   }
@@ -120,6 +126,7 @@ class RankBuild : public ::testing::Test {
 
   ScratchFolder folder_;
   DyingStorage undying_{local_storage(), 0};
+  std::atomic<int> rejections_ = 0;  ///< of ranks, as wrong usage
   SmallGroups small_groups_{1};
 };
 
@@ -237,6 +244,7 @@ TEST_F(RankBuild, WhatIsLeftOfOtherWorkIsRejectedUnlessDiscarded) {
   const BuildOptions other = ranked_options(Preset::fast, 2);
   expect_words(failure_of([&] { build(2, sound, other); }, ErrorKind::invalid_argument),
                {"a.8vo", "max error", "ranks.interrupted=discard"});
+  EXPECT_EQ(rejections_, 1) << "one rank says so";
   RankBuildOptions discarding;
   discarding.discards_interrupted = true;
   EXPECT_EQ(build(2, sound, other, discarding).resumed_planes, 0);
