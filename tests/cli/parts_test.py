@@ -390,6 +390,27 @@ class Elsewhere(InParts):
         self.expect(0, "plan", *self.raw, "--source-root", ".", "-o", "scan.plan")
         self.check_moved("mounted")
 
+    def test_paths_that_are_no_utf_8_are_planned_as_they_are(self):
+        odd = self.folder / "D\udce9"
+        odd.mkdir()
+        for z in (1, 2):
+            (odd / f"Sch\udce4del_{z}.raw").write_bytes(bytes(range(z, z + 64)))
+        stack = (odd, "--raw", "8,8,2,uint8", "--spacing", "1", "-q")
+        self.expect(0, "build", *stack, "-o", "r\udce9f.8vo")
+        self.expect(0, "plan", *stack, "--source-root", odd, "-o", "scan.plan")
+        self.part(0, "-q")
+        self.expect(0, "join", "scan.plan", "-o", "scan.8vo", "-q")
+        self.assertEqual(self.bytes_of("scan.8vo"), self.bytes_of("r\udce9f.8vo"))
+        self.expect(0, "plan", "-fqo", "scan.plan", "--", "threshold", "r\udce9f.8vo", "--range",
+                    "3:")
+        self.part(0, "-fq")
+
+    def test_a_source_root_is_a_folder(self):
+        for root in ("none", "scan.raw"):
+            self.expect_error(2, [f"{root}: is no folder"], "plan", *self.raw, "--source-root",
+                              root, "-o", "scan.plan")
+        self.assertNotIn("scan.plan", self.files())
+
     def test_slashes_behind_the_folder_of_the_plan_are_one(self):
         self.expect(0, "plan", f"{self.folder}//scan.raw", *self.raw[1:], "-o", "scan.plan")
         self.part(0, "-q")

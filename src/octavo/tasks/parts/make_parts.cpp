@@ -107,6 +107,7 @@ MadePart make_part(const BuildPlan& plan, std::int64_t part, const std::string& 
 }
 
 MakePartsResult make_parts(const MakePartsOptions& options, const TaskContext& context) {
+  require_root(options.source_root);
   const BuildPlan plan = read_plan(options.plan, options.source_root);
   context.require_voxels(plan.source.size, options.plan);
   MakePartsResult result;

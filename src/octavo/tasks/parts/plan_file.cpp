@@ -67,6 +67,11 @@ std::string text_of_plan(const std::string& path) {
 
 }  // namespace
 
+void require_root(const std::string& root) {
+  if (root.empty() || local_storage().path_type(root) == PathType::folder) return;
+  throw Error(ErrorKind::invalid_argument, "is no folder, in which paths could begin", root);
+}
+
 BuildPlan write_plan(BuildPlan plan, const std::string& path, const std::string& root,
                      bool overwrite) {
   ScanRecipe recipe = parse_recipe(plan.recipe);

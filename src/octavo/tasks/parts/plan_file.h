@@ -23,6 +23,9 @@ BuildPlan write_plan(BuildPlan plan, const std::string& path, const std::string&
 /// Throws  as parse_plan; Error{not_octavo} for what is no plan, Error{io}
 BuildPlan read_plan(const std::string& path, const std::string& root = "");
 
+/// Throws Error{invalid_argument} for a root that is no folder of this machine.
+void require_root(const std::string& root);
+
 /// The file that is proposed for the parts of a plan: "scan.8vo" beside "scan.plan".
 std::string proposed_volume(const std::string& plan_path);
 

@@ -165,6 +165,7 @@ BuildPlan plan_in_memory(const PlanScanOptions& options, const TaskContext& cont
 PlanResult plan_scan(const PlanScanOptions& options, const TaskContext& context) {
   const Output& output = options.scan.output;
   require_plan_name(output);
+  require_root(options.source_root);
   PlanResult result;
   BuildPlan plan = plan_in_memory(options, context, result);
   require_part_names(output.path, plan.part_count);

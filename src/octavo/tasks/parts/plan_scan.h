@@ -52,8 +52,8 @@ BuildPlan plan_in_memory(const PlanScanOptions& options, const TaskContext& cont
                          PlanResult& result);
 
 /// The same, written to the file that options.scan.output names.
-/// Throws  as plan_in_memory, require_free and write_plan; Error{invalid_argument} for a name that
-///         ends in .8vo, or is too long for names of parts
+/// Throws  as plan_in_memory, require_free, require_root and write_plan; Error{invalid_argument}
+///         for a name that ends in .8vo, or is too long for names of parts
 PlanResult plan_scan(const PlanScanOptions& options, const TaskContext& context);
 
 /// How many parts are made of groups of so many bytes. Without a wish parts hold 4 GiB, and are 8
