@@ -90,6 +90,7 @@ constexpr Advice kAdvice[] = {
     {kUsage, "is_resuming", "", "leave out --resume, or --parts"},
     {ErrorKind::io, "join.layout", "", "begin with --step layout"},
     {ErrorKind::io, "join.consume", "", "--consume goes on with it"},
+    {ErrorKind::corrupt, "join.copy", "", "--step copy copies them again"},
     {kAny, "parts.anew", "", "octavo part --force does"},
     {kUsage, "parts.plan", "", "--force replaces it, another folder (-o) keeps both"},
     {kUsage, "parts.which", "", "give --part I"},

@@ -143,6 +143,97 @@ class JoinedInOtherWays(parts_test.InParts):
         self.assertEqual(len([n for n in self.files() if ".part-" in n]), 3)
         self.assertNotIn("scan.8vo", self.files())
 
+    def begin(self):
+        """Parts 0 and 1 are copied and gone. Returns where the growing file holds what."""
+        told = json.loads(self.step(0, "--runs", "--json").stdout)
+        self.step(0, "--step", "copy", "--parts", "0-1", "--consume")
+        places, at = {}, 0
+        for run in told["runs"]:
+            places.setdefault(os.path.basename(run["path"]), at + run["length"] // 2)
+            at += run["length"]
+        return places
+
+    def flip(self, at):
+        growing = bytearray(self.bytes_of(".scan.8vo.join"))
+        growing[at] ^= 4
+        (self.folder / ".scan.8vo.join").write_bytes(growing)
+
+    def count_parts(self):
+        return len([name for name in self.files() if ".part-" in name])
+
+    def test_a_file_is_sealed_when_all_that_was_copied_is_whole(self):
+        self.flip(self.begin()["scan.part-0000-of-0003"])
+        self.step(0, "--step", "copy")
+        said = self.step(4, "--step", "seal").stderr
+        self.assertIn("changed since they were copied: part 0; --step copy copies", said)
+        self.assertNotIn("scan.8vo", self.files())
+        self.assertEqual(self.step(1, "--missing").stdout, "0\n")
+        self.part(0, "--part", "0", "-o", "parts", "-q")
+        self.step(0, "--step", "copy")
+        self.step(0, "--step", "seal")
+        self.assertEqual(self.bytes_of("scan.8vo"), self.whole)
+
+    def test_a_consuming_join_that_goes_on_proves_what_was_copied(self):
+        self.flip(self.begin()["scan.part-0001-of-0003"])
+        self.assertEqual(self.step(1, "--missing").stdout, "1\n")
+        said = self.step(4, "--consume").stderr
+        self.assertIn("part 1; no part is removed; octavo part scan.plan --part 1 makes one", said)
+        self.assertEqual(self.count_parts(), 1)
+        self.part(0, "--part", "1", "-o", "parts", "-q")
+        self.step(0, "--consume")
+        self.assertEqual(self.bytes_of("scan.8vo"), self.whole)
+
+    def test_a_growing_file_that_is_damaged_elsewhere_takes_no_part(self):
+        self.flip(self.begin()[".scan.8vo.join"])
+        self.assertEqual(self.step(1, "--missing").stdout, "0-1\n")
+        self.assertIn("remove .scan.8vo.join*", self.step(4, "--consume").stderr)
+        self.assertEqual(self.count_parts(), 1)
+        self.step(0, "--step", "copy")
+        self.assertIn("remove .scan.8vo.join*", self.step(4, "--step", "seal").stderr)
+        self.assertNotIn("scan.8vo", self.files())
+
+    def test_nothing_more_is_consumed_where_a_part_is_missing(self):
+        self.step(0, "--step", "layout")
+        self.step(0, "--step", "copy", "--part", "0", "--consume")
+        (self.folder / "parts/scan.part-0001-of-0003").unlink()
+        said = self.step(5, "--consume").stderr
+        self.assertIn("1 of 3 parts is missing: 1; octavo part scan.plan --part 1 makes one", said)
+        self.assertEqual(self.count_parts(), 1)
+
+    def test_what_stands_in_the_place_of_a_part_that_is_held_is_left(self):
+        damaged = bytearray(self.bytes_of("parts/scan.part-0001-of-0003"))
+        damaged[500] ^= 1
+        self.begin()
+        (self.folder / "parts/scan.part-0000-of-0003").write_text("my notes")
+        (self.folder / "parts/scan.part-0001-of-0003").write_bytes(damaged)
+        self.assertEqual(self.step(0, "--missing").stdout, "")
+        self.step(0, "--consume")
+        self.assertEqual(self.bytes_of("scan.8vo"), self.whole)
+        self.assertEqual(self.bytes_of("parts/scan.part-0000-of-0003"), b"my notes")
+
+    def test_a_part_is_not_the_output(self):
+        (self.folder / "scan.8vo").symlink_to("parts/scan.part-0001-of-0003")
+        for way in ("-f",), ("-f", "--consume"), ("-f", "--step", "layout"):
+            self.assertIn("scan.8vo: is the input itself", self.step(2, *way).stderr)
+        self.assertEqual(self.count_parts(), 3)
+
+    def test_what_killed_joins_were_writing_goes(self):
+        for way in (), ("-f", "--consume"):
+            for name in "..scan.8vo.join.tmp-7", "..scan.8vo.join-copied-1-3-4.tmp-9":
+                (self.folder / name).write_text("begun")
+            (self.folder / "..other.8vo.join.tmp-7").write_text("begun")
+            self.step(0, *way)
+            hidden = [name for name in self.files() if name.startswith("..")]
+            self.assertEqual(hidden, ["..other.8vo.join.tmp-7"])
+
+    def test_a_join_keeps_to_limits(self):
+        for limit in ("--max-voxels", "1000"), ("--max-memory", "1M"):
+            for way in (), ("--consume",), ("--step", "layout"), ("--runs",):
+                with self.subTest(limit + way):
+                    self.assertIn("the limit is", self.step(6, *limit, *way).stderr)
+        self.assertEqual([name for name in self.files() if "join" in name], [])
+        self.assertEqual(self.count_parts(), 3)
+
     def test_the_listed_runs_are_the_file(self):
         told = json.loads(self.step(0, "--runs", "--json").stdout)
         joined = b""

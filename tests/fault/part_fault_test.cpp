@@ -118,7 +118,7 @@ TEST(PartFaults, WhateverCallFailsAJoinedFileIsWholeOrNotThere) {
     for (const auto& part : open_parts(storage, runs)) {
       copy_part(plan, part, storage, "a.8vo", false, progress);
     }
-    seal_join(plan, storage, "a.8vo", false);
+    seal_join(plan, storage, "a.8vo", false, {.threads = 1}, progress);
   };
   for (const std::function<void()>& work : {std::function<void()>(join), {in_steps}}) {
     storage.files = copied(parts);

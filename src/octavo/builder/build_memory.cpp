@@ -13,6 +13,7 @@ namespace octavo {
 namespace {
 
 constexpr std::uint64_t kMiB = std::uint64_t{1} << 20;
+constexpr std::uint64_t kBytesPerBrick = 192;
 // Training and the file's own buffers.
 constexpr std::uint64_t kFixedBytes = 192 * kMiB;
 
@@ -44,9 +45,15 @@ std::uint64_t build_memory_bytes(const VolumeDescription& description, int threa
   return checked_add(groups, base_bytes(threads), "the memory of a build");
 }
 
+std::uint64_t join_memory_bytes(const VolumeDescription& description, int threads) {
+  const auto bricks =
+      static_cast<std::uint64_t>(levels_of(description).brick_grid(0).voxel_count());
+  return checked_add(checked_mul(bricks, kBytesPerBrick, "the memory of a join"),
+                     base_bytes(threads), "the memory of a join");
+}
+
 std::uint64_t band_memory_bytes(const VolumeDescription& description, int threads,
                                 std::uint64_t band_bytes) {
-  constexpr std::uint64_t kBytesPerBrick = 192;
   const Size3 grid = levels_of(description).brick_grid(0);
   // Of each brick, and once more of those of a layer that wait in a sorter.
   const auto bricks =

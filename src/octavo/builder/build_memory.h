@@ -17,6 +17,9 @@ std::uint64_t build_memory_bytes(const VolumeDescription& description, int threa
 std::uint64_t band_memory_bytes(const VolumeDescription& description, int threads,
                                 std::uint64_t band_bytes);
 
+/// Memory of a join, in which of each brick some bytes are held and no voxel.
+std::uint64_t join_memory_bytes(const VolumeDescription& description, int threads);
+
 /// Memory for a share of a group's bricks, of so many bytes, that is read in one band.
 std::uint64_t share_memory_bytes(const VolumeDescription& description, int threads,
                                  std::uint64_t share_bytes);

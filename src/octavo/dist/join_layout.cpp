@@ -13,7 +13,7 @@ namespace octavo {
 
 namespace {
 
-constexpr int kLayoutVersion = 3;
+constexpr int kLayoutVersion = 4;
 
 [[noreturn]] void fail_layout(const std::string& why) {
   throw Error(ErrorKind::corrupt, "the layout " + why);
@@ -123,6 +123,7 @@ std::string layout_text(const JoinLayout& layout) {
   object.set("bytes", static_cast<std::int64_t>(layout.file_bytes));
   const Bytes clipped = clipped_bytes(layout.clipped);
   object.set("clipped", std::vector<int>(clipped.begin(), clipped.end()));
+  object.set("own_crc", static_cast<std::int64_t>(layout.own_crc));
   object.sort_by_name();
   const std::uint32_t check = text_crc(object.text() + runs);
   object.set("check", static_cast<std::int64_t>(check));
@@ -142,6 +143,8 @@ JoinLayout parse_layout_head(std::string_view text) {
   layout.id = digits_of(object.json_of("id"));
   JsonReader bytes(object.json_of("bytes"));
   layout.file_bytes = number_of(bytes);
+  JsonReader own_crc(object.json_of("own_crc"));
+  layout.own_crc = static_cast<std::uint32_t>(number_of(own_crc));
   layout.clipped = clipped_of_list(object.json_of("clipped"));
   return layout;
 }

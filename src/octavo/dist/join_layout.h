@@ -27,6 +27,7 @@ struct JoinLayout {
   std::uint64_t plan = 0;        ///< BuildPlan::id
   std::uint64_t id = 0;          ///< drawn anew for each laying out
   std::uint64_t file_bytes = 0;
+  std::uint32_t own_crc = 0;     ///< of the bytes that are no part's
   std::vector<CopiedRun> runs;   ///< in the order of the file
   ClippedVoxels clipped;         ///< of all parts
 };
@@ -37,9 +38,9 @@ std::vector<PartPlace> parts_of(const JoinLayout& layout);
 /// The bytes of the file that are no part's.
 std::vector<Section> own_bytes_of(const JoinLayout& layout);
 
-/// Lines of JSON: an object of the plan, the id, the length, the clipped voxels and a checksum of
-/// all, then for each run [A,B,C,D,PART OFFSET,FILE OFFSET,LENGTH,CRC] of groups A .. B, of a band
-/// bricks C .. D.
+/// Lines of JSON: an object of the plan, the id, the length, the clipped voxels, and checksums of
+/// the bytes that are no part's and of all lines; then for each run
+/// [A,B,C,D,PART OFFSET,FILE OFFSET,LENGTH,CRC] of groups A .. B, of a band bricks C .. D.
 std::string layout_text(const JoinLayout& layout);
 
 /// What the first line of a layout says, without runs and unproven. Throws as parse_layout

@@ -4,17 +4,7 @@
 //   copy_part   the streams of one part to their places: any number of them side by side
 //   seal        the name, once every part is there
 //
-// Beside NAME stand meanwhile
-//
-//   .NAME.join                 the file that grows
-//   .NAME.join-layout          the layout, once the file is laid out
-//   .NAME.join-copied-ID-A-B   for each part, groups A .. B, whose bytes are on disk; of a band
-//                              ID-A-B-C-D, bricks C .. D. ID is that of the layout
-//   .NAME.join-sealed-PLAN     once the file is whole, until nothing else of this is left: the
-//                              trailer of the file, which holds a checksum of all its bytes, and
-//                              how many floats only its level 0 holds
-//   .NAME.join-done-PLAN       the same, from then on: so that a step that is done again, or a
-//                              join that has consumed its parts, knows the file of its plan
+// join_files.h says what stands beside NAME meanwhile.
 //
 // Invariants
 //   A step that is done again changes nothing. NAME holds a whole file or what it held before.
@@ -29,42 +19,14 @@
 #include <string>
 #include <vector>
 
+#include "octavo/dist/join_files.h"
 #include "octavo/dist/join_layout.h"
 #include "octavo/dist/parts.h"
 
 namespace octavo {
 
-/// Where the file for `path` grows.
-std::string joined_name(const std::string& path);
-
-/// Whether the file of a plan has its name, and not all that stood beside it is removed.
-/// Throws Error{io}
-bool is_sealed(const BuildPlan& plan, Storage& storage, const std::string& path);
-
-/// Whether the file of a plan stands under its name, by the marks that steps have left: that of
-/// another plan, of a build, or one that was changed since is not taken for it.
-/// Throws Error{io}
-bool is_joined(const BuildPlan& plan, Storage& storage, const std::string& path);
-
-/// Whether a join that consumes its parts has nothing to do: the file is_joined. Where it may be
-/// replaced, parts that are there again are to be joined anew.
-/// paths  of the parts, of which any may be gone
-/// Throws Error{io}
-bool is_consumed(const BuildPlan& plan, const std::vector<std::string>& paths, Storage& storage,
-                 const std::string& path, bool overwrite);
-
-/// Removes what steps of a join have left beside a name, unless a join by another plan has begun
-/// there, or one whose layout cannot be read.
-/// Throws Error{io}
-void discard_steps(const BuildPlan& plan, Storage& storage, const std::string& path);
-
-/// The layout that stands there for a plan; nothing where none does.
-/// Throws Error{io}
-std::optional<JoinLayout> find_layout(const BuildPlan& plan, Storage& storage,
-                                      const std::string& path);
-
-/// Lays out the file for `path`; where that was done for this plan, what stands there counts and
-/// no part is asked for.
+/// Lays out the file for `path`; where that was done for this plan, also by another program
+/// meanwhile, what stands there counts and no part is asked for.
 /// Throws as join_parts; Error{io} where parts were copied for another plan, or for a layout that
 ///        cannot be read
 JoinLayout lay_out_join(const BuildPlan& plan, const std::vector<std::shared_ptr<PartFile>>& parts,
@@ -100,22 +62,21 @@ class PartCopier {
 void copy_part(const BuildPlan& plan, const std::shared_ptr<PartFile>& part, Storage& storage,
                const std::string& path, bool consumes, Progress& progress);
 
-/// The parts of the layout that were not copied.
-std::vector<PartPlace> uncopied_parts(const JoinLayout& layout, Storage& storage,
-                                      const std::string& path);
-
-/// Gives the file its name and removes what stood beside it, but for the mark that this was done.
-/// Where it is_joined, the file stays as it is.
+/// Proves every byte of the file, gives it its name, and removes what stood beside it, but for the
+/// mark that this was done. Where it is_joined, the file stays as it is.
 /// Returns the length of the file
-/// Throws  Error{io} that names the parts that were not copied; as FileWriter
+/// Throws  Error{io} that names the parts that were not copied; Error{corrupt} that names those
+///         whose copies were changed since, which have to be copied again; as FileWriter
 std::uint64_t seal_join(const BuildPlan& plan, Storage& storage, const std::string& path,
-                        bool overwrite);
+                        bool overwrite, const PartWork& work, Progress& progress);
 
 /// Joins parts and removes each as soon as it is copied, so that no more is needed beside the file
 /// than the largest of them. All are proven before the first goes. Killed, it goes on with those
-/// that are left. Leaves the mark that seal_join leaves; where it is_consumed, file and parts stay.
+/// that are left, once it has proven what was copied. Leaves the mark that seal_join leaves; where
+/// it is_consumed, file and parts stay.
 /// paths  of the parts, of which some may be gone after an earlier join
-/// Throws as the steps; Error{io} before anything is removed where the disk is too small
+/// Throws as the steps; before anything is removed Error{io} where the disk is too small, or parts
+///        are missing that were not copied, and Error{corrupt} for copies that were changed since
 /// clipped  gets the clipped voxels of all parts, those that are gone among them
 /// Returns the length of the file
 std::uint64_t consume_parts(const BuildPlan& plan, const std::vector<std::string>& paths,

@@ -14,6 +14,7 @@
 #include "octavo/builder/group_trainer.h"
 #include "octavo/core/checked.h"
 #include "octavo/core/error.h"
+#include "octavo/core/memory_limit.h"
 #include "octavo/core/text.h"
 #include "octavo/dist/banded_group.h"
 #include "octavo/dist/proven_source.h"
@@ -258,6 +259,13 @@ BuildResult lay_out_parts(const BuildPlan& plan, std::vector<std::shared_ptr<Par
   require_all(plan, parts, path);
   const BuildOutline outline = outline_of(plan);
   const Levels& levels = outline.levels;
+  const int threads = build_threads(work.threads);
+  try {
+    require_memory_within(join_memory_bytes(plan.source, threads), work.max_memory_bytes,
+                          "the join", "raise the limit or use fewer threads");
+  } catch (const Error& error) {
+    throw error.with_path(path);
+  }
   std::uint64_t bytes = 0;
   for (const auto& part : parts) bytes += part->joined_bytes();
   if (!leave_out) {
@@ -270,7 +278,7 @@ BuildResult lay_out_parts(const BuildPlan& plan, std::vector<std::shared_ptr<Par
 
   // What the parts hold, proven and summed up in the order of the bricks
   BuildResult result;
-  result.threads = build_threads(work.threads);
+  result.threads = threads;
   double squared_error = 0;
   Workers workers(result.threads);
   std::vector<std::byte> samples;

@@ -59,7 +59,8 @@ Error no_room_for(const std::string& path, std::uint64_t needed_bytes, std::uint
 /// Throws  Error{invalid_argument} that names a part of another plan, or two of the same groups,
 ///         and as require_codec; Error{io} where groups are missing, and, before anything is
 ///         written, where the disk has no room for their bytes; Error{corrupt} for a damaged part;
-///         Error{source_rejected} for bands of a group whose voxels differ; as FileWriter
+///         Error{source_rejected} for bands of a group whose voxels differ; Error{limit_exceeded}
+///         for more memory than the work may take; as FileWriter
 /// Memory  a sample per brick, and that of the tiers above tier 0
 BuildResult join_parts(const BuildPlan& plan, std::vector<std::shared_ptr<PartFile>> parts,
                        Storage& storage, const std::string& path, bool overwrite,

@@ -85,7 +85,7 @@ class BandParts : public ::testing::Test {
     const auto parts = opened();
     lay_out_join(plan_, parts, storage_, "a.8vo", false, {.threads = 1}, progress);
     for (const auto& part : parts) copy_part(plan_, part, storage_, "a.8vo", false, progress);
-    seal_join(plan_, storage_, "a.8vo", false);
+    seal_join(plan_, storage_, "a.8vo", false, {.threads = 1}, progress);
   }
 
   SmallGroups groups_{1};

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <set>
 #include <utility>
 
 #include "octavo/builder/group_reader.h"
@@ -19,7 +20,7 @@ namespace octavo::testing {
 namespace {
 
 /// A file that says it is longer than any memory.
-class LongFile final : public StorageFile {
+class LongFile : public StorageFile {
  public:
   const std::string& path() const override { return path_; }
   std::uint64_t size() const override { return std::uint64_t{1} << 60; }
@@ -33,6 +34,18 @@ class LongFile final : public StorageFile {
 
  private:
   std::string path_ = "long";
+};
+
+/// A file that is open while it lives.
+class HeldFile final : public LongFile {
+ public:
+  HeldFile(std::multiset<std::string>& held, std::string path)
+      : held_(held), own_(held.insert(std::move(path))) {}
+  ~HeldFile() override { held_.erase(own_); }
+
+ private:
+  std::multiset<std::string>& held_;
+  std::multiset<std::string>::iterator own_;
 };
 
 /// A disk that has little room, or a file that is too long.
@@ -51,6 +64,8 @@ class FullDisk final : public Storage {
     return files_.open_update(p);
   }
   std::unique_ptr<StorageFile> open_shared(const std::string& p) override {
+    EXPECT_FALSE(held_.empty());
+    for (const std::string& part : held_) EXPECT_TRUE(files_.files.contains(part)) << part;
     return files_.open_shared(p);
   }
   std::unique_ptr<StorageFile> create_scratch(const std::string& p) override {
@@ -66,12 +81,18 @@ class FullDisk final : public Storage {
     return DiskSpace{free_, folder == "elsewhere" ? 2U : 1U};
   }
 
+  /// Nobody copies while a part is open that is removed: its blocks are not free.
+  std::unique_ptr<StorageFile> lock_left(const std::string& p) override {
+    return std::make_unique<HeldFile>(held_, p);
+  }
+
   std::optional<std::uint64_t> stored;  ///< of every file
   std::string long_file;                ///< its name
 
  private:
   MemoryStorage& files_;
   std::uint64_t free_;
+  std::multiset<std::string> held_;
 };
 
 /// What every test begins with. Requires the groups of JoinSteps.
@@ -107,6 +128,10 @@ class JoinSteps : public ::testing::Test {
     copy_part(plan_, PartFile::open(storage_, part_name(run)), storage_, "a.8vo", consumes,
               progress_);
   }
+  std::uint64_t seal(bool overwrite = false) { return seal(overwrite, plan_); }
+  std::uint64_t seal(bool overwrite, const BuildPlan& plan, const std::string& path = "a.8vo") {
+    return seal_join(plan, storage_, path, overwrite, {.threads = 1}, progress_);
+  }
   std::uint64_t consume() {
     std::vector<std::string> names;
     for (const GroupRun& run : runs_) names.push_back(part_name(run));
@@ -138,14 +163,13 @@ TEST_F(JoinSteps, InAnyOrderAndTwiceTheyMakeTheFile) {
   EXPECT_EQ(layout_text(lay_out({})), layout_text(layout)) << "it needs no part any more";
   copy({4, 6});
   EXPECT_EQ(uncopied_parts(layout, storage_, "a.8vo").front().end_group, 1);
-  const std::string early = failure_of([&] { seal_join(plan_, storage_, "a.8vo", false); },
-                                       ErrorKind::io);
+  const std::string early = failure_of([&] { seal(); }, ErrorKind::io);
   EXPECT_NE(early.find("group 0"), std::string::npos) << early;
   EXPECT_EQ(storage_.files.count("a.8vo"), 0U);
   copy({0, 1});
   copy({4, 6});
-  EXPECT_EQ(seal_join(plan_, storage_, "a.8vo", false), whole_.size());
-  EXPECT_EQ(seal_join(plan_, storage_, "a.8vo", false), whole_.size()) << "again";
+  EXPECT_EQ(seal(), whole_.size());
+  EXPECT_EQ(seal(), whole_.size()) << "again";
   expect_done(3);
 }
 
@@ -179,7 +203,7 @@ TEST_F(JoinSteps, ACopyLooksAtItsOwnPartAlone) {
   storage_.calls.clear();
   EXPECT_TRUE(uncopied_parts(layout, storage_, "a.8vo").empty());
   EXPECT_TRUE(storage_.calls.empty()) << "no mark is read";
-  seal_join(plan_, storage_, "a.8vo", false);
+  seal();
   expect_done(runs.size() + runs_.size() - 1);
 }
 
@@ -211,7 +235,7 @@ TEST_F(JoinSteps, WhatALayoutThatCannotBeReadBelongsToStays) {
   copy({0, 1});
   auto& layout = *storage_.files.at(joined_name("a.8vo") + "-layout");
   std::string older = text;
-  const std::size_t version = older.find('3', older.find("octavo_join"));
+  const std::size_t version = older.find('4', older.find("octavo_join"));
   ASSERT_LT(version, older.size());
   older[version] = '1';
   std::string damaged = text;
@@ -231,7 +255,7 @@ TEST_F(JoinSteps, WhatALayoutThatCannotBeReadBelongsToStays) {
   storage_.files.erase(part_name({0, 1}));
   copy({1, 4});
   copy({4, 6});
-  EXPECT_EQ(seal_join(plan_, storage_, "a.8vo", false), whole_.size());
+  EXPECT_EQ(seal(), whole_.size());
   expect_done(2);
 }
 
@@ -255,7 +279,7 @@ TEST_F(JoinSteps, AGrowingFileThatWasCutOffIsNotLaidOutAnew) {
   storage_.files.erase(part_name({0, 1}));
   copy({1, 4});
   copy({4, 6});
-  EXPECT_EQ(seal_join(plan_, storage_, "a.8vo", false), whole_.size());
+  EXPECT_EQ(seal(), whole_.size());
   expect_done(2);
 }
 
@@ -284,14 +308,14 @@ TEST_F(JoinSteps, PartsThatAnotherJoinConsumesAreLeftToIt) {
 TEST_F(JoinSteps, OnlyTheFileThatWasSealedIsTakenForThatOfItsPlan) {
   lay_out(runs_);
   for (const GroupRun& run : runs_) copy(run);
-  seal_join(plan_, storage_, "a.8vo", false);
+  seal();
   EXPECT_TRUE(is_joined(plan_, storage_, "a.8vo"));
 
   BuildPlan other = plan_;  // of the same first group, and of no file that would be newer
   other.recipe = R"({"other":1})";
   other.id = id_of(other);
   EXPECT_FALSE(is_joined(other, storage_, "a.8vo"));
-  failure_of([&] { seal_join(other, storage_, "a.8vo", true); }, ErrorKind::io);
+  failure_of([&] { seal(true, other); }, ErrorKind::io);
 
   // A file of the same first group that takes the name later
   SmallVolume changed = volume_;
@@ -301,9 +325,9 @@ TEST_F(JoinSteps, OnlyTheFileThatWasSealedIsTakenForThatOfItsPlan) {
       file, std::make_shared<std::vector<std::uint8_t>>(built(changed)));
   ASSERT_FALSE(*file == *sealed);
   EXPECT_FALSE(is_joined(plan_, storage_, "a.8vo"));
-  failure_of([&] { seal_join(plan_, storage_, "a.8vo", true); }, ErrorKind::io);
+  failure_of([&] { seal(true); }, ErrorKind::io);
   file = sealed;
-  EXPECT_EQ(seal_join(plan_, storage_, "a.8vo", false), whole_.size());
+  EXPECT_EQ(seal(), whole_.size());
   expect_done(3);
 }
 
@@ -316,7 +340,7 @@ TEST_F(JoinSteps, APartThatWasNotLaidOutIsRejectedByName) {
 
 TEST_F(JoinSteps, WithoutALayoutNothingIsCopiedOrSealed) {
   failure_of([&] { copy({0, 1}); }, ErrorKind::io);
-  failure_of([&] { seal_join(plan_, storage_, "a.8vo", false); }, ErrorKind::io);
+  failure_of([&] { seal(); }, ErrorKind::io);
 }
 
 TEST_F(JoinSteps, ADamagedPartIsNotCopied) {
@@ -326,7 +350,7 @@ TEST_F(JoinSteps, ADamagedPartIsNotCopied) {
   EXPECT_NE(text.find("part-1-4"), std::string::npos) << text;
   (*storage_.files.at("part-1-4"))[5000] ^= 1;
   for (const GroupRun& run : runs_) copy(run);
-  seal_join(plan_, storage_, "a.8vo", false);
+  seal();
   expect_done(3);
 }
 
@@ -348,7 +372,7 @@ TEST_F(JoinSteps, WhatAnotherPlanHasBegunIsNotTakenAway) {
   EXPECT_NE(text.find("another plan"), std::string::npos) << text;
   copy({4, 6});
   copy({1, 4});
-  seal_join(plan_, storage_, "a.8vo", false);
+  seal();
   EXPECT_TRUE(*storage_.files.at("a.8vo") == whole_);
 }
 
@@ -363,9 +387,9 @@ TEST_F(JoinSteps, WhoSealsWhileAnotherDoesFindsTheFileSealed) {
       bool is_over = false;
       storage_.meanwhile = [&](const std::string& what) {
         if (what != call || std::exchange(is_over, true)) return;
-        EXPECT_EQ(seal_join(plan_, storage_, "a.8vo", overwrite), whole_.size());
+        EXPECT_EQ(seal(overwrite), whole_.size());
       };
-      EXPECT_EQ(seal_join(plan_, storage_, "a.8vo", overwrite), whole_.size()) << call;
+      EXPECT_EQ(seal(overwrite), whole_.size()) << call;
       storage_.meanwhile = {};
       EXPECT_TRUE(is_over) << call;
       EXPECT_TRUE(is_joined(plan_, storage_, "a.8vo")) << call;
@@ -377,7 +401,7 @@ TEST_F(JoinSteps, WhoSealsWhileAnotherDoesFindsTheFileSealed) {
 TEST_F(JoinSteps, SealingAgainKeepsWhatAnotherPlanHasBegun) {
   lay_out(runs_);
   for (const GroupRun& run : runs_) copy(run);
-  seal_join(plan_, storage_, "a.8vo", false);
+  seal();
   SmallVolume other = volume_;
   other.options.access = Access::boxes;
   const BuildPlan plan = planned(other);
@@ -388,8 +412,8 @@ TEST_F(JoinSteps, SealingAgainKeepsWhatAnotherPlanHasBegun) {
   lay_out_join(plan, {part}, storage_, "a.8vo", true, {}, progress_);
   copy_part(plan, part, storage_, "a.8vo", false, progress_);
   storage_.files.erase("other");
-  EXPECT_EQ(seal_join(plan_, storage_, "a.8vo", true), whole_.size());
-  seal_join(plan, storage_, "a.8vo", true);
+  EXPECT_EQ(seal(true), whole_.size());
+  seal(true, plan);
   EXPECT_TRUE(*storage_.files.at("a.8vo") == built(other));
 }
 
@@ -406,13 +430,13 @@ TEST_F(JoinSteps, APartIsKeptThatWasCopiedToAFileThatIsGone) {
     EXPECT_TRUE(is_over) << call;
     EXPECT_EQ(uncopied_parts(*find_layout(plan_, storage_, "a.8vo"), storage_, "a.8vo").size(), 3U);
     for (const GroupRun& run : runs_) copy(run);
-    seal_join(plan_, storage_, "a.8vo", false);
+    seal();
     expect_done(3);
     storage_.remove("a.8vo");
   }
 }
 
-TEST_F(JoinSteps, WhoLaysOutLaterTakesNoPartsAway) {
+TEST_F(JoinSteps, WhoLaysOutLaterTakesWhatTheOtherHasLaidOut) {
   // Another job lays out and copies after this one found no layout.
   bool is_over = false;
   storage_.meanwhile = [&](const std::string& what) {
@@ -421,11 +445,12 @@ TEST_F(JoinSteps, WhoLaysOutLaterTakesNoPartsAway) {
     copy({0, 1});
     storage_.files.erase(part_name({0, 1}));
   };
-  failure_of([&] { lay_out(runs_); }, ErrorKind::io);
+  const JoinLayout layout = lay_out(runs_);
   EXPECT_TRUE(is_over);
+  EXPECT_EQ(uncopied_parts(layout, storage_, "a.8vo").size(), 2U);
   copy({1, 4});
   copy({4, 6});
-  seal_join(plan_, storage_, "a.8vo", false);
+  seal();
   expect_done(2);
 }
 
@@ -434,9 +459,9 @@ TEST_F(JoinSteps, AFileThatStandsThereIsReplacedOnlyWhenAsked) {
   failure_of([&] { lay_out(runs_); }, ErrorKind::io);
   lay_out_join(plan_, open_parts(storage_, runs_), storage_, "a.8vo", true, {}, progress_);
   for (const GroupRun& run : runs_) copy(run);
-  failure_of([&] { seal_join(plan_, storage_, "a.8vo", false); }, ErrorKind::io);
+  failure_of([&] { seal(); }, ErrorKind::io);
   EXPECT_EQ(storage_.files.at("a.8vo")->size(), 3U);
-  seal_join(plan_, storage_, "a.8vo", true);
+  seal(true);
   expect_done(3);
 }
 
@@ -458,7 +483,7 @@ TEST_F(JoinSteps, WhatStandsBesideALongNameHasNoLongerNameThanFilesMay) {
       copy_part(plan_, PartFile::open(storage_, part_name(run)), storage_, path, false,
                 progress_);
     }
-    EXPECT_EQ(seal_join(plan_, storage_, path, false), whole_.size());
+    EXPECT_EQ(seal(false, plan_, path), whole_.size());
     EXPECT_TRUE(is_joined(plan_, storage_, path));
     storage_.meanwhile = {};
     expect_names("");
@@ -588,7 +613,7 @@ TEST_F(JoinSteps, AConsumingJoinThatIsKilledBehindTheRenameEndsWhenGivenAgain) {
   later.recipe = R"({"other":1})";
   later.id = id_of(later);
   EXPECT_FALSE(is_sealed(later, storage_, "a.8vo"));
-  failure_of([&] { seal_join(later, storage_, "a.8vo", true); }, ErrorKind::io);
+  failure_of([&] { seal(true, later); }, ErrorKind::io);
   EXPECT_TRUE(is_sealed(plan_, storage_, "a.8vo"));
   EXPECT_EQ(consume(), whole_.size());
   expect_done(0);

@@ -43,6 +43,7 @@ JoinLayout laid_out(const BuildPlan& plan, const JoinOptions& options, const Tas
   if (auto layout = find_layout(plan, local_storage(), path)) return *layout;
   const PartPlaces places = places_of(options);
   const auto found = found_parts(plan, places, options.plan);
+  require_no_part(path, found);
   require_all_found(plan, found, places, options.plan);
   std::vector<std::shared_ptr<PartFile>> parts;
   for (const auto& [part, file] : found) {
@@ -113,6 +114,7 @@ void copy_numbers(const JoinStepOptions& options, const BuildPlan& plan, const J
           .with_field("parts.missing", std::to_string(number))
           .with_field("parts.plan_path", options.join.plan);
     }
+    require_no_part(path, {{number, file}});
     copier.copy(open_part(plan, number, file), options.join.consumes_parts, context.watcher());
     if (!is_copied) result.copied.push_back(number);
   }
@@ -135,12 +137,14 @@ void require_all_copied(const BuildPlan& plan, const JoinOptions& options) {
 
 JoinStepResult join_step(const JoinStepOptions& options, const TaskContext& context) {
   const BuildPlan plan = read_plan(options.join.plan);
+  context.require_voxels(plan.source.size, options.join.plan);
   const Output& output = options.join.output;
   JoinStepResult result;
   result.part_count = plan.part_count;
   if (options.step == JoinStep::seal) {
     require_all_copied(plan, options.join);
-    result.file_bytes = seal_join(plan, local_storage(), output.path, output.overwrite);
+    result.file_bytes = seal_join(plan, local_storage(), output.path, output.overwrite,
+                                  join_work(output, context), context.watcher());
     return result;
   }
   const bool is_layout = options.step == JoinStep::layout;
@@ -168,6 +172,7 @@ JoinStepResult join_step(const JoinStepOptions& options, const TaskContext& cont
 
 JoinRuns join_runs(const JoinOptions& options, const TaskContext& context) {
   const BuildPlan plan = read_plan(options.plan);
+  context.require_voxels(plan.source.size, options.plan);
   require_joined_name(options.output);
   const JoinLayout layout = laid_out(plan, options, context);
   // Whoever reads the list may stand in another folder.

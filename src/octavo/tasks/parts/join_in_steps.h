@@ -31,7 +31,8 @@ struct JoinStepResult {
 };
 
 /// One step. Done again it changes nothing.
-/// Throws as join_scan, lay_out_join, copy_part, seal_join, parse_part_list and scheduled_parts
+/// Throws as join_scan, require_no_part, lay_out_join, copy_part, seal_join, parse_part_list and
+///        scheduled_parts
 JoinStepResult join_step(const JoinStepOptions& options, const TaskContext& context);
 
 /// Bytes of a file that is joined elsewhere: by the server of an object store.

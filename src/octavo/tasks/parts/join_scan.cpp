@@ -7,9 +7,11 @@
 #include <set>
 #include <utility>
 
+#include "octavo/core/crc32c.h"
 #include "octavo/core/error.h"
 #include "octavo/core/text.h"
 #include "octavo/dist/banded_group.h"
+#include "octavo/dist/join_proof.h"
 #include "octavo/dist/join_steps.h"
 #include "octavo/file/storage/storage.h"
 #include "octavo/tasks/inputs.h"
@@ -35,6 +37,34 @@ std::set<std::int64_t> copied_numbers(const BuildPlan& plan, const std::string& 
     if (const auto number = part_at(plan, place)) numbers.erase(*number);
   }
   return numbers;
+}
+
+/// The same without those whose bytes there were changed since.
+std::set<std::int64_t> whole_copies(const BuildPlan& plan, const std::string& path,
+                                    const TaskContext& context) {
+  std::set<std::int64_t> whole;
+  const auto layout = find_layout(plan, local_storage(), path);
+  if (!layout) return whole;
+  const auto file = local_storage().open_read(joined_name(path));
+  if (!checksum_matches(crc_of_own_bytes(*layout, *file), layout->own_crc)) {
+    context.note(joined_name(path) + ": is damaged where no part was copied");
+    return whole;
+  }
+  std::vector<PartPlace> copied = parts_of(*layout);
+  const CopiedMarks marks(*layout, local_storage(), path);
+  std::erase_if(copied, [&](const PartPlace& place) { return !marks.hold(place); });
+  for (const PartPlace& place : copied) {
+    if (const auto number = part_at(plan, place)) whole.insert(*number);
+  }
+  for (const PartPlace& place :
+       damaged_copies(*layout, copied, *file, context.thread_count(), context.watcher())) {
+    const auto number = part_at(plan, place);
+    if (!number) continue;
+    whole.erase(*number);
+    context.note(path + ": what was copied of part " + std::to_string(*number) +
+                 " was changed since");
+  }
+  return whole;
 }
 
 /// As require_all_found; says so where a join has begun that holds parts which are gone.
@@ -71,30 +101,61 @@ std::map<std::int64_t, std::string> paths_of_all(const BuildPlan& plan,
                                                  const JoinOptions& options) {
   const PartPlaces places = places_of(options);
   const auto found = found_parts(plan, places, options.plan);
-  const bool goes_on = options.consumes_parts &&
-                       (find_layout(plan, local_storage(), options.output.path) ||
-                        is_all_consumed(plan, found, options.output));
-  if (!goes_on) require_parts(plan, found, places, options);
+  require_no_part(options.output.path, found);
+  if (!options.consumes_parts) {
+    require_parts(plan, found, places, options);
+  } else if (!is_all_consumed(plan, found, options.output)) {
+    auto there = found;
+    for (const std::int64_t part : copied_numbers(plan, options.output.path)) {
+      there.emplace(part, "");
+    }
+    require_all_found(plan, there, places, options.plan);
+  }
   return found;
 }
 
-BuiltVolume consume_planned(const BuildPlan& plan,
-                            const std::map<std::int64_t, std::string>& parts,
-                            const Output& output, const TaskContext& context) {
+/// The parts that a consuming join takes. What stands in the place of one that it has copied is
+/// not needed: unless it is that part, it stays.
+std::map<std::int64_t, std::string> parts_to_consume(
+    const BuildPlan& plan, const std::map<std::int64_t, std::string>& parts,
+    const std::string& output, const TaskContext& context) {
+  const std::set<std::int64_t> copied = copied_numbers(plan, output);
+  std::map<std::int64_t, std::string> taken;
+  for (const auto& [part, path] : parts) {
+    context.stop_if_cancelled();
+    if (!local_storage().exists(path)) continue;
+    try {
+      if (copied.contains(part)) open_whole_part(plan, part, path);
+      else open_part(plan, part, path);
+    } catch (const Error& error) {
+      if (!copied.contains(part) || error.kind() == ErrorKind::io) throw;
+      context.note(std::string(error.what()) + ": it is left, the join holds that part");
+      continue;
+    }
+    taken.emplace(part, path);
+  }
+  return taken;
+}
+
+BuiltVolume consume_planned(const BuildPlan& plan, std::map<std::int64_t, std::string> parts,
+                            const JoinOptions& options, const TaskContext& context) {
+  const Output& output = options.output;
   const auto start = std::chrono::steady_clock::now();
   BuiltVolume joined{plan.source, plan.options.kind, {}};
   BuildResult& build = joined.build;
   if (is_all_consumed(plan, parts, output)) {
     context.note(output.path + ": is joined already");
   } else {
-    for (const auto& [part, path] : parts) {
-      context.stop_if_cancelled();
-      if (local_storage().exists(path)) open_part(plan, part, path);
-    }
+    parts = parts_to_consume(plan, parts, output.path, context);
   }
-  build.file_bytes =
-      consume_parts(plan, paths_of(parts), local_storage(), output.path, output.overwrite,
-                    join_work(output, context), context.watcher(), &build.clipped);
+  try {
+    build.file_bytes =
+        consume_parts(plan, paths_of(parts), local_storage(), output.path, output.overwrite,
+                      join_work(output, context), context.watcher(), &build.clipped);
+  } catch (const Error& error) {
+    if (error.field() != "parts.missing") throw;
+    throw error.with_field("parts.plan_path", options.plan);
+  }
   const auto file = open_volume(output.path, context);
   const std::optional<CodingNote>& coding = file->description().metadata.facts().coding;
   build.raw_bytes = plane_bytes(plan.source) * static_cast<std::uint64_t>(plan.source.size.z);
@@ -146,6 +207,10 @@ void require_joined_name(const Output& output) {
   require_free(output);
 }
 
+void require_no_part(const std::string& output, const std::map<std::int64_t, std::string>& parts) {
+  require_no_input(output, paths_of(parts));
+}
+
 PartWork join_work(const Output& output, const TaskContext& context) {
   return {context.threads, context.max_memory_bytes, clipped_listener(output.path, context)};
 }
@@ -172,11 +237,12 @@ BuiltVolume join_planned(const BuildPlan& plan, const std::map<std::int64_t, std
 
 BuiltVolume join_scan(const JoinOptions& options, const TaskContext& context) {
   const BuildPlan plan = read_plan(options.plan);
+  context.require_voxels(plan.source.size, options.plan);
   const bool is_done =
       options.consumes_parts && is_joined(plan, local_storage(), options.output.path);
   if (!is_done) require_joined_name(options.output);
   const std::map<std::int64_t, std::string> paths = paths_of_all(plan, options);
-  return options.consumes_parts ? consume_planned(plan, paths, options.output, context)
+  return options.consumes_parts ? consume_planned(plan, paths, options, context)
                                 : join_planned(plan, paths, options.output, context);
 }
 
@@ -199,7 +265,7 @@ MissingParts missing_parts(const JoinOptions& options, const TaskContext& contex
   const std::string output =
       options.output.path.empty() ? proposed_volume(options.plan) : options.output.path;
   if (is_joined(plan, local_storage(), output)) return result;
-  const std::set<std::int64_t> copied = copied_numbers(plan, output);
+  const std::set<std::int64_t> copied = whole_copies(plan, output, context);
   if (!copied.empty()) {
     const std::string held = counted_text(static_cast<std::int64_t>(copied.size()), "part");
     context.note(output + ": a join that has begun here holds " + held);

@@ -23,8 +23,8 @@ struct JoinOptions {
 };
 
 /// Joins the parts of a plan. The source is not read and need not be there.
-/// Throws  as read_plan, require_joined_name and join_parts; Error{io} that lists parts which are
-///         missing; with consumes_parts also as consume_parts
+/// Throws  as read_plan, require_joined_name, require_no_part and join_parts; Error{io} that lists
+///         parts which are missing; with consumes_parts also as consume_parts
 /// Memory  as join_parts
 BuiltVolume join_scan(const JoinOptions& options, const TaskContext& context);
 
@@ -34,6 +34,9 @@ BuiltVolume join_planned(const BuildPlan& plan, const std::map<std::int64_t, std
 
 /// Throws Error{invalid_argument} for a name that does not end in .8vo; as require_free
 void require_joined_name(const Output& output);
+
+/// Throws Error{invalid_argument} where an output is one of the parts, by whatever name.
+void require_no_part(const std::string& output, const std::map<std::int64_t, std::string>& parts);
 
 /// How the parts of `output` are joined: clipped floats of all of them are a warning before the
 /// file stands.
@@ -56,7 +59,8 @@ struct MissingParts {
 /// The parts that have to be made, again or at all, before a join. Every byte of those that are
 /// there is proven; what is of another plan counts as missing, and so do parts of one group that
 /// were made of other voxels than one another. What a join to the output, or else to the
-/// proposed_volume, has copied counts as there. Notes what is wrong with a part.
+/// proposed_volume, has copied counts as there, unless it was changed since. Notes what is wrong
+/// with a part.
 /// Throws as read_plan
 MissingParts missing_parts(const JoinOptions& options, const TaskContext& context);
 
