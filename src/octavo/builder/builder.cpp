@@ -51,7 +51,7 @@ class Build {
                                        const std::string& path, const WriterOptions& options) {
     std::optional<TierEncoder> encoder;
     for (std::size_t number = 0; !reader.is_done(); ++number) {
-      const VoxelBlock group = reader.next();
+      const VoxelBlock group = reader.next(workers_);
       if (!encoder) {
         create_writer(group, storage, path, options);
         encoder.emplace(levels_, 0, group.type, workers_, *writer_, progress_, bound_);

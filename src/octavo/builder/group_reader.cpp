@@ -67,9 +67,9 @@ GroupReader::~GroupReader() {
   thread_.join();
 }
 
-VoxelBlock GroupReader::next() {
+VoxelBlock GroupReader::next(Workers& workers) {
   std::unique_lock lock(mutex_);
-  changed_.wait(lock, [&] { return read_ > taken_ || failure_ != nullptr; });
+  workers.wait(changed_, lock, [&] { return read_ > taken_ || failure_ != nullptr; });
   if (read_ == taken_) std::rethrow_exception(failure_);
   Buffer& buffer = buffers_[taken_++ % buffers_.size()];
   VoxelBlock block{buffer.voxels.bytes().data(), type_, size_, next_plane_};

@@ -16,6 +16,7 @@
 
 #include "octavo/builder/float_planes.h"
 #include "octavo/builder/voxel_block.h"
+#include "octavo/builder/workers.h"
 #include "octavo/core/progress.h"
 #include "octavo/core/unset_bytes.h"
 #include "octavo/planes/plane_source.h"
@@ -61,9 +62,10 @@ class GroupReader {
   bool is_done() const { return next_plane_ >= end_plane_; }
 
   /// Waits for the next group. The block stays valid until it is released.
-  /// Two blocks may be out at a time: it waits for one of them to be released as well.
+  /// Two blocks may be out at a time: it waits for one of them to be released as well, and helps
+  /// `workers` meanwhile.
   /// Throws what the source throws; Error{cancelled}. Requires that is_done() is false.
-  VoxelBlock next();
+  VoxelBlock next(Workers& workers);
 
   /// Gives back the oldest block, so that another group can be read in its place. From any thread.
   void release();

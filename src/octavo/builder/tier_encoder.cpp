@@ -156,7 +156,7 @@ TierEncoder::~TierEncoder() {
   if (!works_.empty() && !failure_) {
     failure_ = std::make_exception_ptr(Error(ErrorKind::cancelled, "left before the end"));
   }
-  changed_.wait(lock, [&] { return running_ == 0; });
+  workers_.wait(changed_, lock, [&] { return running_ == 0; });
 }
 
 void TierEncoder::restore_parents(std::span<const std::int64_t> parents) {
@@ -190,7 +190,8 @@ void TierEncoder::check() {
 
 void TierEncoder::finish() {
   std::unique_lock lock(mutex_);
-  changed_.wait(lock, [&] { return running_ == 0 && (works_.empty() || failure_ != nullptr); });
+  workers_.wait(changed_, lock,
+                [&] { return running_ == 0 && (works_.empty() || failure_ != nullptr); });
   if (failure_) std::rethrow_exception(failure_);
 }
 

@@ -5,13 +5,18 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <chrono>
+#include <condition_variable>
 #include <cstddef>
-#include <utility>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
 
 namespace octavo {
 
-/// A number of threads that parallel work is confined to; a thread that waits in `run` lends its
-/// place to one of them. The number may exceed the cores of the machine.
+/// A number of threads that parallel work is confined to; a thread that waits in `run` or `wait`
+/// lends its place to one of them. The number may exceed the cores of the machine.
 class Workers {
  public:
   /// of_all  the threads of all that work side by side in this process, where there are others
@@ -32,15 +37,42 @@ class Workers {
 
   /// Has one of the threads run `work`, which must not throw, and does not wait for it. Work starts
   /// in the order it was given in, before idle threads help with what runs in parallel.
-  template <class F>
-  void start(F&& work) {
-    arena_.enqueue(std::forward<F>(work));
+  void start(std::function<void()> work);
+
+  /// Runs work of start() that no thread has begun, the oldest. False: there is none.
+  bool help() { return waiting_->run_oldest(); }
+
+  /// Waits until `is_there()`, which `lock` guards and `changed` announces. Runs what the threads
+  /// leave lying meanwhile: those of TBB look for work where there was some, yielding to all other
+  /// programs, before they come to another arena. On a busy machine that takes seconds.
+  template <class IsThere>
+  void wait(std::condition_variable& changed, std::unique_lock<std::mutex>& lock,
+            const IsThere& is_there) {
+    while (!changed.wait_for(lock, kPatience, is_there)) {
+      lock.unlock();
+      help();
+      lock.lock();
+    }
   }
 
  private:
+  static constexpr std::chrono::milliseconds kPatience{5};
+
+  /// Work in its order. A thread may come for it when another one has done it, and this is gone.
+  class Queue {
+   public:
+    void push(std::function<void()> work);
+    bool run_oldest();
+
+   private:
+    std::mutex mutex_;
+    std::deque<std::function<void()>> works_;
+  };
+
   tbb::global_control limit_;
   tbb::task_arena arena_;
   int threads_;
+  std::shared_ptr<Queue> waiting_ = std::make_shared<Queue>();
 };
 
 }  // namespace octavo

@@ -158,7 +158,7 @@ BuildPlan plan_build(PlaneSource& source, const BuildOptions& options, Progress&
   } else {
     GroupReader reader(outline.planes(source), outline.levels, progress, outline.float_voxels(), 0,
                        first_planes);
-    const VoxelBlock group = reader.next();
+    const VoxelBlock group = reader.next(workers);
     plan.content_hash = content_hash_of(group);
     plan.first_model = trainer.train(group).serialized;
   }

@@ -114,7 +114,7 @@ std::uint32_t check_of(const CheckedVolume& row) {
   TierEncoder encoder(outline.levels, 0, outline.description.codec_type(), workers, sink, progress,
                       outline.bound);
   while (!reader.is_done()) {
-    const VoxelBlock block = reader.next();
+    const VoxelBlock block = reader.next(workers);
     encoder.start(trainer.train(block), block, true, [&reader] { reader.release(); });
   }
   encoder.finish();

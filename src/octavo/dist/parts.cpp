@@ -159,7 +159,7 @@ void encode_groups(const GroupWork& work, std::int64_t first_group, std::int64_t
   TierEncoder encoder(outline.levels, 0, outline.description.codec_type(), work.workers,
                       work.writer, work.progress, outline.bound);
   for (std::int64_t group = first_group; group < end_group; ++group) {
-    const VoxelBlock block = reader.next();
+    const VoxelBlock block = reader.next(work.workers);
     encoder.check();
     if (group == 0) require_first_voxels(work.plan, block, work.trainer.first());
     const Model& model = group == 0 ? work.trainer.first() : work.trainer.train(block);

@@ -33,6 +33,7 @@ class RankRounds {
              PlaneSource& source)
       : job_(job),
         files_(files),
+        workers_(workers),
         trainer_(trainer),
         sink_(job.header, job.outline.levels),
         reader_(job.outline.planes(source), job.outline.levels, job.progress,
@@ -67,7 +68,7 @@ class RankRounds {
   void start(std::int64_t round) {
     if (!has_group(round)) return;
     const std::int64_t group = group_of(round);
-    const VoxelBlock block = reader_.next();
+    const VoxelBlock block = reader_.next(workers_);
     encoder_.check();
     if (group == 0) require_first_voxels(job_.plan, block, trainer_.first());
     const Model& model = group == 0 ? trainer_.first() : trainer_.train(block);
@@ -82,6 +83,7 @@ class RankRounds {
     while (has_group(round) && !group) {
       encoder_.check();
       group = sink_.take(kLookAgain);
+      if (!group) workers_.help();
     }
     const std::uint64_t length = group ? group->level_0_bytes() : 0;
     const RankSums sums = job_.ranks.sum_before({&length, 1});
@@ -95,6 +97,7 @@ class RankRounds {
 
   const RankJob& job_;
   RankFiles& files_;
+  Workers& workers_;
   GroupTrainer& trainer_;
   GroupSink sink_;
   GroupReader reader_;
