@@ -10,14 +10,16 @@ import os
 import random
 import shutil
 import signal
+import subprocess
 import sys
 import unittest
 
 import program_faults
-from program_faults import MOMENTS, InFolder
+from program_faults import MOMENTS, InFolder, mounts
 import processor_time  # pylint: disable=wrong-import-order
 
 ALL_TRIANGLES = ["--max-deviation", "0"]  # without what takes time and is not written
+PAGE = os.sysconf("SC_PAGE_SIZE")
 
 
 class MeshKills(InFolder):
@@ -96,6 +98,54 @@ class MeshDisks(program_faults.Disks):
         # Parts that are not connected are told of as well.
         quiet = ["-q"] if arguments[0] == "hexahedra" else []
         return super().expect_error(code, words, *arguments, *quiet, **options)
+
+    def expect_full_after(self, pages, command, old):
+        """Runs out of a disk of so many free pages; what stood there stays, and nothing else."""
+        out = self.folder / "out"
+        self.assertTrue(mounts(out, "-t", "tmpfs", "-o", f"size={(pages + len(old)) * PAGE}",
+                               "none"))
+        try:
+            for name in old:
+                (out / name).write_text(f"old {name}")  # one page
+            said = self.expect(5, *command, "--force", "--progress", "none", "-q").stderr
+            self.assertIn("no space left", said)
+            self.assertEqual(sorted(os.listdir(out)), sorted(old))
+            for name in old:
+                self.assertEqual((out / name).read_text(), f"old {name}")
+        finally:
+            subprocess.run(["umount", out], check=True)
+
+    def test_a_disk_that_fills_in_the_middle_leaves_what_stood_there(self):
+        out = self.folder / "out"
+        if not mounts(out, "-t", "tmpfs", "-o", "size=4k", "none"):
+            self.skipTest("needs the right to mount a tmpfs")
+        subprocess.run(["umount", out], check=True)
+        for command, path in self.commands("out"):
+            if path.endswith("parts"):
+                continue
+            with self.subTest(path):
+                self.expect(0, *command, "-q")
+                size = (self.folder / path).stat().st_size
+                (self.folder / path).unlink()
+                pages = -(-size // PAGE)
+                self.assertGreater(pages, 8)
+                name = os.path.basename(path)
+                self.expect_full_after(pages // 2, command, [])
+                self.expect_full_after(pages - 1, command, [name])
+
+    def test_a_disk_too_small_for_the_report_leaves_no_surface_either(self):
+        out = self.folder / "out"
+        if not mounts(out, "-t", "tmpfs", "-o", "size=4k", "none"):
+            self.skipTest("needs the right to mount a tmpfs")
+        subprocess.run(["umount", out], check=True)
+        command = ["surface", "good.8vo", "--isovalue", "0", *ALL_TRIANGLES, "-o", "out/x.stl",
+                   "--report", "out/x.json"]
+        self.expect(0, *command)
+        pages = -(-(out / "x.stl").stat().st_size // PAGE)
+        for name in ["x.stl", "x.json"]:
+            (out / name).unlink()
+        self.expect_full_after(pages, command, [])
+        self.expect_full_after(pages, command, ["x.json", "x.stl"])
 
 
 if __name__ == "__main__":
