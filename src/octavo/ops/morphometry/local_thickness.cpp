@@ -8,16 +8,32 @@
 
 namespace octavo {
 
-/// One plane that balls are painted into.
+namespace {
+
+constexpr std::int64_t kTile = 8;        // voxels of a side of a tile
+constexpr std::int64_t kTilesAWord = 64;
+
+/// Bits [lo, hi] of a word.
+std::uint64_t bits_of(std::int64_t lo, std::int64_t hi) {
+  return (~std::uint64_t{0} << lo) & (~std::uint64_t{0} >> (63 - hi));
+}
+
+}  // namespace
+
+/// One plane that balls are painted into: tiles of 8 x 8 voxels, whose bits say which are left,
+/// and a bit for each tile that has any, so that what is painted costs nothing to pass over.
 class LocalThickness::Plane {
  public:
   Plane(const ThicknessClass& asked, const Point3& spacing, std::int64_t z, float* mm)
       : size_(asked.mask.size()),
-        words_((size_.x + 63) / 64),
-        spacing_(spacing),
+        tiles_across_((size_.x + kTile - 1) / kTile),
+        words_((tiles_across_ + kTilesAWord - 1) / kTilesAWord),
+        half_{0.5 * spacing[0], 0.5 * spacing[1], 0.5 * spacing[2]},
         z_(z),
-        mm_(mm),
-        left_(static_cast<std::size_t>(words_ * size_.y)) {
+        mm_(mm) {
+    const std::int64_t tiles_down = (size_.y + kTile - 1) / kTile;
+    tiles_.resize(static_cast<std::size_t>(tiles_across_ * tiles_down));
+    has_left_.resize(static_cast<std::size_t>(words_ * tiles_down));
     const Box box = {{0, 0, z}, {size_.x, size_.y, z + 1}};
     std::vector<std::uint8_t> voxels(static_cast<std::size_t>(size_.x * size_.y));
     std::vector<std::uint8_t> region(voxels.size(), 1);
@@ -28,74 +44,110 @@ class LocalThickness::Plane {
       for (std::int64_t x = 0; x < size_.x; ++x) {
         const auto i = static_cast<std::size_t>(y * size_.x + x);
         const auto bit = static_cast<std::uint64_t>((voxels[i] ^ flip) & region[i]);
-        left_[static_cast<std::size_t>(y * words_ + x / 64)] |= bit << (x & 63);
+        tile(x / kTile, y / kTile) |= bit << (y % kTile * kTile + x % kTile);
+      }
+    }
+    for (std::int64_t y = 0; y < tiles_down; ++y) {
+      for (std::int64_t x = 0; x < tiles_across_; ++x) {
+        if (tile(x, y) == 0) continue;
+        has_left(x / kTilesAWord, y) |= std::uint64_t{1} << (x % kTilesAWord);
+        ++tiles_left_;
       }
     }
     std::fill(mm, mm + size_.x * size_.y, 0.0F);
   }
 
+  bool is_done() const { return tiles_left_ == 0; }
+
   void paint(const FittingBall& ball) {
     const double radius = ball.reach_mm * (1 - 1e-6);
-    const double dz = static_cast<double>(2 * z_ + 1 - ball.half_index[2]) * 0.5 * spacing_[2];
+    const double dz = static_cast<double>(2 * z_ + 1 - ball.half_index[2]) * half_[2];
     const double in_plane = radius * radius - dz * dz;
     if (in_plane < 0) return;
-    const double half_rows = std::sqrt(in_plane) / (0.5 * spacing_[1]);
-    const std::int64_t y_lo = first(ball.half_index[1], half_rows);
-    const std::int64_t y_hi = last(ball.half_index[1], half_rows, size_.y);
-    const double widest = std::sqrt(in_plane) / (0.5 * spacing_[0]);
-    const std::int64_t word_lo = first(ball.half_index[0], widest) / 64;
-    const std::int64_t word_hi = last(ball.half_index[0], widest, size_.x) / 64;
-    for (std::int64_t y = y_lo; y <= y_hi; ++y) {
-      if (is_painted(y, word_lo, word_hi)) continue;
-      const double dy = static_cast<double>(2 * y + 1 - ball.half_index[1]) * 0.5 * spacing_[1];
-      const double in_row = in_plane - dy * dy;
-      if (in_row < 0) continue;
-      const double half_columns = std::sqrt(in_row) / (0.5 * spacing_[0]);
-      const std::int64_t lo = first(ball.half_index[0], half_columns);
-      const std::int64_t hi = last(ball.half_index[0], half_columns, size_.x);
-      if (lo <= hi) paint_row(y, lo, hi, 2 * ball.radius_mm);
+    const double reach = std::sqrt(in_plane);
+    const Disc disc{ball.half_index[0], ball.half_index[1], in_plane, 2 * ball.radius_mm};
+    const Span rows = span(disc.y, reach / half_[1], size_.y);
+    const Span columns = span(disc.x, reach / half_[0], size_.x);
+    if (rows.lo > rows.hi || columns.lo > columns.hi) return;
+    const Span tiles{columns.lo / kTile, columns.hi / kTile};
+    for (std::int64_t y = rows.lo / kTile; y <= rows.hi / kTile; ++y) {
+      for (std::int64_t word = tiles.lo / kTilesAWord; word <= tiles.hi / kTilesAWord; ++word) {
+        std::uint64_t bits = has_left(word, y);
+        if (bits == 0) continue;
+        const std::int64_t first = word * kTilesAWord;
+        bits &= bits_of(std::max(tiles.lo - first, std::int64_t{0}),
+                        std::min(tiles.hi - first, kTilesAWord - 1));
+        for (; bits != 0; bits &= bits - 1) {
+          paint_tile(disc, first + std::countr_zero(bits), y, rows);
+        }
+      }
     }
   }
 
  private:
+  struct Disc {
+    std::int32_t x;  // of its middle, in half voxels
+    std::int32_t y;
+    double squared_mm;
+    float thickness;
+  };
+  struct Span {
+    std::int64_t lo;
+    std::int64_t hi;
+  };
+
   /// The voxels whose centers lie within so many half voxels.
-  static std::int64_t first(std::int32_t half_index, double reach) {
-    const double lo = std::ceil(0.5 * (half_index - 1 - reach));
-    return std::max<std::int64_t>(static_cast<std::int64_t>(lo), 0);
-  }
-  static std::int64_t last(std::int32_t half_index, double reach, std::int64_t count) {
-    const double hi = std::floor(0.5 * (half_index - 1 + reach));
-    return std::min<std::int64_t>(static_cast<std::int64_t>(hi), count - 1);
-  }
-
-  /// Whether nothing is left in words of a row.
-  bool is_painted(std::int64_t y, std::int64_t lo, std::int64_t hi) const {
-    std::uint64_t any = 0;
-    for (std::int64_t word = lo; word <= hi; ++word) {
-      any |= left_[static_cast<std::size_t>(y * words_ + word)];
-    }
-    return any == 0;
+  static Span span(std::int32_t half_index, double reach, std::int64_t count) {
+    const double lo = 0.5 * (half_index - 1 - reach);
+    const double hi = 0.5 * (half_index - 1 + reach);
+    const auto lo_below = static_cast<std::int64_t>(lo);
+    const std::int64_t first = lo_below + (lo > static_cast<double>(lo_below) ? 1 : 0);
+    return {lo <= 0 ? 0 : first,
+            hi < 0 ? -1 : std::min(static_cast<std::int64_t>(hi), count - 1)};
   }
 
-  void paint_row(std::int64_t y, std::int64_t lo, std::int64_t hi, float thickness) {
-    std::uint64_t* const row = left_.data() + y * words_;
-    float* const out = mm_ + y * size_.x;
-    for (std::int64_t word = lo / 64; word <= hi / 64; ++word) {
-      std::uint64_t bits = row[word];
+  std::uint64_t& tile(std::int64_t x, std::int64_t y) {
+    return tiles_[static_cast<std::size_t>(y * tiles_across_ + x)];
+  }
+  std::uint64_t& has_left(std::int64_t word, std::int64_t y) {
+    return has_left_[static_cast<std::size_t>(y * words_ + word)];
+  }
+
+  void paint_tile(const Disc& disc, std::int64_t tile_x, std::int64_t tile_y, const Span& rows) {
+    std::uint64_t& left = tile(tile_x, tile_y);
+    const std::int64_t begin = tile_x * kTile;
+    const std::int64_t lo = std::max(rows.lo, tile_y * kTile);
+    const std::int64_t hi = std::min(rows.hi, tile_y * kTile + kTile - 1);
+    for (std::int64_t y = lo; y <= hi; ++y) {
+      const std::int64_t shift = y % kTile * kTile;
+      std::uint64_t bits = left >> shift & 255;
       if (bits == 0) continue;
-      if (word == lo / 64) bits &= ~std::uint64_t{0} << (lo & 63);
-      if (word == hi / 64) bits &= ~std::uint64_t{0} >> (63 - (hi & 63));
-      row[word] &= ~bits;
-      for (; bits != 0; bits &= bits - 1) out[64 * word + std::countr_zero(bits)] = thickness;
+      const double dy = static_cast<double>(2 * y + 1 - disc.y) * half_[1];
+      const double in_row = disc.squared_mm - dy * dy;
+      if (in_row < 0) continue;
+      const Span columns = span(disc.x, std::sqrt(in_row) / half_[0], size_.x);
+      const std::int64_t from = std::max(columns.lo - begin, std::int64_t{0});
+      const std::int64_t to = std::min(columns.hi - begin, kTile - 1);
+      if (from > to) continue;
+      bits &= bits_of(from, to);
+      left &= ~(bits << shift);
+      float* const out = mm_ + y * size_.x + begin;
+      for (; bits != 0; bits &= bits - 1) out[std::countr_zero(bits)] = disc.thickness;
     }
+    if (left != 0) return;
+    has_left(tile_x / kTilesAWord, tile_y) &= ~(std::uint64_t{1} << (tile_x % kTilesAWord));
+    --tiles_left_;
   }
 
   Size3 size_;
-  std::int64_t words_;  // of a row
-  Point3 spacing_;
+  std::int64_t tiles_across_;
+  std::int64_t words_;  // of a row of tiles
+  Point3 half_;         // of the spacing
   std::int64_t z_;
   float* mm_;
-  std::vector<std::uint64_t> left_;
+  std::int64_t tiles_left_ = 0;
+  std::vector<std::uint64_t> tiles_;
+  std::vector<std::uint64_t> has_left_;
 };
 
 double ThicknessSummary::quantile_mm(double share) const {
@@ -128,7 +180,10 @@ void LocalThickness::read(std::int64_t begin, std::int64_t end, float* mm) const
   const std::int64_t plane = asked_.mask.size().x * asked_.mask.size().y;
   tbb::parallel_for(begin, end, [&](std::int64_t z) {
     Plane painted(asked_, spacing_, z, mm + (z - begin) * plane);
-    for (const std::uint32_t i : near) painted.paint(balls_[i]);
+    for (const std::uint32_t i : near) {
+      if (painted.is_done()) break;
+      painted.paint(balls_[i]);
+    }
   });
 }
 

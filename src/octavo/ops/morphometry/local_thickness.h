@@ -2,7 +2,7 @@
 // class and covers the voxel's center.
 //
 // Balls are painted the largest first, so that every voxel is written once; voxels that are not
-// painted yet are bits of a row, 64 a word.
+// painted yet are bits of tiles of 8 x 8, and what is painted is passed over by whole tiles.
 //
 // Source  T. Hildebrand, P. Rüegsegger, A new method for the model-independent assessment of
 //         thickness in three-dimensional images, Journal of Microscopy 185 (1997)
