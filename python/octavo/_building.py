@@ -480,7 +480,8 @@ def _words_of(options, given):
         words += ["--spacing", ",".join(map(repr, _three(options["spacing"], "spacing")[::-1]))]
     for name, flag in (("access", "--access"), ("nan", "--nan"), ("inf", "--inf"),
                        ("channel", "--channel"), ("time", "--time")):
-        if given[name] is not None:
+        # Builds by parts have no channel and no time.
+        if given.get(name) is not None:
             words += [flag, str(given[name])]
     for name, flag in (("max_error", "--max-error"), ("keep_details", "--keep-details")):
         if given[name]:
