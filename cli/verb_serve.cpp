@@ -27,15 +27,15 @@ constexpr VerbText kServeText = {
     "encrypted.\n"
     "Pages of other sites may read the files with --allow-origin alone.\n\n"
     "With --as zarr3 each file also stands at its address with .zarr/ behind it, as an OME-Zarr\n"
-    "0.5 image whose chunks are decoded when they are asked for: neuroglancer takes\n"
-    "zarr3://ADDRESS, zarr-python and tensorstore the address itself. As such a file stays what\n"
-    "it was when the program was started.\n\n"
+    "0.5 image whose chunks are decoded when they are asked for, one at a time: zarr-python and\n"
+    "tensorstore take the address. As such a file stays what it was when the program was\n"
+    "started.\n\n"
     "Examples:\n"
     "  octavo serve head.8vo\n"
     "  octavo serve head.8vo organs.8vo --port 8080\n"
     "  octavo serve head.8vo --bind 0.0.0.0 --token auto\n"
     "  octavo serve head.8vo --allow-origin https://viewer.example.org\n"
-    "  octavo serve head.8vo --as zarr3 --allow-origin https://neuroglancer-demo.appspot.com"};
+    "  octavo serve head.8vo --as zarr3"};
 
 constexpr VerbText kViewText = {
     "view", "Show an .8vo file in the browser.",

@@ -1,6 +1,8 @@
 """OME-Zarr: keys without zarr, stores and images with what reads them, where it is installed."""
 
 import json
+import os
+import subprocess
 import zipfile
 import zlib
 
@@ -240,3 +242,33 @@ def test_xarray_opens_files_by_its_engine(path, volume, voxels):
         assert at.values == voxels[tuple(index)]
     with xarray.open_dataset(path, engine=OctavoBackend, level=1, real=True) as dataset:
         assert np.array_equal(dataset["voxels"].values, volume.real.levels[1][...])
+
+
+@pytest.fixture
+def served(path):
+    """The address at which the program gives out the volume as zarr."""
+    process = subprocess.Popen([os.environ["OCTAVO"], "serve", path, "--as", "zarr3", "--json"],
+                               stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+    with process:
+        text = ""
+        while not text.rstrip().endswith("}"):
+            line = process.stdout.readline()
+            assert line, text
+            text += line
+        yield json.loads(text)["zarr3"][0]
+        process.terminate()
+
+
+def test_zarr_reads_what_the_program_serves(zarr3, served, volume):
+    pytest.importorskip("fsspec")
+    pytest.importorskip("aiohttp")
+    group = zarr3.open_group(served, mode="r")
+    for view in volume.levels:
+        assert np.array_equal(group[str(view.level)][...], view[...])
+
+
+def test_tensorstore_reads_what_the_program_serves(served, volume):
+    tensorstore = pytest.importorskip("tensorstore")
+    for view in volume.levels:
+        array = tensorstore.open({"driver": "zarr3", "kvstore": f"{served}{view.level}/"}).result()
+        assert np.array_equal(array.read().result(), view[...])
