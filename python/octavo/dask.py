@@ -32,7 +32,8 @@ def build(source, path, *, client=None, parts=None, part_size=None, bands=None, 
 
     The file is that of `octavo.build`, byte for byte. Until it stands under its name, plan and
     parts lie in the folder PATH.parts; where a build fails or is killed, the same call goes on with
-    them.
+    them. A hidden mark of 116 bytes stays beside the file, by which a task that is run once more
+    knows that all is done.
 
     Parameters
     ----------
@@ -50,8 +51,7 @@ def build(source, path, *, client=None, parts=None, part_size=None, bands=None, 
         How often a part that fails is tried again. One whose worker dies is given to another one,
         as often as the cluster allows.
     joins_side_by_side : bool
-        Parts are copied into the file by as many workers as there are. A hidden mark of 116 bytes
-        stays beside it. Else one worker copies all.
+        Parts are copied into the file by as many workers as there are. Else one worker copies all.
     kind, spacing, preset, access, max_error, keep_details, nan, inf, thumbnail, overwrite
         As of `octavo.build`.
     threads : int
