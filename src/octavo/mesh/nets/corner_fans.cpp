@@ -76,30 +76,27 @@ CornerFans::CornerFans() {
                                                : fans_[number][sets[face]];
     }
     if (fan_count > 1) is_touching_[number] = true;
+    find_surfaces(mask);
+  }
+}
+
+void CornerFans::find_surfaces(CornerMask mask) {
+  CornerSurfaces& found = surfaces_[mask];
+  for (std::size_t face = 0; face < kFaces; ++face) {
+    if (!is_parted(mask, face)) continue;
+    found.set_fan(face, own_voxel(mask, face) == voxels_of_face(face)[1], fan(mask, face));
+  }
+  for (std::size_t direction = 0; direction < 6; ++direction) {
+    const CornerEdge edge{direction / 2, direction % 2 != 0};
+    unsigned around = 0;
+    for (std::size_t k = 0; k < 4; ++k) around |= unsigned{has_voxel(mask, edge.voxel(k))} << k;
+    if (around == 0b1001 || around == 0b0110) found.cross(edge, around == 0b1001);
   }
 }
 
 const CornerFans& CornerFans::shared() {
   static const CornerFans fans;
   return fans;
-}
-
-bool is_crossed(CornerClasses classes, const CornerEdge& edge) {
-  std::array<std::uint32_t, 4> around{};
-  for (std::size_t k = 0; k < 4; ++k) around[k] = classes >> 3 * edge.voxel(k) & 7;
-  const auto& [a, b, c, d] = around;
-  return (a == d && a != b && a != c) || (b == c && b != a && b != d);
-}
-
-unsigned edge_fan(CornerClasses classes, const CornerEdge& edge, std::size_t voxel) {
-  const std::size_t own = edge.around(voxel);
-  const auto class_at = [&](std::size_t around) {
-    return classes >> 3 * edge.voxel(around) & 7;
-  };
-  const std::uint32_t label = class_at(own);
-  const bool touches_itself = class_at(own ^ 3) == label && class_at(own ^ 1) != label &&
-                              class_at(own ^ 2) != label;
-  return touches_itself ? static_cast<unsigned>(own >> 1) : 0;
 }
 
 }  // namespace octavo

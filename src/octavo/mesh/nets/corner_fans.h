@@ -17,41 +17,6 @@ namespace octavo {
 /// Which of the eight voxels have a label.
 using CornerMask = std::uint8_t;
 
-class CornerFans {
- public:
-  static constexpr std::size_t kFaces = 12;
-
-  static const CornerFans& shared();
-
-  /// The fan that a face belongs to, 0 to 3. Requires a face of the surface of the mask.
-  unsigned fan(CornerMask mask, std::size_t face) const {
-    return static_cast<unsigned>(fans_[mask][face]);
-  }
-  /// Whether there is more than one fan, or an edge with four faces.
-  bool is_touching(CornerMask mask) const { return is_touching_[mask]; }
-
- private:
-  CornerFans();
-
-  std::array<std::array<std::uint8_t, kFaces>, 256> fans_{};
-  std::array<bool, 256> is_touching_{};
-};
-
-/// Classes of the voxels of a corner, 3 bits each: equal where their labels are equal.
-using CornerClasses = std::uint32_t;
-
-/// The voxels of the class that a voxel has.
-inline CornerMask class_mask(CornerClasses classes, std::size_t voxel) {
-  constexpr std::uint32_t kOnes = 011111111;  // one bit of each class
-  // Those that differ from the voxel's in any bit
-  const std::uint32_t others = classes ^ (classes >> 3 * voxel & 7) * kOnes;
-  std::uint32_t mask = ~(others | others >> 1 | others >> 2) & kOnes;
-  // Every third bit joined
-  mask = (mask | mask >> 2) & 0x0c30c3u;
-  mask = (mask | mask >> 4) & 0x00f00fu;
-  return static_cast<CornerMask>(mask | mask >> 8);
-}
-
 /// An edge that ends at the corner.
 struct CornerEdge {
   std::size_t axis = 0;
@@ -67,14 +32,67 @@ struct CornerEdge {
   std::size_t around(std::size_t voxel) const {
     return (voxel >> (axis + 1) % 3 & 1) | (voxel >> (axis + 2) % 3 & 1) << 1;
   }
+  std::size_t number() const { return 2 * axis + (is_upward ? 1 : 0); }
 };
 
-/// Whether a label touches itself along an edge: it has two voxels there that share no face, and
-/// neither of the others.
-bool is_crossed(CornerClasses classes, const CornerEdge& edge);
+/// The surfaces of all labels around a corner: those of each label's mask joined.
+class CornerSurfaces {
+ public:
+  void set_fan(std::size_t face, bool is_above, unsigned fan) {
+    bits_ |= std::uint64_t{fan} << (4 * face + (is_above ? 2 : 0));
+  }
+  /// The label has voxels 0 and 3, or 1 and 2, around an edge, and neither of the others.
+  void cross(const CornerEdge& edge, bool is_of_first) {
+    bits_ |= std::uint64_t{is_of_first ? 1u : 2u} << (kEdges + 2 * edge.number());
+  }
+  void join(const CornerSurfaces& other) { bits_ |= other.bits_; }
 
-/// Which of the surfaces of its label that meet along an edge a voxel's is, 0 or 1; 0 where its
-/// label has but one.
-unsigned edge_fan(CornerClasses classes, const CornerEdge& edge, std::size_t voxel);
+  /// The fans of the surfaces of both voxels of a face, 2 bits each, the voxel below first.
+  /// Requires that their labels differ.
+  unsigned fans(std::size_t face) const { return static_cast<unsigned>(bits_ >> 4 * face & 15); }
+  /// Whether a label touches itself along an edge: it has two voxels there that share no face, and
+  /// neither of the others.
+  bool is_crossed(const CornerEdge& edge) const { return crossings(edge) != 0; }
+  /// Which of the surfaces of its label that meet along an edge a voxel's is, 0 or 1; 0 where its
+  /// label has but one.
+  unsigned edge_fan(const CornerEdge& edge, std::size_t voxel) const {
+    const std::size_t around = edge.around(voxel);
+    if (around < 2) return 0;
+    return around == 3 ? crossings(edge) & 1 : crossings(edge) >> 1;
+  }
+
+ private:
+  static constexpr std::size_t kEdges = 48;  // behind 4 bits for each of 12 faces
+
+  unsigned crossings(const CornerEdge& edge) const {
+    return static_cast<unsigned>(bits_ >> (kEdges + 2 * edge.number()) & 3);
+  }
+
+  std::uint64_t bits_ = 0;
+};
+
+class CornerFans {
+ public:
+  static constexpr std::size_t kFaces = 12;
+
+  static const CornerFans& shared();
+
+  /// The fan that a face belongs to, 0 to 3. Requires a face of the surface of the mask.
+  unsigned fan(CornerMask mask, std::size_t face) const {
+    return static_cast<unsigned>(fans_[mask][face]);
+  }
+  /// Whether there is more than one fan, or an edge with four faces.
+  bool is_touching(CornerMask mask) const { return is_touching_[mask]; }
+  /// Those of one label.
+  const CornerSurfaces& surfaces(CornerMask mask) const { return surfaces_[mask]; }
+
+ private:
+  CornerFans();
+  void find_surfaces(CornerMask mask);
+
+  std::array<std::array<std::uint8_t, kFaces>, 256> fans_{};
+  std::array<bool, 256> is_touching_{};
+  std::array<CornerSurfaces, 256> surfaces_{};
+};
 
 }  // namespace octavo

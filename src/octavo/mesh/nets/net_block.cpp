@@ -146,7 +146,7 @@ class QuadJoiner {
       const NetBlock& block = *block_at(place);
       if (!block.is_touching(place[0], place[1], place[2])) continue;
       const CornerEdge side{(at ^ next) == 1 ? u : v, next > at};
-      add_fans_at(block.classes_of(place[0], place[1], place[2]),
+      add_fans_at(block.surfaces_of(place[0], place[1], place[2]),
                   {axis, 3 - at, is_inside_behind, side}, k, quad);
     }
   }
@@ -162,21 +162,19 @@ class QuadJoiner {
     return blocks_[before[2]][before[1]][before[0]];
   }
 
-  void add_fans_at(CornerClasses classes, const SeenFace& face, std::size_t k,
-                   NetQuad& quad) const {
+  static void add_fans_at(const CornerSurfaces& surfaces, const SeenFace& face, std::size_t k,
+                          NetQuad& quad) {
+    // That of the label inside first
+    unsigned fans = surfaces.fans(4 * face.axis + face.around);
+    if (face.is_inside_behind) fans = (fans & 3) << 2 | fans >> 2;
+    quad.corner_fans = static_cast<std::uint16_t>(quad.corner_fans | fans << 4 * k);
+    if (!surfaces.is_crossed(face.side)) return;
+    quad.crossed_sides = static_cast<std::uint8_t>(quad.crossed_sides | 1u << k);
     const std::array<std::size_t, 2> voxels = {
         CornerEdge{face.axis, face.is_inside_behind}.voxel(face.around),
         CornerEdge{face.axis, !face.is_inside_behind}.voxel(face.around)};
-    const bool is_side_crossed = is_crossed(classes, face.side);
-    if (is_side_crossed) {
-      quad.crossed_sides = static_cast<std::uint8_t>(quad.crossed_sides | 1u << k);
-    }
     for (std::size_t side = 0; side < 2; ++side) {
-      const unsigned fan =
-          fans_.fan(class_mask(classes, voxels[side]), 4 * face.axis + face.around);
-      quad.corner_fans = static_cast<std::uint16_t>(quad.corner_fans | fan << (4 * k + 2 * side));
-      if (!is_side_crossed) continue;
-      const unsigned side_fan = edge_fan(classes, face.side, voxels[side]);
+      const unsigned side_fan = surfaces.edge_fan(face.side, voxels[side]);
       quad.side_fans = static_cast<std::uint8_t>(quad.side_fans | side_fan << (2 * k + side));
     }
   }
@@ -185,7 +183,6 @@ class QuadJoiner {
   const NetBlock& block_;
   bool is_mirrored_;
   std::array<std::vector<SeenRow>, 2> planes_;  // even z, odd z
-  const CornerFans& fans_ = CornerFans::shared();
 };
 
 }  // namespace
@@ -254,10 +251,10 @@ void NetBlockMaker<T>::make_row(const Index3& corner, int y, int z, NetBlock& bl
   for (std::uint64_t left = candidates(y, z); left != 0; left &= left - 1) {
     const int x = std::countr_zero(left);
     bool is_touching = false;
-    const CornerClasses classes = classes_at(x, y, z, is_touching);
+    const CornerSurfaces surfaces = surfaces_at(x, y, z, is_touching);
     if (!is_touching) continue;
     row.touching |= std::uint64_t{1} << x;
-    block.touching.push_back(classes);
+    block.touching.push_back(surfaces);
   }
 
   // Faces whose last corners these are
@@ -317,11 +314,10 @@ std::uint64_t NetBlockMaker<T>::candidates(int y, int z) const {
 }
 
 template <class T>
-CornerClasses NetBlockMaker<T>::classes_at(int x, int y, int z, bool& is_touching) const {
+CornerSurfaces NetBlockMaker<T>::surfaces_at(int x, int y, int z, bool& is_touching) const {
   const T* const first = labels.at(x - 1, y - 1, z - 1);
   std::array<T, 8> found;  // labels by class
   std::array<CornerMask, 8> masks{};
-  CornerClasses classes = 0;
   std::size_t count = 0;
   for (std::size_t voxel = 0; voxel < 8; ++voxel) {
     const T label = first[static_cast<std::ptrdiff_t>(voxel & 1) +
@@ -331,11 +327,14 @@ CornerClasses NetBlockMaker<T>::classes_at(int x, int y, int z, bool& is_touchin
     while (own < count && found[own] != label) ++own;
     if (own == count) found[count++] = label;
     masks[own] = static_cast<CornerMask>(masks[own] | 1u << voxel);
-    classes |= static_cast<CornerClasses>(own) << 3 * voxel;
   }
   const CornerFans& fans = CornerFans::shared();
-  for (std::size_t i = 0; i < count; ++i) is_touching = is_touching || fans.is_touching(masks[i]);
-  return classes;
+  CornerSurfaces surfaces;
+  for (std::size_t i = 0; i < count; ++i) {
+    is_touching = is_touching || fans.is_touching(masks[i]);
+    surfaces.join(fans.surfaces(masks[i]));
+  }
+  return surfaces;
 }
 
 template <class T>

@@ -43,7 +43,7 @@ struct NetRow {
 struct NetBlock {
   std::vector<NetRow> rows = std::vector<NetRow>(kSurfaceSide * kSurfaceSide);  ///< [z][y]
   std::vector<NetPoint> points;
-  std::vector<CornerClasses> touching;  ///< of corners at which a label touches itself
+  std::vector<CornerSurfaces> touching;  ///< of corners at which a label touches itself
   std::vector<NetFace> faces;
   std::vector<LabelPair> pairs;
   std::uint32_t first_point = 0;            ///< what is added to all numbers
@@ -54,7 +54,7 @@ struct NetBlock {
   }
   bool is_touching(int x, int y, int z) const { return (row(y, z).touching >> x & 1) != 0; }
   /// Requires a touching corner.
-  CornerClasses classes_of(int x, int y, int z) const {
+  const CornerSurfaces& surfaces_of(int x, int y, int z) const {
     const NetRow& own = row(y, z);
     const std::uint64_t below = own.touching & ((std::uint64_t{1} << x) - 1);
     return touching[own.first_touching + static_cast<std::size_t>(std::popcount(below))];
@@ -97,7 +97,7 @@ class NetBlockMaker {
   void make_row(const Index3& corner, int y, int z, NetBlock& block);
   void add_faces(std::uint64_t bits, int axis, int y, int z, NetBlock& block);
   std::uint64_t candidates(int y, int z) const;
-  CornerClasses classes_at(int x, int y, int z, bool& is_touching) const;
+  CornerSurfaces surfaces_at(int x, int y, int z, bool& is_touching) const;
   std::uint32_t pair_number(T inside, T outside, NetBlock& block);
 
   SurfaceRows<Differences> differences_;

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <bit>
+#include <array>
 #include <set>
 
 namespace octavo {
@@ -19,6 +19,12 @@ std::set<unsigned> fans_of(CornerMask mask) {
     }
   }
   return fans;
+}
+
+CornerSurfaces surfaces_of(const std::array<CornerMask, 4>& masks) {
+  CornerSurfaces all;
+  for (const CornerMask mask : masks) all.join(CornerFans::shared().surfaces(mask));
+  return all;
 }
 
 TEST(CornerFans, AreOneForEachSurface) {
@@ -51,21 +57,40 @@ TEST(CornerFans, OfAnEdgeAreThoseOfItsVoxels) {
   // Along the upper z edge voxels 4 and 7 have one label, 5 and 6 others or one as well.
   const CornerEdge up{2, true};
   const CornerEdge down{2, false};
-  const auto classes = [](std::array<unsigned, 4> above) {
-    CornerClasses all = 0;
-    for (std::size_t k = 0; k < 4; ++k) all |= above[k] << 3 * (4 + k);
-    return all;
+  const auto classes = [](std::array<std::size_t, 4> above) {
+    std::array<CornerMask, 4> masks = {0b1111};
+    for (std::size_t k = 0; k < 4; ++k) {
+      masks[above[k]] = static_cast<CornerMask>(masks[above[k]] | 1u << (4 + k));
+    }
+    return surfaces_of(masks);
   };
-  for (const CornerClasses crossed : {classes({1, 2, 2, 1}), classes({1, 2, 3, 1})}) {
-    EXPECT_TRUE(is_crossed(crossed, up));
-    EXPECT_FALSE(is_crossed(crossed, down));
-    EXPECT_EQ(edge_fan(crossed, up, 4), 0u);
-    EXPECT_EQ(edge_fan(crossed, up, 7), 1u);
+  for (const CornerSurfaces& crossed : {classes({1, 2, 2, 1}), classes({1, 2, 3, 1})}) {
+    EXPECT_TRUE(crossed.is_crossed(up));
+    EXPECT_FALSE(crossed.is_crossed(down));
+    EXPECT_EQ(crossed.edge_fan(up, 4), 0u);
+    EXPECT_EQ(crossed.edge_fan(up, 7), 1u);
   }
-  EXPECT_EQ(edge_fan(classes({1, 2, 2, 1}), up, 6), 1u);
-  EXPECT_EQ(edge_fan(classes({1, 2, 3, 1}), up, 6), 0u);
-  EXPECT_FALSE(is_crossed(classes({1, 2, 3, 4}), up));
-  EXPECT_FALSE(is_crossed(classes({1, 1, 2, 1}), up));
+  EXPECT_EQ(classes({1, 2, 2, 1}).edge_fan(up, 6), 1u);
+  EXPECT_EQ(classes({1, 2, 3, 1}).edge_fan(up, 6), 0u);
+  EXPECT_FALSE(classes({0, 1, 2, 3}).is_crossed(up));
+  EXPECT_FALSE(classes({1, 1, 2, 1}).is_crossed(up));
+}
+
+TEST(CornerFans, OfSurfacesAreThoseOfEachMask) {
+  for (unsigned number = 0; number < 256; ++number) {
+    const auto mask = static_cast<CornerMask>(number);
+    const auto rest = static_cast<CornerMask>(~number);
+    const CornerSurfaces surfaces = surfaces_of({mask, rest});
+    for (std::size_t face = 0; face < CornerFans::kFaces; ++face) {
+      const std::size_t below = CornerEdge{face / 4, false}.voxel(face % 4);
+      const std::size_t above = CornerEdge{face / 4, true}.voxel(face % 4);
+      if ((mask >> below & 1) == (mask >> above & 1)) continue;
+      const bool is_below = (mask >> below & 1) != 0;
+      const unsigned first = CornerFans::shared().fan(is_below ? mask : rest, face);
+      const unsigned second = CornerFans::shared().fan(is_below ? rest : mask, face);
+      EXPECT_EQ(surfaces.fans(face), first | second << 2) << number << " " << face;
+    }
+  }
 }
 
 }  // namespace
