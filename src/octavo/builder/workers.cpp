@@ -5,22 +5,23 @@
 namespace octavo {
 
 void Workers::start(std::function<void()> work) {
-  waiting_->push(std::move(work));
-  arena_.enqueue([waiting = waiting_] { waiting->run_oldest(); });
+  const std::lock_guard lock(waiting_->mutex);
+  waiting_->works.push_back(std::move(work));
+  try {
+    arena_.enqueue([waiting = waiting_] { run_oldest(*waiting); });
+  } catch (...) {
+    waiting_->works.pop_back();
+    throw;
+  }
 }
 
-void Workers::Queue::push(std::function<void()> work) {
-  const std::lock_guard lock(mutex_);
-  works_.push_back(std::move(work));
-}
-
-bool Workers::Queue::run_oldest() {
+bool Workers::run_oldest(Waiting& waiting) {
   std::function<void()> work;
   {
-    const std::lock_guard lock(mutex_);
-    if (works_.empty()) return false;
-    work = std::move(works_.front());
-    works_.pop_front();
+    const std::lock_guard lock(waiting.mutex);
+    if (waiting.works.empty()) return false;
+    work = std::move(waiting.works.front());
+    waiting.works.pop_front();
   }
   work();
   return true;

@@ -36,11 +36,12 @@ class Workers {
   }
 
   /// Has one of the threads run `work`, which must not throw, and does not wait for it. Work starts
-  /// in the order it was given in, before idle threads help with what runs in parallel.
+  /// in the order it was given in, before idle threads help with what runs in parallel. Throws
+  /// std::bad_alloc; `work` is dropped then.
   void start(std::function<void()> work);
 
   /// Runs work of start() that no thread has begun, the oldest. False: there is none.
-  bool help() { return waiting_->run_oldest(); }
+  bool help() { return run_oldest(*waiting_); }
 
   /// Waits until `is_there()`, which `lock` guards and `changed` announces. Runs what the threads
   /// leave lying meanwhile: those of TBB look for work where there was some, yielding to all other
@@ -59,20 +60,17 @@ class Workers {
   static constexpr std::chrono::milliseconds kPatience{5};
 
   /// Work in its order. A thread may come for it when another one has done it, and this is gone.
-  class Queue {
-   public:
-    void push(std::function<void()> work);
-    bool run_oldest();
-
-   private:
-    std::mutex mutex_;
-    std::deque<std::function<void()>> works_;
+  struct Waiting {
+    std::mutex mutex;
+    std::deque<std::function<void()>> works;
   };
+
+  static bool run_oldest(Waiting& waiting);
 
   tbb::global_control limit_;
   tbb::task_arena arena_;
   int threads_;
-  std::shared_ptr<Queue> waiting_ = std::make_shared<Queue>();
+  std::shared_ptr<Waiting> waiting_ = std::make_shared<Waiting>();
 };
 
 }  // namespace octavo
