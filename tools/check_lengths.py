@@ -15,7 +15,7 @@ MAX_README_LINES = 40
 MAX_COLUMNS = 100
 MAX_SOURCES = 30
 FOLDERS = ("src", "cli", "tests", "bench", "tools", "examples", "cmake", "web", "python")
-GENERATED = {"node_modules", "dist", "__pycache__"}
+GENERATED = {"node_modules", "__pycache__"}
 SOURCES = {".h", ".cpp", ".py", ".cmake", ".ts", ".js"}
 
 
@@ -23,8 +23,12 @@ def sources(root: pathlib.Path):
     for folder in FOLDERS:
         for path in sorted((root / folder).rglob("*")):
             is_source = path.suffix in SOURCES or path.name in ("README.md", "CMakeLists.txt")
-            if path.is_file() and is_source and not GENERATED & set(path.relative_to(root).parts):
+            if path.is_file() and is_source and not is_generated(path.relative_to(root).parts):
                 yield path
+
+
+def is_generated(parts) -> bool:
+    return bool(GENERATED & set(parts)) or (parts[0] == "web" and "dist" in parts)
 
 
 def check_file(path: pathlib.Path, root: pathlib.Path) -> list[str]:
