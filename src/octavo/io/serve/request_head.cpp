@@ -53,6 +53,19 @@ std::optional<int> hexadecimal(char c) {
   return std::nullopt;
 }
 
+/// Leaves the path of "http://host/path?query" and takes its host; gives a status.
+int take_absolute_target(std::string_view& target, RequestHead& head) {
+  constexpr std::string_view kScheme = "http://";
+  if (lower(target.substr(0, kScheme.size())) != kScheme) return kNotFound;
+  target.remove_prefix(kScheme.size());
+  const std::size_t end = std::min(target.find_first_of("/?"), target.size());
+  const std::string_view host = target.substr(0, end);
+  if (host.empty() || host.find('@') != std::string_view::npos) return kBadRequest;
+  head.host = host;
+  target.remove_prefix(end);
+  return 0;
+}
+
 /// Takes "GET /x?y HTTP/1.1" apart; gives a status.
 int take_request_line(std::string_view line, RequestHead& head) {
   const std::size_t first = line.find(' ');
@@ -68,7 +81,9 @@ int take_request_line(std::string_view line, RequestHead& head) {
   if (!is_token(head.method)) return kBadRequest;
   std::string_view target = line.substr(first + 1, second - first - 1);
   if (target.empty() || !is_field_text(target)) return kBadRequest;
-  if (target.front() != '/') return kNotFound;
+  if (target.front() != '/') {
+    if (const int status = take_absolute_target(target, head); status != 0) return status;
+  }
   const std::size_t question = target.find('?');
   if (question != std::string_view::npos) {
     head.query = target.substr(question + 1);
@@ -76,7 +91,7 @@ int take_request_line(std::string_view line, RequestHead& head) {
   }
   auto path = percent_decoded(target);
   if (!path) return kNotFound;
-  head.path = std::move(*path);
+  head.path = path->empty() ? "/" : std::move(*path);
   return 0;
 }
 
@@ -97,7 +112,8 @@ int take_field(std::string_view line, RequestHead& head, bool& has_host) {
   if (name == "host") {
     is_right = !has_host;
     has_host = true;
-    head.host = value;
+    // The host of an absolute target goes before.
+    if (head.host.empty()) head.host = value;
   } else if (name == "origin") {
     is_right = take_once(head.origin, value);
   } else if (name == "range") {
@@ -132,6 +148,7 @@ ParsedHead parse_request_head(std::string_view bytes) {
   ParsedHead parsed;
   bool has_host = false;
   bool is_first = true;
+  if (bytes.starts_with(kLineEnd)) bytes.remove_prefix(kLineEnd.size());
   while (parsed.status == 0) {
     const std::size_t end = bytes.find(kLineEnd);
     if (end == std::string_view::npos) {

@@ -20,7 +20,7 @@ struct RequestHead {
   std::string method;
   std::string path;   ///< percent-decoded, begins with "/"; without the query
   std::string query;  ///< as it was sent, without "?"
-  std::string host;   ///< empty where there is none
+  std::string host;   ///< of an absolute target, else of the field; empty where there is none
   std::optional<std::string> origin;
   std::optional<std::string> range;
   std::optional<std::string> if_range;
@@ -39,8 +39,9 @@ struct ParsedHead {
 /// Where the head in `bytes` ends, behind its empty line; nothing while it has not ended.
 std::optional<std::size_t> end_of_head(std::string_view bytes);
 
-/// Parses a head with its empty line. 400 for what is malformed or has a body, 404 for targets that
-/// are no path, 505 for other versions of HTTP.
+/// Parses a head with its empty line; one more before it is ignored. 400 for what is malformed or
+/// has a body, 404 for targets that are neither a path nor begin with "http://", 505 for other
+/// versions of HTTP.
 ParsedHead parse_request_head(std::string_view bytes);
 
 /// "%20" as a blank; nothing where a percent sign stands before anything but two hexadecimal

@@ -34,6 +34,23 @@ TEST(RequestHead, SaysWhetherTheConnectionStays) {
   EXPECT_FALSE(parsed("GET / HTTP/1.1\r\nConnection: Close\r\n").head.keeps_alive);
 }
 
+TEST(RequestHead, TakesTheHostOfAnAbsoluteTarget) {
+  const ParsedHead p = parsed("GET HTTP://127.0.0.1:80/a%20b?x HTTP/1.1\r\nHost: other\r\n");
+  ASSERT_EQ(p.status, 0);
+  EXPECT_EQ(p.head.path, "/a b");
+  EXPECT_EQ(p.head.query, "x");
+  EXPECT_EQ(p.head.host, "127.0.0.1:80");
+  EXPECT_EQ(parsed("GET http://localhost HTTP/1.1\r\n").head.path, "/");
+  EXPECT_EQ(parsed("GET http://localhost?x HTTP/1.1\r\n").head.query, "x");
+}
+
+TEST(RequestHead, IgnoresAnEmptyLineBefore) {
+  const ParsedHead p = parsed("\r\nGET /a HTTP/1.1\r\nHost: b\r\n");
+  ASSERT_EQ(p.status, 0);
+  EXPECT_EQ(p.head.path, "/a");
+  EXPECT_EQ(p.head.host, "b");
+}
+
 TEST(RequestHead, RejectsWhatCouldBeReadInTwoWays) {
   const struct {
     int status;
@@ -46,7 +63,12 @@ TEST(RequestHead, RejectsWhatCouldBeReadInTwoWays) {
       {400, "GET /\tx HTTX/1.1\r\n"},
       {505, "GET / HTTP/2.0\r\n"},
       {505, "GET / HTTP/1.10\r\n"},
-      {404, "GET http://127.0.0.1/ HTTP/1.1\r\n"},
+      {400, "\r\n\r\nGET / HTTP/1.1\r\n"},
+      {400, "GET http:///a HTTP/1.1\r\n"},
+      {400, "GET http://name@127.0.0.1/ HTTP/1.1\r\n"},
+      {404, "GET https://127.0.0.1/ HTTP/1.1\r\n"},
+      {404, "GET http:/a HTTP/1.1\r\n"},
+      {400, "GET http://a/ HTTP/1.1\r\nHost: a\r\nHost: a\r\n"},
       {404, "GET * HTTP/1.1\r\n"},
       {404, "GET /%zz HTTP/1.1\r\n"},
       {404, "GET /%00 HTTP/1.1\r\n"},
