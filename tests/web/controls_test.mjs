@@ -65,9 +65,21 @@ test("sides change places, a window is dragged, an angle is measured", async () 
     for (const at of [[0.4, 0.3], [0.4, 0.6], [0.6, 0.6]]) {
       await shown.mouse.click(...(await place(shown, "panel-z", ...at)));
     }
-    assert.match(await text(shown, "measurements"), /angle z \d+: (89\.|90\.)\d°/);
+    const isRight = async () =>
+      assert.match(await text(shown, "measurements"), /angle z \d+: (89\.|90\.)\d°/);
+    await isRight();
     await shown.keyboard.press("Delete");
     assert.deepEqual(await state(shown, "measurements"), [[]]);
+    // The first leg is dragged, the last point clicked; or the other way round.
+    await drag(shown, "panel-z", [0.4, 0.3], [0.4, 0.6]);
+    await shown.mouse.click(...(await place(shown, "panel-z", 0.6, 0.6)));
+    await isRight();
+    await shown.keyboard.press("Delete");
+    await shown.mouse.click(...(await place(shown, "panel-z", 0.4, 0.3)));
+    await drag(shown, "panel-z", [0.5, 0.5], [0.4, 0.6]);
+    await shown.mouse.click(...(await place(shown, "panel-z", 0.6, 0.6)));
+    await isRight();
+    await shown.keyboard.press("Delete");
   });
 });
 

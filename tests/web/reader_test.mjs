@@ -383,3 +383,15 @@ test("what is not there to be read is an error of its own", async () => {
   await assert.rejects(open(new Uint8Array(text), { name: "levels.txt", pool }),
     failsWith("not_octavo", /levels\.txt/));
 });
+
+test("an address with a name or password is rejected without a request", async () => {
+  host.log.length = 0;
+  for (const user of ["name", "name:word", ":word"]) {
+    const url = host.url.replace("//", `//${user}@`) + "/scan.8vo";
+    for (const source of [url, new URL(url)]) {
+      await assert.rejects(open(source, { pool }),
+        failsWith("invalid_argument", /^scan\.8vo: browsers reject addresses with/));
+    }
+  }
+  assert.equal(host.log.length, 0);
+});

@@ -51,6 +51,34 @@ test("labels lie over the scan, with names as text and never as markup", async (
   }, { viewport: { width: 900, height: 560 } });
 });
 
+test("a link shows the scan that it names, or says why not", async () => {
+  const shows = (shown, words) => shown.waitForFunction(
+    (part) => document.getElementById("message").textContent.includes(part), words,
+    { timeout: 60_000 });
+  host.files.set("/grey.8vo", files.scan);
+  await withPage("?url=scan.8vo&labels=grey.8vo", async (shown) => {
+    await shows(shown, "grey.8vo: holds no labels");
+    await settled(shown);
+    assert.equal(await text(shown, "title"), "scan.8vo");
+    assert.doesNotMatch(await shown.evaluate(() => octavo.permalink()), /labels/);
+  });
+  await withPage("?url=labels.8vo&labels=grey.8vo", async (shown) => {
+    await shows(shown, "grey.8vo: holds no labels");
+    assert.equal(await text(shown, "title"), "labels.8vo");
+  });
+  const listed = JSON.stringify([{ title: "scan", url: "scan.8vo" }]);
+  host.files.set("/files.json", Buffer.from(listed));
+  try {
+    await withPage("?url=javascript:alert(1)", async (shown) => {
+      await shows(shown, "url=javascript:alert(1) was rejected");
+      assert.equal(await shown.evaluate(() => octavo.session ?? null), null);
+      assert.equal(await shown.locator("#listed li").count(), 1);
+    });
+  } finally {
+    host.files.set("/files.json", Buffer.from("[]"));
+  }
+});
+
 test("keys, tools and links: what is seen can be passed on", async () => {
   await withPage("?url=scan.8vo&layout=z&at=75,65,40", async (shown) => {
     await settled(shown);

@@ -1,6 +1,11 @@
 import assert from "node:assert/strict";
 import test from "node:test";
-import { parsePermalink, permalinkText, safeUrl } from "../src/store/permalink.js";
+import {
+  parsePermalink,
+  permalinkText,
+  rejectedAddresses,
+  safeUrl,
+} from "../src/store/permalink.js";
 
 const base = "https://example.org/scans/";
 
@@ -32,4 +37,16 @@ test("whatever else stands in an address is left out", () => {
   assert.equal(safeUrl("http://[", base), undefined);
   assert.equal(safeUrl("a.8vo", base), `${base}a.8vo`);
   assert.equal(permalinkText({}, base), "");
+});
+
+test("an address that is not taken is a sentence", () => {
+  for (const text of ["javascript:alert(1)", "data:text/html,x", "file:///a", "http://["]) {
+    const rejected = rejectedAddresses(`?url=${text}&labels=a.8vo`, base);
+    assert.deepEqual([...rejected], [
+      ["url", `url=${text} was rejected: only http and https addresses are opened`],
+    ]);
+  }
+  assert.deepEqual([...rejectedAddresses("?url=a.8vo&labels=data:x", base).keys()], ["labels"]);
+  assert.equal(rejectedAddresses("?url=a.8vo&labels=https://b/c.8vo", base).size, 0);
+  assert.equal(rejectedAddresses("?at=1,2,3", base).size, 0);
 });

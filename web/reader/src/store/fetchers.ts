@@ -57,6 +57,12 @@ class UrlFetcher implements Fetcher {
 
   constructor(readonly url: string, readonly settings: FetchSettings) {
     this.name = settings.name ?? nameOfUrl(url);
+    const { username, password } = new URL(url);
+    if (username !== "" || password !== "") {
+      throw new OctavoError("invalid_argument",
+        `${this.name}: browsers reject addresses with a name or password in them, ` +
+        "user:password@host");
+    }
   }
 
   async fetchBytes(

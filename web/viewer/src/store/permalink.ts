@@ -48,6 +48,19 @@ export function safeUrl(text: string | null, base: string): string | undefined {
   }
 }
 
+/** A sentence for each address of a link that is not taken. */
+export function rejectedAddresses(search: string, base: string): Map<"url" | "labels", string> {
+  const query = new URLSearchParams(search);
+  const rejected = new Map<"url" | "labels", string>();
+  for (const key of ["labels", "url"] as const) {
+    const text = query.get(key);
+    if (!text || safeUrl(text, base) !== undefined) continue;
+    const start = text.length > 60 ? `${text.slice(0, 60)}…` : text;
+    rejected.set(key, `${key}=${start} was rejected: only http and https addresses are opened`);
+  }
+  return rejected;
+}
+
 export function parsePermalink(search: string, base: string): Permalink {
   const query = new URLSearchParams(search);
   const link: Permalink = {};

@@ -1,7 +1,12 @@
 // The viewer: opens volumes, joins panels and settings to the state, and says how true the picture
 // is.
 import { AXES, type Traffic, type Volume } from "../reader/volume.js";
-import { type Permalink, parsePermalink, permalinkText } from "../store/permalink.js";
+import {
+  type Permalink,
+  parsePermalink,
+  permalinkText,
+  rejectedAddresses,
+} from "../store/permalink.js";
 import { type StateKey, Store, emptyState } from "../store/state.js";
 import { usualTransfer, TRANSFER_PRESETS } from "../view/transfer.js";
 import { clampVoxel, orientationOf } from "../view/geometry.js";
@@ -124,11 +129,31 @@ export class App {
   /** Opens what the address of the page names, if it names anything. */
   async start(search: string): Promise<void> {
     this.link = parsePermalink(search, document.baseURI);
+    const rejected = rejectedAddresses(search, document.baseURI);
     const listed = this.link.url ? [] : await listedFiles();
-    if (listed.length === 1) this.link.url = listed[0]!.url;
+    // Never another scan than the one that a link names.
+    if (listed.length === 1 && !rejected.has("url")) this.link.url = listed[0]!.url;
     else showList(listed, (url) => void this.open(url));
     if (this.link.url) await this.open(this.link.url);
-    if (this.link.labels && this.session) await this.open(this.link.labels);
+    if (this.link.labels && this.session) await this.openLabels(this.link.labels);
+    for (const sentence of rejected.values()) this.messages.show(sentence, "error");
+  }
+
+  /** Labels that a link lays over its scan; anything else leaves the scan as it is. */
+  private async openLabels(url: string): Promise<void> {
+    try {
+      const volume = await this.opener(url);
+      const { kind, name } = volume.facts;
+      if (kind === "labels" && this.session?.facts.kind === "grey") this.openOverlay(volume, url);
+      else {
+        volume.close();
+        const why = kind === "grey" ? "holds no labels" : "labels lie over grey values alone";
+        this.messages.show(`${name}: ${why}; it is not laid over the scan`, "error");
+      }
+    } catch (error) {
+      this.desk.couldNotOpen(error, () => void this.openLabels(url));
+    }
+    this.fidelity.update(this.slices, this.rays);
   }
 
   /** Opens a scan; or labels over the one that is there. */

@@ -19,9 +19,14 @@ export interface Hover {
 
 type Action = "cursor" | "window" | "pan" | MeasureKind;
 
+/** What moves less than this is a click. */
+const DRAG_PIXELS = 5;
+
 export class SliceGestures {
   private readonly fingers = new Map<number, Finger>();
   private action: Action = "cursor";
+  /** Where the button or finger went down. */
+  private pressed: Finger = { x: 0, y: 0 };
   private wheelRest = 0;
 
   constructor(
@@ -50,6 +55,7 @@ export class SliceGestures {
     this.panel.element.focus({ preventScroll: true });
     (event.target as Element).setPointerCapture(event.pointerId);
     this.fingers.set(event.pointerId, { x: event.clientX, y: event.clientY });
+    this.pressed = { x: event.clientX, y: event.clientY };
     if (this.fingers.size > 1) {
       this.action = "pan";
       return;
@@ -92,11 +98,18 @@ export class SliceGestures {
     this.store.set({ measurements: [...whole, { kind, axis, slice, points }] });
   }
 
-  private dragPoint(voxel: Vec3): void {
+  private dragPoint(voxel: Vec3, event: PointerEvent): void {
     const all = this.store.now.measurements;
     const last = all.at(-1);
     if (!last) return;
-    const points = [...last.points.slice(0, -1), voxel];
+    let fixed = last.points.slice(0, -1);
+    if (last.kind === "angle" && fixed.length === 0) {
+      // The first leg of an angle may be dragged; a click that trembles is no drag.
+      const { x, y } = this.pressed;
+      if (Math.hypot(event.clientX - x, event.clientY - y) < DRAG_PIXELS) return;
+      fixed = [...last.points];
+    }
+    const points = [...fixed, voxel];
     this.store.set({ measurements: [...all.slice(0, -1), { ...last, points }] });
   }
 
@@ -120,7 +133,7 @@ export class SliceGestures {
     } else if (this.action === "pan") {
       const ratio = window.devicePixelRatio || 1;
       this.panel.pan(dx * ratio, dy * ratio);
-    } else this.dragPoint(voxel);
+    } else this.dragPoint(voxel, event);
     before.x = event.clientX;
     before.y = event.clientY;
   }
