@@ -93,6 +93,16 @@ class Surfaces(cli_test.InFolder):
             self.assertEqual((report["closed"], report["manifold"], report["self_intersections"]),
                              (True, True, 0))
             self.assertGreater(report["max_deviation_mm"], 0)
+        one = bytearray(5 * 6 * 7)
+        one[107] = 1
+        (self.folder / "one.raw").write_bytes(one)
+        self.expect(0, "build", "one.raw", "--raw", "5,6,7,uint8", "--spacing", "1", "-o",
+                    "one.8vo", "-qf")
+        for asked in ("8", "1000"):
+            report = self.json("surface", "one.8vo", "--isovalue", "0.5", "--triangles", asked,
+                               "-f", "-o", "few.stl")
+            self.assertEqual((report["triangles"], report["full_triangles"]), (8, 8))
+            self.assertEqual(report["max_deviation_mm"], 0)
         (self.folder / "few.stl").unlink()
         for asked, words in (("3", "each piece needs four"), ("0", "1 or more"),
                              ("101%", "up to 100"), ("many", "--triangles")):

@@ -89,7 +89,8 @@ double measured_deviation(const TriangleMesh& a, const TriangleMesh& b, double k
   if (!(known > margin)) return known;
   const TriangleTree a_tree(a);
   const TriangleTree b_tree(b);
-  const double one = OneWay(a, b_tree, known - margin, progress).proven_from(0);
+  // Growing by a factor, the distance cannot begin at 0, where surfaces are the same.
+  const double one = OneWay(a, b_tree, known - margin, progress).proven_from(margin);
   return OneWay(b, a_tree, known - margin, progress).proven_from(one) + margin;
 }
 

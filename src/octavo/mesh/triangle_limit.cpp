@@ -56,6 +56,10 @@ LimitedSurface decimate_to(const TriangleMesh& full, std::uint64_t limit,
   };
   LimitedSurface limited = searched(full, limit, geometry, reduce, progress);
   if (!limited.is_reached) return limited;
+  if (limited.triangle_count == full.triangles.size()) {
+    limited.max_deviation_mm = 0;
+    return limited;
+  }
   limited.max_deviation_mm =
       measured_deviation(full, limited.mesh, limited.max_deviation_mm,
                          kMeasuringMargin * shortest_side(geometry), progress);
@@ -69,7 +73,9 @@ LimitedSurface decimate_to(const TriangleMesh& first, std::uint64_t full_count,
     if (std::exchange(is_first, false)) return first;
     return decimate_further(base, full_count, deviation, geometry, progress).mesh;
   };
-  return searched(first, limit, geometry, reduce, progress);
+  LimitedSurface limited = searched(first, limit, geometry, reduce, progress);
+  if (limited.is_reached && limited.triangle_count == full_count) limited.max_deviation_mm = 0;
+  return limited;
 }
 
 std::uint64_t fewest_possible(const TriangleMesh& full) { return 4 * mesh_pieces(full).count; }
