@@ -39,7 +39,7 @@ constexpr VerbText kSurfaceText = {
     "other formats keep the place of the scan.\n\n"
     "--seed follows the piece of the surface there from brick to brick: those that it does not\n"
     "pass are not decoded, and how many were is said.\n\n"
-    "The surface has as few triangles as --max-deviation allows: every point of it lies within\n"
+    "The surface has few triangles, by what --max-deviation allows: every point of it lies within\n"
     "that distance of the full one, and every point of that one within it of the surface, which\n"
     "is proven. It is in mm, or as 0.5voxel in shortest sides of a voxel. Pieces and handles\n"
     "stay, and no triangles cross. With --max-deviation 0 all triangles stay, which takes less\n"
