@@ -153,7 +153,7 @@ test("fingers move the cursor, two of them zoom; a phone shows all tools", async
     const context = await browser.newContext({
       viewport: { width: 390, height: 780 }, hasTouch: true, isMobile: true });
     const shown = await context.newPage();
-    await shown.goto(`${host.url}/index.html?url=scan.8vo&layout=z`);
+    await shown.goto(`${host.url}/index.html?url=scan.8vo&layout=z&mode=volume`);
     await settled(shown);
     await shown.touchscreen.tap(...(await place(shown, "panel-z", 0.3, 0.5)));
     const [tapped] = await state(shown, "at");
@@ -174,6 +174,11 @@ test("fingers move the cursor, two of them zoom; a phone shows all tools", async
     assert.equal(isWide, false);
     // Settings are a button away.
     await shown.locator("button[title='Show or hide the settings']").click();
+    await shown.waitForFunction(() => {
+      const curve = document.getElementById("transfer");
+      const { data } = curve.getContext("2d").getImageData(0, 0, curve.width, curve.height);
+      return curve.width > 300 && data.some((value) => value > 0);
+    });
     await shown.locator("#preset").selectOption("bone");
     assert.deepEqual(await state(shown, "window"), [{ center: 400, width: 1800 }]);
   });

@@ -296,6 +296,13 @@ test("an answer that ends early is no file that ends early", async () => {
   const scan = await open(url, { pool });
   await scan.read(whole(scan.levels[0]), 0);
   scan.close();
+  const cutting = host.misbehave;
+  host.misbehave = (request, response) => {
+    cuts = 0;
+    return cutting(request, response);
+  };
+  await assert.rejects(open(url, { pool }),
+    failsWith("io", /scan\.8vo: the connection ended early; tried \d times/));
 });
 
 test("a signal ends what waits, and nothing else", async () => {

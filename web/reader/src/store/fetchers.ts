@@ -69,9 +69,11 @@ class UrlFetcher implements Fetcher {
     offset: number, length: number, signal: AbortSignal, fresh: boolean): Promise<FetchedBytes> {
     const stalled = new AbortController();
     const watch = new Watch(stalled);
+    let hasAnswered = false;
     try {
       const response = await this.ask(offset, length, AbortSignal.any
         ? AbortSignal.any([signal, stalled.signal]) : chained(signal, stalled), fresh);
+      hasAnswered = true;
       if (response.status === 200) return await this.readWhole(response, watch);
       const range = /^bytes (\d+)-\d+\/(\d+)$/.exec(response.headers.get("Content-Range") ?? "");
       if (range && Number(range[1]) !== offset) {
@@ -89,6 +91,7 @@ class UrlFetcher implements Fetcher {
     } catch (cause) {
       if (signal.aborted || cause instanceof OctavoError || cause instanceof Unsettled) throw cause;
       if (stalled.signal.aborted) throw new Unsettled("the server stopped answering");
+      if (hasAnswered) throw new Unsettled("the connection ended early");
       throw new Unsettled(
         "the server cannot be reached, or does not let pages of other sites read it (CORS)");
     } finally {

@@ -121,7 +121,6 @@ export class App {
       facts,
     });
     new ResizeObserver(() => this.wantSoon()).observe(byId("panels"));
-    byId("section-3d").addEventListener("toggle", () => this.transfer.draw());
     this.store.listen((changed) => this.follow(changed));
     this.store.reset(emptyState());
   }

@@ -35,6 +35,8 @@ export class TransferEditor {
       this.dragged = undefined;
     });
     c.addEventListener("dblclick", (event) => this.addOrRemove(event));
+    // Settings that were hidden have no size before they are shown.
+    new ResizeObserver(() => this.draw()).observe(c);
   }
 
   private get transfer(): Transfer {
