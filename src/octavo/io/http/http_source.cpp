@@ -1,11 +1,7 @@
 #include "octavo/io/http/http_source.h"
 
 #include <algorithm>
-#include <atomic>
-#include <exception>
 #include <mutex>
-#include <system_error>
-#include <thread>
 #include <utility>
 #include <vector>
 
@@ -15,6 +11,7 @@
 #include "octavo/file/storage/sparse_source.h"
 #include "octavo/file/storage/storage.h"
 #include "octavo/io/http/http_range.h"
+#include "octavo/io/source/own_threads.h"
 
 namespace octavo {
 
@@ -98,36 +95,10 @@ class HttpSource final : public ByteSource {
   }
 
  private:
-  /// Each thread takes the next range until none is left, or one has failed. Where the system
-  /// gives no more threads, those that there are take more ranges each.
   void fetch_all(std::span<const ByteRange> ranges) const {
-    std::atomic<std::size_t> next = 0;
-    std::atomic<bool> has_failed = false;
-    std::vector<std::exception_ptr> failures(ranges.size());
-    const auto work = [&] {
-      for (std::size_t i = next++; i < ranges.size() && !has_failed; i = next++) {
-        try {
-          keep(ranges[i].offset, fetch(ranges[i].offset, ranges[i].length));
-        } catch (...) {
-          failures[i] = std::current_exception();
-          has_failed = true;
-        }
-      }
-    };
-    {
-      std::vector<std::jthread> threads;
-      for (std::size_t i = 1; i < std::min(most_requests_, ranges.size()); ++i) {
-        try {
-          threads.emplace_back(work);
-        } catch (const std::system_error&) {
-          break;
-        }
-      }
-      work();
-    }
-    for (const std::exception_ptr& failure : failures) {
-      if (failure) std::rethrow_exception(failure);
-    }
+    on_own_threads(ranges.size(), most_requests_, [&](std::size_t i) {
+      keep(ranges[i].offset, fetch(ranges[i].offset, ranges[i].length));
+    });
   }
 
   void keep(std::uint64_t offset, const std::vector<std::uint8_t>& bytes) const {

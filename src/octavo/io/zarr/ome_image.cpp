@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <limits>
 
 #include "octavo/core/metadata.h"
 #include "octavo/core/place_known.h"
@@ -101,17 +99,6 @@ LabelNames read_labels(const ZarrValue& image_label) {
   return labels;
 }
 
-/// A world position of a place along the axes of the grid.
-Point3 world_of(const std::array<double, 9>& direction, const Point3& place) {
-  Point3 world{};
-  for (std::size_t row = 0; row < 3; ++row) {
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      world[row] += direction[3 * row + axis] * place[axis];
-    }
-  }
-  return world;
-}
-
 template <std::size_t N>
 std::optional<std::array<double, N>> numbers_of(const ZarrValue& value) {
   const auto numbers = value.numbers();
@@ -131,7 +118,9 @@ void take_own_facts(const OmeImage& image, std::size_t level, const Point3& plac
   if (!direction || !spacing || !origin) return;
   Geometry& geometry = description.geometry;
   geometry.direction = *direction;
-  geometry.origin_mm = level == 0 ? *origin : world_of(*direction, place);
+  // The place of a level is one along the axes of the grid, in mm.
+  geometry.origin_mm =
+      level == 0 ? *origin : Geometry{{}, {1, 1, 1}, *direction}.to_world(place);
   if (level == 0) geometry.spacing_mm = *spacing;
   description.rescale.slope = image.own.at("slope").number().value_or(1);
   description.rescale.intercept = image.own.at("intercept").number().value_or(0);

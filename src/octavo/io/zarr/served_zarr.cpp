@@ -73,10 +73,8 @@ class ZarrContent final : public ServedContent {
         !is_there(z, side.z, size.z)) {
       return std::nullopt;
     }
-    const Index3 lo{x * side.x, y * side.y, z * side.z};
-    const Box box{lo,
-                  {std::min(lo.x + side.x, size.x), std::min(lo.y + side.y, size.y),
-                   std::min(lo.z + side.z, size.z)}};
+    const Box box = intersection(
+        box_of(size), moved(box_of(side), {x * side.x, y * side.y, z * side.z}));
     const auto voxel_bytes = bytes_per_voxel(reader_->description().type);
     std::vector<std::uint8_t> bytes;
     try {

@@ -11,6 +11,7 @@
 
 #include "octavo/core/crc32c.h"
 #include "octavo/core/error.h"
+#include "octavo/file/byte_codec.h"
 #include "octavo/io/source/byte_order.h"
 
 namespace octavo {
@@ -81,10 +82,7 @@ ChunkBytes inflated(const ChunkBytes& packed, std::size_t bytes) {
 ChunkBytes proven(ChunkBytes packed) {
   if (packed.size() < kChecksumBytes) reject_chunk("a chunk is shorter than its checksum");
   const std::size_t length = packed.size() - kChecksumBytes;
-  std::uint32_t stored = 0;
-  for (std::size_t i = 0; i < kChecksumBytes; ++i) {
-    stored |= std::uint32_t{packed[length + i]} << 8 * i;
-  }
+  const auto stored = load_little_endian<std::uint32_t>(packed.data() + length);
   packed.resize(length);
   if (!checksum_matches(crc32c(packed), stored)) reject_chunk("the checksum of a chunk is wrong");
   return packed;

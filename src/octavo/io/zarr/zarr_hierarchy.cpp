@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <map>
+#include <span>
 #include <system_error>
 #include <utility>
 
@@ -233,6 +235,10 @@ bool is_zarr_folder(const std::string& path) {
 std::unique_ptr<ZarrHierarchy> open_zarr_hierarchy(const std::string& path) {
   if (is_folder(path)) return std::make_unique<FolderHierarchy>(path);
   return std::make_unique<ZipHierarchy>(path);
+}
+
+std::string key_in(const std::string& folder, const std::string& name) {
+  return folder.empty() ? name : folder + "/" + name;
 }
 
 bool is_zarr_key(const std::string& key) {

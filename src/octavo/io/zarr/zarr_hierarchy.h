@@ -2,12 +2,10 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
-#include <map>
 #include <memory>
 #include <optional>
-#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "octavo/io/source/source_file.h"
@@ -65,6 +63,9 @@ bool is_zarr_folder(const std::string& path);
 ///         climb; Error{io}
 /// Memory  of a zip file: that of its directory
 std::unique_ptr<ZarrHierarchy> open_zarr_hierarchy(const std::string& path);
+
+/// The key of a file in a folder of a hierarchy, which is empty where it is all of it.
+std::string key_in(const std::string& folder, const std::string& name);
 
 /// Whether `key` consists of names with slashes between that stay in the hierarchy.
 bool is_zarr_key(const std::string& key);

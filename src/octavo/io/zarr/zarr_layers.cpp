@@ -1,16 +1,14 @@
 #include "octavo/io/zarr/zarr_layers.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cstring>
-#include <exception>
-#include <functional>
-#include <thread>
 #include <utility>
 
 #include "octavo/core/checked.h"
 #include "octavo/core/crc32c.h"
-#include "octavo/io/source/byte_order.h"
+#include "octavo/file/byte_codec.h"
+#include "octavo/io/source/header_bytes.h"
+#include "octavo/io/source/own_threads.h"
 #include "octavo/io/zarr/zarr_chunk.h"
 
 namespace octavo {
@@ -23,38 +21,6 @@ constexpr std::uint64_t kMostHeadBytes = std::uint64_t{1} << 20;
 
 std::int64_t count_of(std::int64_t length, std::int64_t side) {
   return (length - 1) / side + 1;
-}
-
-std::uint64_t number_at(std::span<const std::uint8_t> bytes, std::size_t at, std::size_t count,
-                        bool big_endian) {
-  std::uint64_t number = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    number |= std::uint64_t{bytes[at + i]} << 8 * (big_endian ? count - 1 - i : i);
-  }
-  return number;
-}
-
-/// Calls work(0) .. work(count - 1) on so many threads. Throws what the first of them throws.
-void for_each_apart(std::int64_t count, int threads,
-                    const std::function<void(std::int64_t)>& work) {
-  std::atomic<std::int64_t> next{0};
-  std::atomic<bool> has_failed{false};
-  std::exception_ptr failure;
-  const auto run = [&] {
-    try {
-      for (std::int64_t i = next++; i < count && !has_failed; i = next++) work(i);
-    } catch (...) {
-      if (!has_failed.exchange(true)) failure = std::current_exception();
-    }
-  };
-  {
-    std::vector<std::jthread> others;
-    for (std::int64_t i = 1; i < std::min<std::int64_t>(threads, count); ++i) {
-      others.emplace_back(run);
-    }
-    run();
-  }
-  if (failure) std::rethrow_exception(failure);
 }
 
 }  // namespace
@@ -89,10 +55,6 @@ void ZarrLayers::read(std::int64_t z, std::span<std::byte> plane) {
 void ZarrLayers::fill_layer(std::int64_t layer) {
   held_ = -1;  // should it fail
   voxels_.resize(static_cast<std::size_t>(layer_bytes()));
-  const std::size_t value = bytes_per_value(layout_.type);
-  for (std::size_t at = 0; at < voxels_.size(); at += value) {
-    std::memcpy(voxels_.data() + at, layout_.fill.data(), value);
-  }
   const std::int64_t columns = count_of(size().x, layout_.chunk[part_.x]);
   const std::int64_t rows = count_of(size().y, layout_.chunk[part_.y]);
   if (layout_.sharding) {
@@ -100,9 +62,11 @@ void ZarrLayers::fill_layer(std::int64_t layer) {
     if (shard != shard_layer_) shards_.clear();
     shard_layer_ = shard;
   }
-  for_each_apart(rows * columns, threads_, [&](std::int64_t i) {
-    take_chunk(layer, i / columns, i % columns);
-  });
+  on_own_threads(static_cast<std::size_t>(rows * columns), static_cast<std::size_t>(threads_),
+                 [&](std::size_t i) {
+                   const auto chunk = static_cast<std::int64_t>(i);
+                   take_chunk(layer, chunk / columns, chunk % columns);
+                 });
   held_ = layer;
 }
 
@@ -114,26 +78,22 @@ void ZarrLayers::take_chunk(std::int64_t layer, std::int64_t y, std::int64_t x) 
   place[part_.z] = layer;
   place[part_.y] = y;
   place[part_.x] = x;
-  std::optional<std::vector<std::uint8_t>> bytes = packed(place);
-  if (!bytes) return;
   const Size3 side{layout_.chunk[part_.x], layout_.chunk[part_.y], layout_.chunk[part_.z]};
-  const Index3 start{x * side.x, y * side.y, layer * side.z};
-  const Size3 all = size();
-  const Box box{start,
-                {std::min(start.x + side.x, all.x), std::min(start.y + side.y, all.y),
-                 std::min(start.z + side.z, all.z)}};
+  const Box box = intersection(
+      box_of(size()), moved(box_of(side), {x * side.x, y * side.y, layer * side.z}));
+  std::optional<std::vector<std::uint8_t>> bytes = packed(place);
+  if (!bytes) return fill(box);
   try {
     copy(unpacked_chunk(std::move(*bytes), layout_), box);
   } catch (const Error& failure) {
     const std::string key = layout_.keys.key_of(place);
-    throw failure.with_path(hierarchy_->path() + "/" + (folder_.empty() ? "" : folder_ + "/") +
-                            (layout_.sharding ? "chunk " + key : key));
+    throw failure.with_path(hierarchy_->path() + "/" +
+                            key_in(folder_, layout_.sharding ? "chunk " + key : key));
   }
 }
 
 std::optional<ZarrFile> ZarrLayers::open_file(const std::vector<std::int64_t>& place) const {
-  const std::string key = layout_.keys.key_of(place);
-  return hierarchy_->open(folder_.empty() ? key : folder_ + "/" + key);
+  return hierarchy_->open(key_in(folder_, layout_.keys.key_of(place)));
 }
 
 std::optional<std::vector<std::uint8_t>> ZarrLayers::packed(
@@ -191,16 +151,35 @@ ZarrLayers::ShardIndex ZarrLayers::read_index(const std::vector<std::int64_t>& p
       file->read(sharding.is_index_at_start ? 0 : file->size() - bytes, bytes);
   const std::size_t numbers = static_cast<std::size_t>(2 * sharding.chunk_count());
   if (sharding.has_index_checksum) {
-    const auto stored = static_cast<std::uint32_t>(number_at(written, 8 * numbers, 4, false));
+    const auto stored = load_little_endian<std::uint32_t>(written.data() + 8 * numbers);
     if (!checksum_matches(crc32c(std::span(written).first(8 * numbers)), stored)) {
       reject(path, "the checksum of the index of the shard is wrong");
     }
   }
   ShardIndex index(numbers);
-  for (std::size_t i = 0; i < numbers; ++i) {
-    index[i] = number_at(written, 8 * i, 8, sharding.is_index_big_endian);
-  }
+  HeaderBytes(std::as_bytes(std::span(written)), sharding.is_index_big_endian)
+      .fill<std::uint64_t>(0, index);
   return index;
+}
+
+std::byte* ZarrLayers::row_at(std::int64_t x, std::int64_t y, std::int64_t plane) {
+  const Size3 all = size();
+  return voxels_.data() + static_cast<std::size_t>((plane * all.y + y) * all.x + x) *
+                              bytes_per_value(layout_.type);
+}
+
+/// What lies in `box` of the volume, where its chunk is not there.
+void ZarrLayers::fill(const Box& box) {
+  const std::size_t value = bytes_per_value(layout_.type);
+  std::vector<std::byte> row(static_cast<std::size_t>(box.size().x) * value);
+  for (std::size_t at = 0; at < row.size(); at += value) {
+    std::memcpy(row.data() + at, layout_.fill.data(), value);
+  }
+  for (std::int64_t plane = 0; plane < box.size().z; ++plane) {
+    for (std::int64_t y = box.lo.y; y < box.hi.y; ++y) {
+      std::memcpy(row_at(box.lo.x, y, plane), row.data(), row.size());
+    }
+  }
 }
 
 /// Puts what lies in `box` of the volume into the layer.
@@ -218,7 +197,6 @@ void ZarrLayers::copy(const std::vector<std::uint8_t>& chunk, const Box& box) {
     start += part_.at[axis] % layout_.chunk[axis] * step[axis];
   }
   const std::size_t value = bytes_per_value(layout_.type);
-  const Size3 all = size();
   const Size3 part = box.size();
   const auto row_bytes = static_cast<std::size_t>(part.x) * value;
   for (std::int64_t z = 0; z < part.z; ++z) {
@@ -226,9 +204,7 @@ void ZarrLayers::copy(const std::vector<std::uint8_t>& chunk, const Box& box) {
       const std::uint8_t* from =
           chunk.data() +
           static_cast<std::size_t>(start + z * step[part_.z] + y * step[part_.y]) * value;
-      std::byte* to = voxels_.data() +
-                      static_cast<std::size_t>((z * all.y + box.lo.y + y) * all.x + box.lo.x) *
-                          value;
+      std::byte* to = row_at(box.lo.x, box.lo.y + y, z);
       if (step[part_.x] == 1) {
         std::memcpy(to, from, row_bytes);
         continue;

@@ -50,6 +50,9 @@ class ZarrLayers {
   std::optional<std::vector<std::uint8_t>> packed(const std::vector<std::int64_t>& chunk);
   std::shared_ptr<const ShardIndex> shard_at(const std::vector<std::int64_t>& place);
   ShardIndex read_index(const std::vector<std::int64_t>& place) const;
+  /// A voxel of a plane of the layer.
+  std::byte* row_at(std::int64_t x, std::int64_t y, std::int64_t plane);
+  void fill(const Box& box);
   void copy(const std::vector<std::uint8_t>& chunk, const Box& box);
 
   std::shared_ptr<const ZarrHierarchy> hierarchy_;

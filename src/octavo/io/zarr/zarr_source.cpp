@@ -25,10 +25,6 @@ struct FoundArray {
   std::size_t level = 0;
 };
 
-std::string key_in(const std::string& folder, const std::string& name) {
-  return folder.empty() ? name : folder + "/" + name;
-}
-
 /// The text of an array, of version 3 or 2; a value that is not there where there is no array.
 ZarrValue array_text(const ZarrHierarchy& hierarchy, const std::string& folder) {
   const ZarrValue text = hierarchy.text(key_in(folder, "zarr.json"));
