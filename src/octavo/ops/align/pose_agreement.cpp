@@ -40,6 +40,12 @@ bool is_agreeing(const PosedSurface& from, const Point3& p, const PosedSurface& 
   return dot(own, other) > kSameWay * std::sqrt(dot(own, own) * dot(other, other));
 }
 
+/// By how much a map makes lengths longer.
+double stretch_of(const Affine& map) {
+  const Point3 unit_step = turned_way(map, {1, 0, 0});
+  return std::sqrt(dot(unit_step, unit_step));
+}
+
 using Cell = std::array<std::int64_t, 3>;
 
 Cell cell_of(const Point3& q, double side_mm) {
@@ -64,6 +70,20 @@ bool has_near(const std::map<Cell, std::vector<Point3>>& cells, const Point3& q,
   return false;
 }
 
+/// The share of those points that lie in cells of which `agrees` holds; 0 where none does.
+template <class Agrees>
+double share_within(const std::set<Cell>& cells, double side_mm, std::span<const Point3> points,
+                    const Agrees& agrees) {
+  std::size_t asked = 0;
+  std::size_t agreeing = 0;
+  for (const Point3& q : points) {
+    if (!cells.contains(cell_of(q, side_mm))) continue;
+    ++asked;
+    if (agrees(q)) ++agreeing;
+  }
+  return asked > 0 ? static_cast<double>(agreeing) / static_cast<double>(asked) : 0;
+}
+
 }  // namespace
 
 PoseAgreement agreement_of(const PosedSurface& first, const PosedSurface& second,
@@ -71,8 +91,7 @@ PoseAgreement agreement_of(const PosedSurface& first, const PosedSurface& second
   PoseAgreement agreement;
   const auto back = inverse(map);
   if (!back) return agreement;
-  const Point3 unit_step = turned_way(map, {1, 0, 0});
-  const double scale = std::sqrt(dot(unit_step, unit_step));
+  const double scale = stretch_of(map);
   const double tolerance =
       std::clamp(first.voxel_mm * scale, second.voxel_mm, 2 * second.voxel_mm);
 
@@ -86,25 +105,16 @@ PoseAgreement agreement_of(const PosedSurface& first, const PosedSurface& second
     around.insert(cell_of(q, side_mm));
   }
   agreement.forward = static_cast<double>(agreeing) / static_cast<double>(first.points.size());
-
-  std::size_t asked = 0;
-  agreeing = 0;
-  for (const Point3& q : second.points) {
-    if (!around.contains(cell_of(q, side_mm))) continue;
-    ++asked;
-    if (is_agreeing(second, q, first, (*back)(q), *back, tolerance / scale)) ++agreeing;
-  }
-  if (asked > 0) {
-    agreement.backward = static_cast<double>(agreeing) / static_cast<double>(asked);
-  }
+  agreement.backward = share_within(around, side_mm, second.points, [&](const Point3& q) {
+    return is_agreeing(second, q, first, (*back)(q), *back, tolerance / scale);
+  });
   return agreement;
 }
 
 PoseAgreement agreement_of(const PosedPoints& first, const PosedSurface& second,
                            const Affine& map) {
   PoseAgreement agreement;
-  const Point3 unit_step = turned_way(map, {1, 0, 0});
-  const double scale = std::sqrt(dot(unit_step, unit_step));
+  const double scale = stretch_of(map);
   const double tolerance = 1.5 * second.voxel_mm;
   const double reach = std::max(tolerance, 1.5 * first.spacing_mm * scale);
   const double side_mm = kCellTolerances * tolerance;
@@ -119,16 +129,9 @@ PoseAgreement agreement_of(const PosedPoints& first, const PosedSurface& second,
     around.insert(cell_of(q, side_mm));
   }
   agreement.forward = static_cast<double>(agreeing) / static_cast<double>(first.points.size());
-  std::size_t asked = 0;
-  agreeing = 0;
-  for (const Point3& q : second.points) {
-    if (!around.contains(cell_of(q, side_mm))) continue;
-    ++asked;
-    if (has_near(laid, q, reach)) ++agreeing;
-  }
-  if (asked > 0) {
-    agreement.backward = static_cast<double>(agreeing) / static_cast<double>(asked);
-  }
+  agreement.backward =
+      share_within(around, side_mm, second.points,
+                   [&](const Point3& q) { return has_near(laid, q, reach); });
   return agreement;
 }
 

@@ -11,6 +11,8 @@ namespace octavo {
 
 namespace {
 
+constexpr std::uint64_t kPointSeed = 25;
+
 /// Calls visit(middle) for every face, in index space.
 template <class Visit>
 void visit_faces(const MaskTree& mask, Visit&& visit) {
@@ -37,12 +39,18 @@ void visit_faces(const MaskTree& mask, Visit&& visit) {
   }
 }
 
+void shuffle_points(std::vector<Point3>& points, std::mt19937_64& random) {
+  for (std::size_t i = points.size(); i > 1; --i) {
+    std::swap(points[i - 1], points[static_cast<std::size_t>(random() % i)]);
+  }
+}
+
 }  // namespace
 
 std::vector<Point3> surface_points(const MaskTree& mask, const Geometry& geometry,
                                    std::int64_t count) {
   // A sample of all faces that have gone by, each as likely as any other.
-  std::mt19937_64 random(25);
+  std::mt19937_64 random(kPointSeed);
   std::vector<Point3> points;
   std::uint64_t seen = 0;
   visit_faces(mask, [&](const Point3& middle) {
@@ -53,9 +61,7 @@ std::vector<Point3> surface_points(const MaskTree& mask, const Geometry& geometr
       points[static_cast<std::size_t>(at)] = middle;
     }
   });
-  for (std::size_t i = points.size(); i > 1; --i) {
-    std::swap(points[i - 1], points[static_cast<std::size_t>(random() % i)]);
-  }
+  shuffle_points(points, random);
   for (Point3& p : points) p = geometry.to_world(p);
   return points;
 }
@@ -73,7 +79,7 @@ std::vector<Point3> surface_points(const TriangleMesh& mesh, std::int64_t count)
     area_before.push_back(area_before.back() + std::sqrt(dot(twice, twice)) / 2);
   }
   if (!(area_before.back() > 0)) return {};
-  std::mt19937_64 random(25);
+  std::mt19937_64 random(kPointSeed);
   const auto share = [&] { return static_cast<double>(random() >> 11) * 0x1p-53; };
   std::vector<Point3> points;
   for (std::int64_t i = 0; i < count; ++i) {
@@ -91,10 +97,8 @@ std::vector<Point3> surface_points(const TriangleMesh& mesh, std::int64_t count)
 }
 
 std::vector<Point3> spread_points(std::vector<Point3> points, std::int64_t count) {
-  std::mt19937_64 random(25);
-  for (std::size_t i = points.size(); i > 1; --i) {
-    std::swap(points[i - 1], points[static_cast<std::size_t>(random() % i)]);
-  }
+  std::mt19937_64 random(kPointSeed);
+  shuffle_points(points, random);
   if (points.size() > static_cast<std::size_t>(count)) {
     points.resize(static_cast<std::size_t>(count));
   }
