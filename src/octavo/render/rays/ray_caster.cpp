@@ -132,10 +132,7 @@ void cross_region(RayBricks& bricks, RayFrame& frame, RayField& field,
 }  // namespace
 
 std::uint64_t ray_field_bytes(std::int64_t width, std::int64_t height) {
-  const auto tiles = [](std::int64_t pixels) {
-    return static_cast<std::uint64_t>((pixels + kRayTileSide - 1) / kRayTileSide);
-  };
-  return tiles(width) * tiles(height) * sizeof(RayTile);
+  return static_cast<std::uint64_t>(tiles_along(width) * tiles_along(height)) * sizeof(RayTile);
 }
 
 RayField cast_rays(RayBricks& bricks, RayFrame frame, std::int64_t width, std::int64_t height,

@@ -33,7 +33,7 @@ struct RayField {
   std::int64_t loaded_elsewhere = 0;  ///< bricks of other ranks
 
   std::size_t number_of(std::size_t tile) const { return numbers.empty() ? tile : numbers[tile]; }
-  std::int64_t tile_columns() const { return (width + kRayTileSide - 1) / kRayTileSide; }
+  std::int64_t tile_columns() const { return tiles_along(width); }
 
   /// Calls visit(column, row, tile, ray) for each pixel, tile by tile.
   template <class Visit>

@@ -170,6 +170,11 @@ struct RayFrame {
 inline constexpr int kRayTileSide = 32;
 inline constexpr std::size_t kTileRays = kRayTileSide * kRayTileSide;
 
+/// How many tiles so many pixels of a row or column lie in.
+constexpr std::int64_t tiles_along(std::int64_t pixels) {
+  return (pixels + kRayTileSide - 1) / kRayTileSide;
+}
+
 /// Where a ray stands that has nothing before it.
 inline constexpr float kRayDone = 4e9f;
 /// Rays that look for a surface look no farther behind a stop, in steps.

@@ -260,8 +260,8 @@ class MeshTiles {
         light_(frame.light, options.view),
         width_(width),
         height_(height),
-        columns_((width + kRayTileSide - 1) / kRayTileSide),
-        rows_((height + kRayTileSide - 1) / kRayTileSide),
+        columns_(tiles_along(width)),
+        rows_(tiles_along(height)),
         middle_{static_cast<double>(width) / 2, static_cast<double>(height) / 2} {
     for (const RayMesh& mesh : meshes_) {
       first_triangles_.push_back(triangle_count_);

@@ -16,8 +16,6 @@ constexpr int kEdgeColor = 24;     // neighbors that differ by more
 constexpr std::int64_t kRayBlockSide = 4;
 constexpr std::int64_t kTileBlocks = kRayTileSide / kRayBlockSide;
 
-std::int64_t tiles_along(std::int64_t pixels) { return (pixels + kRayTileSide - 1) / kRayTileSide; }
-
 /// Blocks of a picture as bits of its tiles: of 4 x 4 pixels, in Z order as rays are.
 class BlockBits {
  public:

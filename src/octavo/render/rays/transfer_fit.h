@@ -2,8 +2,8 @@
 //
 //     voxels |#
 //            |##            #            two heaps of values: what lies around, and what is looked
-//            |####        ####  ##       at; the threshold between them is Otsu's
-//            +--------|------------- value
+//            |####        ####  ##       at; the threshold between them is Otsu's, moved to the
+//            +--------|------------- value          bottom of the valley that it lies in
 //                 unseen  ...  opaque
 //
 // What is looked at is taken to be brighter, as in micro-CT, MR and light-sheet scans.
