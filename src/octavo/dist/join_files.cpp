@@ -35,13 +35,17 @@ std::string done_name(const std::string& path, const BuildPlan& plan) {
   return join_prefix(path) + kDoneEnding + std::to_string(plan.id);
 }
 
+std::string text_at(const StorageFile& file, std::uint64_t offset, std::uint64_t bytes) {
+  std::string text(static_cast<std::size_t>(bytes), '\0');
+  file.read(offset, {reinterpret_cast<std::uint8_t*>(text.data()), text.size()});
+  return text;
+}
+
 /// Throws Error{corrupt} for a file of more bytes
 std::string file_text(Storage& storage, const std::string& name, std::uint64_t most) {
   const std::unique_ptr<StorageFile> file = storage.open_read(name);
   if (file->size() > most) throw Error(ErrorKind::corrupt, "the layout is longer than any");
-  std::string text(static_cast<std::size_t>(file->size()), '\0');
-  file->read(0, {reinterpret_cast<std::uint8_t*>(text.data()), text.size()});
-  return text;
+  return text_at(*file, 0, file->size());
 }
 
 void remove_drafts(Storage& storage, const std::string& path) {
@@ -94,10 +98,7 @@ std::string end_of(Storage& storage, const std::string& path) {
   if (storage.path_type(path) != PathType::file) return {};
   const std::unique_ptr<StorageFile> file = storage.open_read(path);
   if (file->size() < kHeaderBytes + kTrailerBytes) return {};
-  std::string end(static_cast<std::size_t>(kTrailerBytes), '\0');
-  file->read(file->size() - kTrailerBytes,
-             {reinterpret_cast<std::uint8_t*>(end.data()), end.size()});
-  return end;
+  return text_at(*file, file->size() - kTrailerBytes, kTrailerBytes);
 }
 
 /// Whether the file at `path` is the one for which this mark was left.
@@ -270,8 +271,7 @@ std::optional<JoinLayout> find_layout(const BuildPlan& plan, Storage& storage,
 bool is_still_laid_out(const JoinLayout& layout, Storage& storage, const std::string& path) {
   if (!storage.exists(layout_name(path)) || !storage.exists(joined_name(path))) return false;
   const auto file = storage.open_read(layout_name(path));
-  std::string head(static_cast<std::size_t>(std::min(file->size(), kMostHeadBytes)), '\0');
-  file->read(0, {reinterpret_cast<std::uint8_t*>(head.data()), head.size()});
+  const std::string head = text_at(*file, 0, std::min(file->size(), kMostHeadBytes));
   return parse_layout_head(head).id == layout.id &&
          storage.open_read(joined_name(path))->size() == layout.file_bytes;
 }
