@@ -156,4 +156,13 @@ MeshReading read_mesh(ByteSpan bytes, MeshFormat format, std::uint64_t most_byte
   }
 }
 
+void turn_to_lps(MeshReading& reading) {
+  if (reading.space != MeshSpace::ras) return;
+  for (MeshPoint& point : reading.mesh.points) {
+    point[0] = -point[0];
+    point[1] = -point[1];
+  }
+  reading.space = MeshSpace::lps;
+}
+
 }  // namespace octavo

@@ -46,4 +46,7 @@ MeshReading read_mesh(ByteSpan bytes, MeshFormat format, std::uint64_t most_byte
 /// Throws  as read_mesh; Error{source_rejected} without points
 MeshReading read_point_ply(ByteSpan bytes, std::uint64_t most_bytes);
 
+/// Turns the mesh of a file that says RAS to LPS; that of any other is left as LPS.
+void turn_to_lps(MeshReading& reading);
+
 }  // namespace octavo

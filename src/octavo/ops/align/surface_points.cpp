@@ -39,10 +39,21 @@ void visit_faces(const MaskTree& mask, Visit&& visit) {
   }
 }
 
-void shuffle_points(std::vector<Point3>& points, std::mt19937_64& random) {
-  for (std::size_t i = points.size(); i > 1; --i) {
-    std::swap(points[i - 1], points[static_cast<std::size_t>(random() % i)]);
+template <class Item>
+void shuffle_items(std::vector<Item>& items, std::mt19937_64& random) {
+  for (std::size_t i = items.size(); i > 1; --i) {
+    std::swap(items[i - 1], items[static_cast<std::size_t>(random() % i)]);
   }
+}
+
+template <class Item>
+std::vector<Item> spread_items(std::vector<Item> items, std::int64_t count) {
+  std::mt19937_64 random(kPointSeed);
+  shuffle_items(items, random);
+  if (items.size() > static_cast<std::size_t>(count)) {
+    items.resize(static_cast<std::size_t>(count));
+  }
+  return items;
 }
 
 }  // namespace
@@ -61,7 +72,7 @@ std::vector<Point3> surface_points(const MaskTree& mask, const Geometry& geometr
       points[static_cast<std::size_t>(at)] = middle;
     }
   });
-  shuffle_points(points, random);
+  shuffle_items(points, random);
   for (Point3& p : points) p = geometry.to_world(p);
   return points;
 }
@@ -97,12 +108,11 @@ std::vector<Point3> surface_points(const TriangleMesh& mesh, std::int64_t count)
 }
 
 std::vector<Point3> spread_points(std::vector<Point3> points, std::int64_t count) {
-  std::mt19937_64 random(kPointSeed);
-  shuffle_points(points, random);
-  if (points.size() > static_cast<std::size_t>(count)) {
-    points.resize(static_cast<std::size_t>(count));
-  }
-  return points;
+  return spread_items(std::move(points), count);
+}
+
+std::vector<SightLine> spread_lines(std::vector<SightLine> lines, std::int64_t count) {
+  return spread_items(std::move(lines), count);
 }
 
 }  // namespace octavo

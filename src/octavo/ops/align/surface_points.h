@@ -1,4 +1,4 @@
-// Points on the surface of a mask, spread evenly over its faces.
+// Points on the surface of a mask or a mesh, spread evenly over its faces.
 #pragma once
 
 #include <cstdint>
@@ -7,6 +7,7 @@
 #include "octavo/core/geometry.h"
 #include "octavo/core/triangle_mesh.h"
 #include "octavo/octree/mask_tree.h"
+#include "octavo/ops/align/sight_lines.h"
 
 namespace octavo {
 
@@ -23,5 +24,7 @@ std::vector<Point3> surface_points(const TriangleMesh& mesh, std::int64_t count)
 
 /// `count` of the points, or all where there are fewer, in such an order.
 std::vector<Point3> spread_points(std::vector<Point3> points, std::int64_t count);
+/// The same of lines.
+std::vector<SightLine> spread_lines(std::vector<SightLine> lines, std::int64_t count);
 
 }  // namespace octavo

@@ -52,13 +52,6 @@ MeshReading read_scene_mesh(const std::string& path, std::uint64_t most_bytes) {
   }
 }
 
-void turn_to_lps(TriangleMesh& mesh) {
-  for (MeshPoint& point : mesh.points) {
-    point[0] = -point[0];
-    point[1] = -point[1];
-  }
-}
-
 }  // namespace
 
 MeshBall mesh_ball(const Point3& middle, double radius) {
@@ -146,7 +139,7 @@ void SceneMeshes::add_mesh(const AskedMesh& asked, const TaskContext& context) {
   std::uint64_t most = kMostMeshBytes;
   if (context.max_memory_bytes != 0) most = std::min(most, context.max_memory_bytes / 4);
   MeshReading reading = read_scene_mesh(asked.path, most - std::min(most, memory_bytes()));
-  if (reading.space == MeshSpace::ras) turn_to_lps(reading.mesh);
+  turn_to_lps(reading);
   SceneSurface surface;
   context.on_threads([&] {
     surface.normals = area_normals(reading.mesh);

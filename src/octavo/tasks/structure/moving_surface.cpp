@@ -109,12 +109,7 @@ MovingFeatures read_mesh_points(const std::string& path, MeshFormat format, std:
   } catch (const Error& error) {
     throw error.with_path(path);
   }
-  if (reading.space == MeshSpace::ras) {
-    for (MeshPoint& point : reading.mesh.points) {
-      point[0] = -point[0];
-      point[1] = -point[1];
-    }
-  }
+  turn_to_lps(reading);
   MovingFeatures features;
   if (!reading.mesh.triangles.empty()) {
     features.points = surface_points(reading.mesh, count);
@@ -174,15 +169,7 @@ MovingFeatures read_features(const std::string& path, std::int64_t count,
                 path);
   }
   features.points = spread_points(std::move(features.points), count);
-  // Lines in an order of their own as well.
-  std::vector<SightLine> lines;
-  const auto all = static_cast<std::int64_t>(features.lines.size());
-  std::vector<Point3> places;
-  for (std::int64_t i = 0; i < all; ++i) places.push_back({static_cast<double>(i), 0, 0});
-  for (const Point3& place : spread_points(std::move(places), count)) {
-    lines.push_back(features.lines[static_cast<std::size_t>(place[0])]);
-  }
-  features.lines = std::move(lines);
+  features.lines = spread_lines(std::move(features.lines), count);
   check_features(features, path);
   if (!features.points.empty()) features.spacing_mm = spacing_of(features.points);
   return features;
