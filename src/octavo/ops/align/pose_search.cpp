@@ -143,8 +143,6 @@ double condition_of(const PoseMatrix& m, std::size_t n) {
   return largest / smallest;
 }
 
-constexpr double kReachRadii = 2.5;  // of the ball in which lines of sight meet the target
-
 /// What is laid onto the target: either points or lines.
 struct PosedFeatures {
   std::span<const Point3> points;
@@ -210,8 +208,7 @@ class PoseSolver {
     };
     if (!features_.lines.empty()) {
       const SightLine& line = features_.lines[i];
-      return nearest_sight(grid, {place_of(line.from), place_of(line.to)},
-                           {target_.middle, kReachRadii * target_.radius_mm});
+      return nearest_sight(grid, {place_of(line.from), place_of(line.to)}, sight_reach(target_));
     }
     const Point3 place = place_of(features_.points[i]);
     return {place, grid.at(place)};
@@ -373,6 +370,11 @@ FoundPose found_pose(const PosedFeatures& features, const PointSpread& own,
 }
 
 }  // namespace
+
+SightReach sight_reach(const PoseTarget& target) {
+  constexpr double kRadii = 2.5;
+  return {target.middle, kRadii * target.radius_mm};
+}
 
 PointSpread spread_of(std::span<const Point3> points) {
   PointSpread spread;

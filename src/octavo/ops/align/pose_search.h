@@ -37,6 +37,9 @@ struct PoseTarget {
   double voxel_mm = 1;             ///< of the fine map
 };
 
+/// The ball in which lines of sight meet a target.
+SightReach sight_reach(const PoseTarget& target);
+
 struct FoundPose {
   Affine map;              ///< from the places of the points to those on the target
   double scale = 1;

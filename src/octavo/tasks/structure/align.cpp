@@ -101,7 +101,7 @@ MovingSide open_moving(const std::string& path, const TaskContext& context) {
 /// The share of lines of sight that touch the surface within a voxel, and where each is nearest.
 PoseAgreement agreement_of_lines(const std::vector<SightLine>& lines, const PoseTarget& target,
                                  const Affine& map, std::vector<PosedPlace>& places) {
-  const SightReach reach = {target.middle, 2.5 * target.radius_mm};
+  const SightReach reach = sight_reach(target);
   std::size_t agreeing = 0;
   for (const SightLine& line : lines) {
     const NearestSight near = nearest_sight(target.fine, {map(line.from), map(line.to)}, reach);

@@ -214,9 +214,8 @@ class MorphometryWork {
   void measure_paths() {
     const auto voxels = static_cast<std::uint64_t>(size_.voxel_count());
     context_.require_memory(2 * mask_.tree.memory_bytes() + 8 * voxels, "ways through pores");
-    const Box box = {{0, 0, 0}, {size_.x, size_.y, size_.z}};
     std::vector<std::uint8_t> pores(static_cast<std::size_t>(voxels));
-    fill_voxels(mask_.tree, box, pores.data());
+    fill_voxels(mask_.tree, box_of(size_), pores.data());
     for (std::uint8_t& voxel : pores) voxel = voxel == 0 ? 1 : 0;
     if (region_) {
       std::vector<std::uint8_t> plane(static_cast<std::size_t>(size_.x * size_.y));

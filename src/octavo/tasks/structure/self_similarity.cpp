@@ -137,8 +137,8 @@ class CubeBytes {
     for (std::int64_t z = box.lo.z; z < box.hi.z; z += 2) {
       for (std::int64_t y = box.lo.y; y < box.hi.y; y += 2) {
         for (std::int64_t x = box.lo.x; x < box.hi.x; x += 2) {
-          const Box octant = intersection(
-              Box{{x, y, z}, {x + 2, y + 2, z + 2}}, Box{{0, 0, 0}, {size_.x, size_.y, size_.z}});
+          const Box octant =
+              intersection(Box{{x, y, z}, {x + 2, y + 2, z + 2}}, box_of(size_));
           weight += octant_weight(octant);
         }
       }
