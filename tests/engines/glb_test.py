@@ -11,13 +11,13 @@ import json
 import pathlib
 import subprocess
 import sys
-import tempfile
 import unittest
 
 import meshio
 import numpy
 
-OCTAVO = ""
+import engine_phantom
+
 MODULES = ""
 READER = pathlib.Path(__file__).resolve().parent / "read_glb.mjs"
 # Extensions that the validator does not know, and what it therefore takes for unused.
@@ -48,21 +48,7 @@ def area_and_volume(points, triangles):
             numpy.einsum("ij,ij->", a, numpy.cross(b, c)) / 6)
 
 
-class Glb(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        holder = tempfile.TemporaryDirectory()
-        cls.addClassCleanup(holder.cleanup)
-        cls.folder = pathlib.Path(holder.name)
-        cls.octavo("phantom", "--size", "40,36,30", "--noise", "200", "-o", "p.8vo")
-        cls.octavo("threshold", "p.8vo", "--class", "1=-500:300", "--class", "2=300:", "-o",
-                   "l.8vo")
-
-    @classmethod
-    def octavo(cls, *arguments):
-        return subprocess.run([OCTAVO, *arguments, "--progress", "none", "-q"], cwd=cls.folder,
-                              check=True, capture_output=True, text=True).stdout
-
+class Glb(engine_phantom.OfPhantom):
     def read(self, name):
         """The parts of a file without errors, points in mm."""
         found = json.loads(subprocess.run(["node", READER, MODULES, self.folder / name], check=True,
@@ -107,8 +93,7 @@ class Glb(unittest.TestCase):
         self.check(expected, *surface)
 
     def test_points_of_16_bits_enclose_what_the_report_says(self):
-        report = json.loads(self.octavo("surface", "p.8vo", "--isovalue", "300", "--max-deviation",
-                                        "0.5voxel", "-o", "q.glb", "--json"))
+        report = self.surface("q.glb", "--max-deviation", "0.5voxel")
         [part] = self.read("q.glb")
         self.assertEqual(len(part["numbers"]), report["triangles"])
         area, volume = area_and_volume(part["points"], part["numbers"])
@@ -117,6 +102,6 @@ class Glb(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    OCTAVO = sys.argv.pop(1)
+    engine_phantom.use(sys.argv.pop(1))
     MODULES = sys.argv.pop(1)
     unittest.main()

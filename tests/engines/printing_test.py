@@ -6,39 +6,18 @@ usage: printing_test.py OCTAVO [unittest arguments]
 Each must find what the report says: closed, manifold, as many triangles, the same volume.
 """
 
-import json
-import pathlib
 import re
 import subprocess
 import sys
-import tempfile
 import unittest
 
 import lib3mf
 import trimesh
 
-OCTAVO = ""
+import engine_phantom
 
 
-class Printing(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        holder = tempfile.TemporaryDirectory()
-        cls.addClassCleanup(holder.cleanup)
-        cls.folder = pathlib.Path(holder.name)
-        cls.octavo("phantom", "--size", "40,36,30", "--noise", "200", "-o", "p.8vo")
-        cls.octavo("threshold", "p.8vo", "--class", "1=-500:300", "--class", "2=300:", "-o",
-                   "l.8vo")
-
-    @classmethod
-    def octavo(cls, *arguments):
-        return subprocess.run([OCTAVO, *arguments, "-q"], cwd=cls.folder, check=True,
-                              stdout=subprocess.PIPE, text=True).stdout
-
-    def surface(self, name):
-        return json.loads(self.octavo("surface", "p.8vo", "--isovalue", "300", "-o", name, "-f",
-                                      "--json"))
-
+class Printing(engine_phantom.OfPhantom):
     def run_here(self, *command):
         return subprocess.run(command, cwd=self.folder, check=True, stdout=subprocess.PIPE,
                               stderr=subprocess.STDOUT, text=True).stdout
@@ -97,5 +76,5 @@ class Printing(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    OCTAVO = str(pathlib.Path(sys.argv.pop(1)).resolve())
+    engine_phantom.use(sys.argv.pop(1))
     unittest.main()

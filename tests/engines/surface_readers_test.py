@@ -7,11 +7,7 @@ Triangles are those of the same surface as STL, each with its orientation. 3MF f
 of their own.
 """
 
-import json
-import pathlib
-import subprocess
 import sys
-import tempfile
 import unittest
 
 import numpy
@@ -19,7 +15,7 @@ import trimesh
 import vtk
 from vtk.util.numpy_support import vtk_to_numpy
 
-OCTAVO = ""
+import engine_phantom
 
 
 def sorted_triangles(points, triangles, decimals=4):
@@ -33,25 +29,7 @@ def sorted_triangles(points, triangles, decimals=4):
     return numpy.array(sorted(rows))
 
 
-class SurfaceReaders(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        holder = tempfile.TemporaryDirectory()
-        cls.addClassCleanup(holder.cleanup)
-        cls.folder = pathlib.Path(holder.name)
-        cls.octavo("phantom", "--size", "40,36,30", "--noise", "200", "-o", "p.8vo")
-        cls.octavo("threshold", "p.8vo", "--class", "1=-500:300", "--class", "2=300:", "-o",
-                   "l.8vo")
-
-    @classmethod
-    def octavo(cls, *arguments):
-        return subprocess.run([OCTAVO, *arguments, "-q"], cwd=cls.folder, check=True,
-                              stdout=subprocess.PIPE, text=True).stdout
-
-    def surface(self, name, *more):
-        return json.loads(self.octavo("surface", "p.8vo", "--isovalue", "300", *more, "-o", name,
-                                      "-f", "--json"))
-
+class SurfaceReaders(engine_phantom.OfPhantom):
     def polydata(self, name):
         """Points, triangles, and the whole as VTK has it."""
         reader = vtk.vtkXMLPolyDataReader()
@@ -126,5 +104,5 @@ class SurfaceReaders(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    OCTAVO = str(pathlib.Path(sys.argv.pop(1)).resolve())
+    engine_phantom.use(sys.argv.pop(1))
     unittest.main()
