@@ -12,7 +12,9 @@ import { dist, root, run } from "./support/golden.mjs";
 import { pngPixels } from "./support/png.mjs";
 import { memoryOf } from "./support/process_memory.mjs";
 import { startServer } from "./support/server.mjs";
-import { settled, text } from "./support/viewer_page.mjs";
+import {
+  panelPng, settled, showPanelsAlone, showRaysAlone, text,
+} from "./support/viewer_page.mjs";
 
 const { createPool, open } = await import(join(dist, "reader.js"));
 const shared = process.env.OCTAVO_SHARED_DATA ?? join(root, "../shared/data");
@@ -110,19 +112,8 @@ test("50 places have the values of octavo probe, a slice the pixels of octavo sl
   const query = `?url=chest.8vo&layout=z&at=256,256,${z}&window=40,400`;
   await inPage(query, { width: size[0] + 40, height: size[1] + 200 }, async (page) => {
     await settled(page);
-    await page.evaluate(([width, height]) => {
-      document.body.classList.add("no-side");
-      octavo.store.set({ hasAnnotations: false });
-      const main = document.getElementById("main");
-      main.style.flex = "none";
-      main.style.width = `${width}px`;
-      main.style.height = `${height}px`;
-      for (const slider of document.querySelectorAll(".panel input")) slider.hidden = true;
-    }, size);
-    await page.waitForTimeout(400);
-    await settled(page);
-    await page.waitForTimeout(200);
-    const seen = pngPixels(await page.locator("#panel-z").screenshot());
+    await showPanelsAlone(page, size);
+    const seen = pngPixels(await panelPng(page, "panel-z"));
     assert.deepEqual([seen.width, seen.height], [slice.width, slice.height]);
     const differing = seen.grey.reduce(
       (most, value, i) => Math.max(most, Math.abs(value - slice.grey[i])), 0);
@@ -158,19 +149,8 @@ test("the surface of a skull is that of octavo render", {
   const side = 128;
   const query = "?url=skull.8vo&layout=3d&mode=iso&iso=226&camera=30,15,1";
   await inPage(query, { width: 300, height: 320 }, async (page) => {
-    await settled(page);
-    await page.evaluate((n) => {
-      document.body.classList.add("no-side");
-      octavo.store.set({ hasAnnotations: false });
-      const main = document.getElementById("main");
-      main.style.flex = "none";
-      main.style.width = main.style.height = `${n}px`;
-      document.documentElement.dataset.theme = "dark";
-    }, side);
-    await page.waitForTimeout(400);
-    await settled(page);
-    await page.waitForTimeout(200);
-    const picture = await page.locator("#panel-3d").screenshot();
+    await showRaysAlone(page, side);
+    const picture = await panelPng(page, "panel-3d");
     const { level } = await page.evaluate(() => octavo.rays.fidelity());
     run("render", at("skull.8vo"), "--mode", "iso", "--isovalue", "226", "--azimuth", "30",
       "--elevation", "15", "--size", `${side}x${side}`, "--level", `${level}`, "--no-legend",

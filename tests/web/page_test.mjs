@@ -4,7 +4,9 @@
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 import { pngPixels } from "./support/png.mjs";
-import { settled, startPage, text, withPage } from "./support/viewer_page.mjs";
+import {
+  panelPng, settled, showPanelsAlone, startPage, text, withPage,
+} from "./support/viewer_page.mjs";
 
 let host;
 let files;
@@ -16,23 +18,10 @@ after(() => host.close());
 test("a slice has the pixels of octavo slice, and values those of octavo probe", async () => {
   await withPage("?url=scan.8vo&layout=z&at=75,65,40&window=100,600", async (shown) => {
     await settled(shown);
-    await shown.evaluate(() => {
-      document.body.classList.add("no-side");
-      octavo.store.set({ hasAnnotations: false });
-    });
     // As many pixels as the slice has voxels.
     const [w, h] = files.size;
-    await shown.evaluate(([width, height]) => {
-      const main = document.getElementById("main");
-      main.style.flex = "none";
-      main.style.width = `${width}px`;
-      main.style.height = `${height}px`;
-      for (const slider of document.querySelectorAll(".panel input")) slider.hidden = true;
-    }, [w, h]);
-    await shown.waitForTimeout(300);
-    await settled(shown);
-    const png = await shown.locator("#panel-z").screenshot();
-    const seen = pngPixels(png);
+    await showPanelsAlone(shown, [w, h]);
+    const seen = pngPixels(await panelPng(shown, "panel-z"));
     assert.deepEqual([seen.width, seen.height], [files.slice.width, files.slice.height]);
     let largest = 0;
     for (let i = 0; i < w * h; ++i) {

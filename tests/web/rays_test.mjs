@@ -9,7 +9,9 @@ import { after, before, test } from "node:test";
 import { inFolder, run } from "./support/golden.mjs";
 import { niftiBytes } from "./support/nifti.mjs";
 import { pngPixels } from "./support/png.mjs";
-import { settled, startPage, text, withPage as withLargePage } from "./support/viewer_page.mjs";
+import {
+  panelPng, settled, showRaysAlone, startPage, text, withPage as withLargePage,
+} from "./support/viewer_page.mjs";
 
 const SIDE = 160;
 // Farther apart than any table of colors by the number itself is long.
@@ -58,26 +60,7 @@ before(async () => {
 });
 after(() => host.close());
 
-/** The 3-D view alone, SIDE x SIDE pixels before black. */
-async function alone(shown) {
-  await settled(shown);
-  await shown.evaluate((n) => {
-    document.body.classList.add("no-side");
-    octavo.store.set({ hasAnnotations: false });
-    const main = document.getElementById("main");
-    main.style.flex = "none";
-    main.style.width = main.style.height = `${n}px`;
-    document.documentElement.dataset.theme = "dark";
-  }, SIDE);
-  await picture(shown);
-}
-
-async function picture(shown) {
-  await shown.waitForTimeout(300);
-  await settled(shown);
-  await shown.waitForTimeout(200);
-  return pngPixels(await shown.locator("#panel-3d").screenshot());
-}
+const picture = async (shown) => pngPixels(await panelPng(shown, "panel-3d"));
 
 /** Pixels whose color is another one lit more or less: red, green and blue in the same shares. */
 function pixelsLike(seen, [r, g, b]) {
@@ -97,7 +80,7 @@ test("labels far apart have colors of their own, over a scan as alone", async ()
     await withPage(query, async (shown) => {
       await shown.waitForFunction(
         () => document.querySelectorAll("#labels li").length === 2, null, { timeout: 60_000 });
-      await alone(shown);
+      await showRaysAlone(shown, SIDE);
       const far = await shown.evaluate((label) => {
         const row = document.querySelector(`#labels input[data-label="${label}"]`).parentElement;
         return row.querySelector(".swatch").style.backgroundColor.match(/\d+/g).map(Number);
@@ -117,7 +100,7 @@ test("labels shine through the surface of a scan as much as is asked for", async
   const query = "?url=scan.8vo&labels=apart.8vo&layout=3d&camera=0,0,1&mode=mip&window=4000,1";
   await withPage(query, async (shown) => {
     await shown.waitForFunction(() => octavo.overlay?.hasPreview, null, { timeout: 60_000 });
-    await alone(shown);
+    await showRaysAlone(shown, SIDE);
     const brightest = async (opacity) => {
       await shown.evaluate((share) => octavo.store.set({ overlayOpacity: share }), opacity);
       const seen = await picture(shown);
@@ -131,7 +114,7 @@ test("labels shine through the surface of a scan as much as is asked for", async
 test("a projection shows the largest real values where they fall as stored ones rise", async () => {
   await withPage("?url=falling.8vo&layout=3d&camera=0,0,1&mode=mip&window=450,900",
     async (shown) => {
-      await alone(shown);
+      await showRaysAlone(shown, SIDE);
       const seen = await picture(shown);
       let [differing, bright] = [0, 0];
       for (let i = 0; i < SIDE * SIDE; ++i) {

@@ -6,7 +6,9 @@ import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 import { builtScan } from "./support/golden.mjs";
 import { pngPixels } from "./support/png.mjs";
-import { HOSTILE, calm, settled, startPage, text, withPage } from "./support/viewer_page.mjs";
+import {
+  HOSTILE, calm, panelPng, settled, showRaysAlone, startPage, text, withPage,
+} from "./support/viewer_page.mjs";
 
 let host;
 let files;
@@ -119,19 +121,8 @@ test("keys, tools and links: what is seen can be passed on", async () => {
 test("a surface in 3-D covers the pixels that octavo render covers", async () => {
   const side = files.rays.width;
   await withPage("?url=scan.8vo&layout=3d&mode=iso&iso=600&camera=40,25,1", async (shown) => {
-    await settled(shown);
-    await shown.evaluate((n) => {
-      document.body.classList.add("no-side");
-      octavo.store.set({ hasAnnotations: false });
-      const main = document.getElementById("main");
-      main.style.flex = "none";
-      main.style.width = main.style.height = `${n}px`;
-      document.documentElement.dataset.theme = "dark";
-    }, side);
-    await shown.waitForTimeout(400);
-    await settled(shown);
-    await shown.waitForTimeout(200);
-    const seen = pngPixels(await shown.locator("#panel-3d").screenshot());
+    await showRaysAlone(shown, side);
+    const seen = pngPixels(await panelPng(shown, "panel-3d"));
     assert.deepEqual([seen.width, seen.height], [side, side]);
     let [both, any] = [0, 0];
     for (let i = 0; i < side * side; ++i) {

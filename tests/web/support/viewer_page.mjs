@@ -90,4 +90,32 @@ export const settled = (shown) => shown.waitForFunction(() => {
     (!rays.isShown || rays.isSettled);
 }, null, { timeout: 120_000 });
 
+/** Leaves nothing but panels, width x height pixels together, without annotations and sliders. */
+export const showPanelsAlone = (shown, [width, height]) => shown.evaluate(([w, h]) => {
+  document.body.classList.add("no-side");
+  octavo.store.set({ hasAnnotations: false });
+  const main = document.getElementById("main");
+  main.style.flex = "none";
+  main.style.width = `${w}px`;
+  main.style.height = `${h}px`;
+  for (const slider of document.querySelectorAll(".panel input")) slider.hidden = true;
+}, [width, height]);
+
+/** Leaves nothing but the 3-D view, side x side pixels before black. */
+export async function showRaysAlone(shown, side) {
+  await settled(shown);
+  await showPanelsAlone(shown, [side, side]);
+  await shown.evaluate(() => {
+    document.documentElement.dataset.theme = "dark";
+  });
+}
+
+/** The PNG of a panel once all of it is drawn. */
+export async function panelPng(shown, id) {
+  await shown.waitForTimeout(400);
+  await settled(shown);
+  await shown.waitForTimeout(200);
+  return shown.locator(`#${id}`).screenshot();
+}
+
 export const text = (shown, id) => shown.locator(`#${id}`).textContent();
