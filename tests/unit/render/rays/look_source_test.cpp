@@ -14,6 +14,7 @@ namespace {
 
 using testing::CastScene;
 using testing::cast_scene;
+using testing::expect_levels_alike;
 using testing::gathered;
 using testing::noisy_ball;
 using testing::ray_volume;
@@ -162,14 +163,7 @@ TEST(LookSource, WhatIsSkippedBricksMemoryAndInstructionSetsChangeNoBit) {
       setup.memory_bytes = 400'000;
       const CastScene few = cast_scene(ball, setup);
       EXPECT_EQ(gathered(first.field), gathered(few.field)) << static_cast<int>(mode);
-      for (const char* level : {"scalar", "ssse3", "sse4", "avx2", "avx512", "neon"}) {
-        const auto follow = follow_rays_function_of(level);
-        if (!follow) continue;
-        setup.follow = *follow;
-        const CastScene other = cast_scene(ball, setup);
-        EXPECT_EQ(gathered(first.field), gathered(other.field)) << level << ' ' << angle;
-        EXPECT_EQ(few.field.samples, other.field.samples);
-      }
+      expect_levels_alike(ball, setup, few);
     }
   }
 }

@@ -1,6 +1,7 @@
 // Small volumes for rays, and one way to cast them.
 #pragma once
 
+#include <gtest/gtest.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
@@ -155,6 +156,20 @@ inline std::vector<float> gathered(const RayField& field) {
     all.insert(all.end(), tile.gathered.begin(), tile.gathered.end());
   }
   return all;
+}
+
+/// Each set of instructions of this machine gathers the bits of `expected` from as many samples.
+template <class T>
+void expect_levels_alike(const RayVolume<T>& volume, RaySetup setup, const CastScene& expected) {
+  for (const char* level : {"scalar", "ssse3", "sse4", "avx2", "avx512", "neon"}) {
+    const auto follow = follow_rays_function_of(level);
+    if (!follow) continue;
+    setup.follow = *follow;
+    const CastScene scene = cast_scene(volume, setup);
+    EXPECT_EQ(gathered(scene.field), gathered(expected.field))
+        << level << ' ' << static_cast<int>(setup.mode) << ' ' << setup.angle_degrees;
+    EXPECT_EQ(scene.field.samples, expected.field.samples) << level;
+  }
 }
 
 /// Where a ray is after k steps, in samples.

@@ -13,6 +13,7 @@ namespace {
 
 using testing::CastScene;
 using testing::cast_scene;
+using testing::expect_levels_alike;
 using testing::gathered;
 using testing::noisy_ball;
 using testing::RaySetup;
@@ -87,12 +88,7 @@ TEST(RayShades, AllInstructionSetsGiveTheSameBitsAndLightIsNeverAdded) {
     setup.shade = shade.table(ball.geometry, true);
     const CastScene portable = cast_scene(ball, setup);
     EXPECT_NE(gathered(portable.field), gathered(bright.field));
-    for (const char* level : {"ssse3", "sse4", "avx2", "avx512", "neon"}) {
-      const auto follow = follow_rays_function_of(level);
-      if (!follow) continue;
-      setup.follow = *follow;
-      EXPECT_EQ(gathered(cast_scene(ball, setup).field), gathered(portable.field)) << level;
-    }
+    expect_levels_alike(ball, setup, portable);
     const Picture lit = ray_picture(bright.field, {});
     const Picture shaded = ray_picture(portable.field, {});
     for (std::size_t i = 0; i < lit.pixels.size(); ++i) {
