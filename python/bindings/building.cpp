@@ -127,7 +127,7 @@ nb::tuple build_zarr(const std::string& source, const std::string& path, const n
   how.channel = nb::cast<std::string>(asked["channel"]);
   how.time = nb::cast<std::optional<std::int64_t>>(asked["time"]);
   if (const auto zyx = nb::cast<std::optional<std::array<double, 3>>>(asked["spacing"])) {
-    how.spacing_mm = Point3{(*zyx)[2], (*zyx)[1], (*zyx)[0]};
+    how.spacing_mm = xyz_of(*zyx);
   }
   how.max_memory_bytes = nb::cast<std::uint64_t>(given["max_memory"]);
   const int threads = nb::cast<int>(given["threads"]);

@@ -4,6 +4,7 @@
 #include <nanobind/stl/map.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/string_view.h>
 
 #include <map>
 #include <optional>
@@ -29,9 +30,21 @@ VoxelType type_of(const std::string& dtype) {
               "int32, uint32 and float32 do").with_field("dtype");
 }
 
-Point3 xyz_of(const std::array<double, 3>& zyx) { return {zyx[2], zyx[1], zyx[0]}; }
-
 }  // namespace
+
+nb::dict volume_facts(const VolumeDescription& volume) {
+  nb::dict names;
+  for (const auto& [label, name] : volume.metadata.facts().labels.all()) {
+    names[nb::int_(label)] = name.name;
+  }
+  nb::dict facts;
+  facts["dtype"] = voxel_type_name(volume.type);
+  facts["direction"] = volume.geometry.direction;
+  facts["is_spacing_known"] = volume.metadata.is_spacing_known();
+  facts["metadata"] = nb::bytes(volume.metadata.text().data(), volume.metadata.text().size());
+  facts["label_names"] = names;
+  return facts;
+}
 
 VolumeDescription description_of(const Zyx& shape, const nb::dict& facts) {
   VolumeDescription volume;

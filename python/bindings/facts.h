@@ -18,6 +18,14 @@ inline Zyx zyx_of(const Index3& index) { return {index.z, index.y, index.x}; }
 inline Size3 size_of(const Zyx& shape) { return {shape[2], shape[1], shape[0]}; }
 inline Index3 index_of(const Zyx& index) { return {index[2], index[1], index[0]}; }
 
+inline Point3 xyz_of(const std::array<double, 3>& zyx) { return {zyx[2], zyx[1], zyx[0]}; }
+inline nanobind::tuple zyx_of(const Point3& point) {
+  return nanobind::make_tuple(point[2], point[1], point[0]);
+}
+
+/// What files and maps say alike: dtype, direction, is_spacing_known, metadata, label_names.
+nanobind::dict volume_facts(const VolumeDescription& volume);
+
 /// The description of a volume that Python gives planes of.
 /// shape  z, y, x
 /// facts  dtype, kind, spacing (z, y, x) or None, origin (z, y, x), direction (9 numbers,

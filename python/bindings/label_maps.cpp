@@ -304,20 +304,10 @@ nb::list agreements_of(const LabelMap& a, const LabelMap& b, const nb::dict& giv
 
 nb::dict facts_of_map(const LabelMap& map) {
   const VolumeDescription& volume = map.volume();
-  const auto zyx = [](const Point3& p) { return nb::make_tuple(p[2], p[1], p[0]); };
-  nb::dict names;
-  for (const auto& [label, name] : volume.metadata.facts().labels.all()) {
-    names[nb::int_(label)] = name.name;
-  }
-  nb::dict facts;
+  nb::dict facts = volume_facts(volume);
   facts["shape"] = nb::make_tuple(volume.size.z, volume.size.y, volume.size.x);
-  facts["dtype"] = voxel_type_name(volume.type);
-  facts["spacing"] = zyx(volume.geometry.spacing_mm);
-  facts["origin"] = zyx(volume.geometry.origin_mm);
-  facts["direction"] = volume.geometry.direction;
-  facts["is_spacing_known"] = volume.metadata.is_spacing_known();
-  facts["metadata"] = nb::bytes(volume.metadata.text().data(), volume.metadata.text().size());
-  facts["label_names"] = names;
+  facts["spacing"] = zyx_of(volume.geometry.spacing_mm);
+  facts["origin"] = zyx_of(volume.geometry.origin_mm);
   facts["is_mask"] = map.tree() != nullptr;
   facts["memory_bytes"] =
       map.tree() != nullptr ? map.tree()->memory_bytes() : map.labels()->memory_bytes();

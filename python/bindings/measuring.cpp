@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "facts.h"
 #include "octavo/core/error.h"
 #include "octavo/core/sha256.h"
 #include "octavo/core/text.h"
@@ -137,7 +138,7 @@ SurfaceOptions surface_options(const std::string& name, const nb::dict& asked) {
                     nb::cast<std::vector<std::string>>(asked["names"])};
   options.level = nb::cast<int>(asked["level"]);
   if (const auto seed = nb::cast<std::optional<std::array<double, 3>>>(asked["seed"])) {
-    options.seed = Point3{(*seed)[2], (*seed)[1], (*seed)[0]};
+    options.seed = xyz_of(*seed);
   }
   options.max_deviation = {nb::cast<double>(asked["max_deviation_mm"]), false};
   if (const auto most = nb::cast<std::optional<double>>(asked["triangles"])) {

@@ -146,14 +146,13 @@ ReaderOptions options_with(std::uint64_t cache_bytes) {
 nb::tuple level_facts(const FileReader& reader, int level) {
   const Levels& levels = reader.levels();
   const Geometry geometry = levels.geometry(reader.description().geometry, level);
-  const auto zyx = [](const Point3& p) { return nb::make_tuple(p[2], p[1], p[0]); };
   std::array<std::int64_t, 3> factor;
   for (int axis = 0; axis < 3; ++axis) {
     factor[static_cast<std::size_t>(2 - axis)] =
         std::int64_t{1} << levels.halving_count(level, axis);
   }
-  return nb::make_tuple(zyx_of(levels.size(level)), zyx(geometry.spacing_mm),
-                        zyx(geometry.origin_mm), factor,
+  return nb::make_tuple(zyx_of(levels.size(level)), zyx_of(geometry.spacing_mm),
+                        zyx_of(geometry.origin_mm), factor,
                         zyx_of(brick_side_at(levels, level)));
 }
 
@@ -170,21 +169,12 @@ nb::dict facts_of(const OpenFile& file) {
   for (int level = 0; level < reader.levels().count(); ++level) {
     levels.append(level_facts(reader, level));
   }
-  nb::dict names;
-  for (const auto& [label, name] : volume.metadata.facts().labels.all()) {
-    names[nb::int_(label)] = name.name;
-  }
-  nb::dict facts;
-  facts["dtype"] = voxel_type_name(volume.type);
+  nb::dict facts = volume_facts(volume);
   facts["kind"] = volume.kind == VolumeKind::labels ? "labels" : "grey";
   facts["levels"] = levels;
-  facts["direction"] = volume.geometry.direction;
   facts["slope"] = volume.rescale.slope;
   facts["intercept"] = volume.rescale.intercept;
   facts["unit"] = volume.metadata.facts().unit;
-  facts["is_spacing_known"] = volume.metadata.is_spacing_known();
-  facts["metadata"] = nb::bytes(volume.metadata.text().data(), volume.metadata.text().size());
-  facts["label_names"] = names;
   facts["min"] = real_end(volume, reader.range().min);
   facts["max"] = real_end(volume, reader.range().max);
   facts["max_error"] = reader.max_error();
