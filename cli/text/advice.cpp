@@ -138,6 +138,7 @@ constexpr Advice kAdvice[] = {
     {kAny, "mask.kind", "", "'octavo threshold' makes a mask of grey values"},
     {kUsage, "seed", "", "give another --seed"},
     {kUsage, "surface.triangles", "", "give more --triangles, or one piece with --seed"},
+    {kUsage, "label_surfaces.triangles", "", "give more --triangles"},
     {kUsage, "step.is_in_place", "", "--in-place turns, mirrors or scales the object itself"},
     {kUsage, "steps", "", "give --rotate, --shift or another step, or --grid-of"},
     {kAny, "percentiles", "", "--no-percentiles leaves them out"},

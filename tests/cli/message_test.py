@@ -45,6 +45,31 @@ class Messages(cli_test.InFolder):
                               "--spacing", "1", option, "3", "-o", "f.8vo")
         self.assertNotIn("f.8vo", self.files())
 
+    def test_a_folder_that_takes_no_files_is_found_before_the_work(self):
+        # Work on these would end in exit code 2: nothing lies inside. Nothing is created in /proc.
+        self.build("e.8vo", block(0, 0), "uint8", "B", "--labels")
+        for verb in (["surface", "v.8vo", "--isovalue", "1000"], ["surface", "e.8vo"],
+                     ["hexahedra", "e.8vo"]):
+            ending = "vtu" if verb[0] == "hexahedra" else "stl"
+            self.expect(2, *verb, "-o", f"x.{ending}")
+            self.expect_error(5, [f"/proc/x.{ending}: cannot create"], *verb, "-o",
+                              f"/proc/x.{ending}")
+        self.expect(2, "surface", "e.8vo", "--parts", "-o", "parts")
+        self.expect_error(5, ["/proc/parts: cannot create"], "surface", "e.8vo", "--parts", "-o",
+                          "/proc/parts")
+        self.expect_error(5, ["/proc: cannot create files in it"], "surface", "e.8vo", "--parts",
+                          "-o", "/proc")
+        self.assertEqual(sorted(self.files()), ["e.8vo", "in.raw", "m.8vo", "v.8vo"])
+
+    def test_the_fewest_triangles_are_told_in_words_that_fit(self):
+        self.expect_error(2, ["a surface of 1 piece has 4 triangles or more; the limit is 1",
+                              "or one piece with --seed"],
+                          "surface", "v.8vo", "--isovalue", "20", "--triangles", "1", "-o", "x.stl")
+        told = self.expect_error(2, ["are the fewest that were reached; the limit is 1",
+                                     "give more --triangles"],
+                                 "surface", "m.8vo", "--parts", "--triangles", "1", "-o", "parts")
+        self.assertNotIn("--seed", told.stderr)
+
     def test_verify_prints_json_of_what_cannot_be_opened(self):
         (self.folder / "no.8vo").write_bytes(b"no such thing" * 99)
         for name, code in [("no.8vo", 3), ("missing.8vo", 5)]:

@@ -104,7 +104,7 @@ class Surfaces(cli_test.InFolder):
             self.assertEqual((report["triangles"], report["full_triangles"]), (8, 8))
             self.assertEqual(report["max_deviation_mm"], 0)
         (self.folder / "few.stl").unlink()
-        for asked, words in (("3", "each piece needs four"), ("0", "1 or more"),
+        for asked, words in (("3", "has 4 triangles or more; the limit is 3"), ("0", "1 or more"),
                              ("101%", "up to 100"), ("many", "--triangles")):
             told = self.expect(2, "surface", "grey.8vo", "--isovalue", "50", "--triangles", asked,
                                "-o", "few.stl").stderr

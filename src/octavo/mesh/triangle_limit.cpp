@@ -15,8 +15,6 @@ namespace octavo {
 
 namespace {
 
-constexpr double kMeasuringMargin = 1e-5;  // of the shortest side of a voxel
-
 double diagonal_of(const TriangleMesh& mesh) {
   SpaceBox box;
   for (const MeshPoint& point : mesh.points) box.add(point);
@@ -62,7 +60,7 @@ LimitedSurface decimate_to(const TriangleMesh& full, std::uint64_t limit,
   }
   limited.max_deviation_mm =
       measured_deviation(full, limited.mesh, limited.max_deviation_mm,
-                         kMeasuringMargin * shortest_side(geometry), progress);
+                         measuring_margin_mm(geometry), progress);
   return limited;
 }
 
@@ -76,6 +74,11 @@ LimitedSurface decimate_to(const TriangleMesh& first, std::uint64_t full_count,
   LimitedSurface limited = searched(first, limit, geometry, reduce, progress);
   if (limited.is_reached && limited.triangle_count == full_count) limited.max_deviation_mm = 0;
   return limited;
+}
+
+double measuring_margin_mm(const Geometry& geometry) {
+  constexpr double kMargin = 1e-5;
+  return kMargin * shortest_side(geometry);
 }
 
 std::uint64_t fewest_possible(const TriangleMesh& full) { return 4 * mesh_pieces(full).count; }

@@ -35,6 +35,9 @@ LimitedSurface decimate_to(const TriangleMesh& first, std::uint64_t full_count,
 /// The search that decimate_to makes: from half a voxel on, as far as a surface reaches.
 DeviationSearch search_to(std::uint64_t limit, const TriangleMesh& full, const Geometry& geometry);
 
+/// For rounding, added to deviations that are measured.
+double measuring_margin_mm(const Geometry& geometry);
+
 /// Triangles that a surface needs at the fewest: four for each of its pieces.
 std::uint64_t fewest_possible(const TriangleMesh& full);
 

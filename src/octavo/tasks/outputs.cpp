@@ -31,11 +31,13 @@ std::uint64_t machine_memory_bytes() {
 
 void require_folder_around(const std::string& path) {
   switch (local_storage().path_type(folder_of(path))) {
-    case PathType::folder: return;
+    case PathType::folder: break;
     case PathType::missing:
       throw Error(ErrorKind::io, "cannot create: its folder does not exist; make it first", path);
     default: throw Error(ErrorKind::io, "cannot create: Not a directory", path);
   }
+  const std::string why = local_storage().why_closed(folder_of(path));
+  if (!why.empty()) throw Error(ErrorKind::io, "cannot create: " + why, path);
 }
 
 void require_free(const Output& output) {
@@ -50,8 +52,10 @@ void require_free(const Output& output) {
       throw Error(ErrorKind::io, "exists and is not a regular file; choose another name", path);
     default: break;
   }
-  if (output.overwrite) return;
-  throw Error(ErrorKind::io, "exists already", path).with_field("output.overwrite");
+  if (!output.overwrite) {
+    throw Error(ErrorKind::io, "exists already", path).with_field("output.overwrite");
+  }
+  require_folder_around(path);
 }
 
 void require_no_input(const std::string& path, const std::vector<std::string>& inputs) {

@@ -16,11 +16,11 @@ struct Output {
   bool has_thumbnail = false;  ///< an .8vo file gets one
 };
 
-/// Throws Error{io} where the folder that a path lies in is missing, or is none.
+/// Throws Error{io} where the folder that a path lies in is missing, is none, or takes no files.
 void require_folder_around(const std::string& path);
 
-/// Throws Error{io} when the name cannot be used: too long, a folder, in none, taken and not to be
-/// overwritten.
+/// Throws Error{io} when the name cannot be used: too long, a folder, in none or in one that takes
+/// no files, taken and not to be overwritten.
 void require_free(const Output& output);
 
 /// Throws Error{invalid_argument} when a file to write is one of `inputs`, under any name.

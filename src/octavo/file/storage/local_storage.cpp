@@ -32,7 +32,8 @@ constexpr int kMaxCreateTries = 10;
 constexpr int kMaxLockTries = 6000;
 constexpr unsigned kMicrosecondsToLock = 10'000;  // between two tries: a minute in all
 
-std::string mebibytes(std::uint64_t bytes) {
+std::string room_text(std::uint64_t bytes) {
+  if (bytes < (1 << 17)) return std::to_string(bytes) + (bytes == 1 ? " byte" : " bytes");
   char text[32];
   std::snprintf(text, sizeof text, "%.1f MiB", static_cast<double>(bytes) / (1 << 20));
   return text;
@@ -51,10 +52,11 @@ auto uninterrupted(F f) {
 }
 
 std::string no_space_detail(int descriptor, std::uint64_t needed) {
-  std::string text = "no space left: " + mebibytes(needed) + " more needed";
+  std::string text = "no space left";
+  if (needed > 0) text += ": " + room_text(needed) + " more needed";
   struct statvfs disk {};
   if (fstatvfs(descriptor, &disk) == 0) {
-    text += ", " + mebibytes(std::uint64_t{disk.f_bavail} * disk.f_frsize) + " free";
+    text += ", " + room_text(std::uint64_t{disk.f_bavail} * disk.f_frsize) + " free";
   }
   return text;
 }
@@ -343,14 +345,15 @@ class LocalStorage final : public Storage {
     return result != 0 && errno == EWOULDBLOCK;
   }
 
+  std::string why_closed(const std::string& folder) override {
+    LocalFile tried(folder);
+    return open_scratch(tried, folder) ? std::string()
+                                       : std::generic_category().message(errno);
+  }
+
   std::unique_ptr<StorageFile> create_scratch(const std::string& folder) override {
     auto file = std::make_unique<LocalFile>(folder + " (scratch file)");
-    if (file->open(folder, O_RDWR | O_TMPFILE, 0600)) return file;
-
-    // File systems without nameless files: a named one loses its name at once.
-    std::string path = folder + "/.octavo-scratch-XXXXXX";
-    if (!file->open_unique(path)) fail("cannot create a scratch file", folder, errno);
-    if (::unlink(path.c_str()) != 0) fail("cannot unlink a scratch file", path, errno);
+    if (!open_scratch(*file, folder)) fail("cannot create a scratch file", folder, errno);
     return file;
   }
 
@@ -474,6 +477,14 @@ class LocalStorage final : public Storage {
   }
 
  private:
+  // Opens a nameless file; false with errno set when that fails.
+  static bool open_scratch(LocalFile& file, const std::string& folder) {
+    std::string path = folder + "/.octavo-scratch-XXXXXX";
+    if (file.open(folder, O_RDWR | O_TMPFILE, 0600)) return true;
+    // File systems without nameless files: a named one loses its name at once.
+    return file.open_unique(path) && ::unlink(path.c_str()) == 0;
+  }
+
   static std::unique_ptr<StorageFile> create_file(const std::string& path,
                                                   const std::optional<Access>& access) {
     for (int attempt = 0; attempt < kMaxCreateTries; ++attempt) {

@@ -54,6 +54,8 @@ std::unique_ptr<StorageFile> Storage::create_folder(const std::string& path, con
 
 std::optional<std::uint64_t> Storage::stored_bytes(const std::string&) { return std::nullopt; }
 
+std::string Storage::why_closed(const std::string&) { return {}; }
+
 bool Storage::has_locks(const std::string&) { return true; }
 
 bool Storage::is_locked(const std::string&) { return false; }

@@ -66,6 +66,9 @@ class Storage {
   virtual std::unique_ptr<StorageFile> lock_left(const std::string& path);
   /// Whether somebody has a file locked; false where that is not known, and unless overridden.
   virtual bool is_locked(const std::string& path);
+  /// The system's reason why nothing can be created in a folder, found by trying, without a trace;
+  /// empty where files can, and unless overridden.
+  virtual std::string why_closed(const std::string& folder);
   /// A nameless scratch file in `folder` that vanishes when closed.
   virtual std::unique_ptr<StorageFile> create_scratch(const std::string& folder) = 0;
   virtual bool exists(const std::string& path) = 0;

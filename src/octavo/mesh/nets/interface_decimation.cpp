@@ -1,5 +1,6 @@
 #include "octavo/mesh/nets/interface_decimation.h"
 
+#include <tbb/parallel_for.h>
 #include <tbb/parallel_for_each.h>
 #include <tbb/task_arena.h>
 
@@ -10,6 +11,7 @@
 #include <vector>
 
 #include "octavo/mesh/decimation.h"
+#include "octavo/mesh/measured_deviation.h"
 #include "octavo/mesh/quiet_progress.h"
 #include "octavo/mesh/triangle_limit.h"
 #include "octavo/mesh/triangle_tree.h"
@@ -210,6 +212,48 @@ class InterfaceDecimation {
   std::vector<Patch> patches_;
 };
 
+/// The surface of each pair for itself.
+std::vector<TriangleMesh> surfaces_of(const InterfaceMesh& interfaces) {
+  const std::vector<std::uint32_t>& pair_of = interfaces.pair_of;
+  std::vector<std::uint32_t> by_pair(pair_of.size());
+  std::iota(by_pair.begin(), by_pair.end(), std::uint32_t{0});
+  std::stable_sort(by_pair.begin(), by_pair.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return pair_of[a] < pair_of[b];
+  });
+  std::vector<TriangleMesh> surfaces(interfaces.pairs.size());
+  std::vector<std::uint32_t> numbers(interfaces.mesh.points.size());
+  std::vector<std::uint32_t> owners(interfaces.mesh.points.size(), kNoNumber);
+  for (const std::uint32_t triangle : by_pair) {
+    const std::uint32_t pair = pair_of[triangle];
+    TriangleMesh& surface = surfaces[pair];
+    MeshTriangle& added = surface.triangles.emplace_back(interfaces.mesh.triangles[triangle]);
+    for (std::uint32_t& point : added) {
+      if (owners[point] != pair) {
+        owners[point] = pair;
+        numbers[point] = static_cast<std::uint32_t>(surface.points.size());
+        surface.points.push_back(interfaces.mesh.points[point]);
+      }
+      point = numbers[point];
+    }
+  }
+  return surfaces;
+}
+
+/// How far surfaces between two labels lie from the full ones, at most `known`.
+double measured_deviation_of(const InterfaceMesh& full, const InterfaceMesh& reduced, double known,
+                             double margin, const Progress& progress) {
+  const std::vector<TriangleMesh> before = surfaces_of(full);
+  const std::vector<TriangleMesh> after = surfaces_of(reduced);
+  std::vector<double> deviations(before.size());
+  tbb::parallel_for(std::size_t{0}, before.size(), [&](std::size_t pair) {
+    if (before[pair].triangles.empty()) return;
+    deviations[pair] = after[pair].triangles.empty()
+                           ? known
+                           : measured_deviation(before[pair], after[pair], known, margin, progress);
+  });
+  return *std::max_element(deviations.begin(), deviations.end());
+}
+
 }  // namespace
 
 DecimatedInterfaces decimate_interfaces(const InterfaceMesh& full, double max_deviation_mm,
@@ -233,7 +277,10 @@ LimitedInterfaces decimate_interfaces_to(const InterfaceMesh& full, std::uint64_
   limited.is_reached = true;
   limited.reduced = std::move(found->first);
   limited.triangle_count = limited.reduced.interfaces.mesh.triangles.size();
-  limited.max_deviation_mm = found->second;
+  if (limited.triangle_count == full.mesh.triangles.size()) return limited;
+  limited.max_deviation_mm =
+      measured_deviation_of(full, limited.reduced.interfaces, found->second,
+                            measuring_margin_mm(geometry), progress);
   return limited;
 }
 

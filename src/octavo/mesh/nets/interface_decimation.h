@@ -36,10 +36,11 @@ struct LimitedInterfaces {
   /// Of them, or where the limit was not reached of those that have fewest.
   std::uint64_t triangle_count = 0;
   DecimatedInterfaces reduced;
-  double max_deviation_mm = 0;  ///< proven, in both directions
+  double max_deviation_mm = 0;  ///< proven, in both directions, of each surface between two labels
 };
 
 /// Decimates to `limit` triangles or fewer, as decimate_to (triangle_limit.h).
+/// Memory  that of decimate_interfaces, and 110 bytes per triangle
 LimitedInterfaces decimate_interfaces_to(const InterfaceMesh& full, std::uint64_t limit,
                                          const Geometry& geometry, Progress& progress);
 

@@ -199,7 +199,9 @@ class LabelSurfaceWriter {
     context_.on_threads([&] {
       limited = decimate_interfaces_to(surfaces_.interfaces, limit, geometry_, context_.watcher());
     });
-    if (!limited.is_reached) reject_limit(limit, limited.triangle_count);
+    if (!limited.is_reached) {
+      throw unreached_limit(limit, limited.triangle_count).with_field("label_surfaces.triangles");
+    }
     result_.max_deviation_mm = limited.max_deviation_mm;
     return std::move(limited.reduced);
   }

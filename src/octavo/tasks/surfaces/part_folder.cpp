@@ -65,6 +65,8 @@ PartFolder::PartFolder(Storage& storage, std::string path, bool overwrite)
     require_folder_around(path_);
   } else if (type != PathType::folder) {
     throw Error(ErrorKind::io, "exists and is not a folder", path_);
+  } else if (const std::string why = storage_.why_closed(path_); !why.empty()) {
+    throw Error(ErrorKind::io, "cannot create files in it: " + why, path_);
   }
 }
 

@@ -20,7 +20,8 @@ namespace octavo {
 class PartFolder {
  public:
   /// overwrite  files of the same names are replaced
-  /// Throws  where the name is one of a file, and where the folder around it is missing
+  /// Throws  where the name is one of a file, and where the folder around it is missing or takes no
+  ///         files
   PartFolder(Storage& storage, std::string path, bool overwrite);
   ~PartFolder();
   PartFolder(const PartFolder&) = delete;

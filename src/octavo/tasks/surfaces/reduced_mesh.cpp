@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "octavo/core/error.h"
+#include "octavo/core/text.h"
 #include "octavo/mesh/decimation.h"
 #include "octavo/mesh/decimation_steps.h"
 #include "octavo/mesh/formats/grid_mesh.h"
@@ -105,9 +106,9 @@ std::optional<PointGrid> reduce_mesh_to(std::uint64_t limit, LayeredSurface& sur
   const std::uint64_t fewest = fewest_possible(mesh);
   if (limit < fewest) {
     throw Error(ErrorKind::invalid_argument,
-                fmt::format("no surface of {} pieces has at most {} triangles: each piece needs "
-                            "four, {} together",
-                            fewest / 4, limit, fewest))
+                fmt::format("a surface of {} has {} triangles or more; the limit is {}",
+                            counted_text(static_cast<std::int64_t>(fewest / 4), "piece"), fewest,
+                            limit))
         .with_field("surface.triangles");
   }
   LimitedSurface limited;
@@ -122,7 +123,9 @@ std::optional<PointGrid> reduce_mesh_to(std::uint64_t limit, LayeredSurface& sur
     grid = grid_within(limited.mesh, limited.max_deviation_mm);
     if (grid) moved = mesh_on_grid(limited.mesh, *grid, context.watcher());
   });
-  if (!limited.is_reached) reject_limit(limit, limited.triangle_count);
+  if (!limited.is_reached) {
+    throw unreached_limit(limit, limited.triangle_count).with_field("surface.triangles");
+  }
   result.crossing_triangles = limited.crossing_triangles;
   result.max_deviation_mm = limited.max_deviation_mm;
   if (moved) result.max_deviation_mm += grid->largest_move_mm();
@@ -131,12 +134,11 @@ std::optional<PointGrid> reduce_mesh_to(std::uint64_t limit, LayeredSurface& sur
   return grid;
 }
 
-void reject_limit(std::uint64_t limit, std::uint64_t fewest) {
-  throw Error(ErrorKind::invalid_argument,
-              fmt::format("the surface cannot be made of {} triangles: its pieces and handles "
-                          "stay, and {} are the fewest that were reached",
-                          limit, fewest))
-      .with_field("surface.triangles");
+Error unreached_limit(std::uint64_t limit, std::uint64_t fewest) {
+  return {ErrorKind::invalid_argument,
+          fmt::format("pieces and handles stay: {} triangles are the fewest that were reached; the "
+                      "limit is {}",
+                      fewest, limit)};
 }
 
 }  // namespace octavo

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "octavo/core/error.h"
 #include "octavo/core/geometry.h"
 #include "octavo/core/triangle_mesh.h"
 #include "octavo/mesh/formats/point_grid.h"
@@ -44,8 +45,7 @@ std::optional<PointGrid> reduce_mesh_to(std::uint64_t limit, LayeredSurface& sur
                                         const Geometry& geometry, bool wants_grid,
                                         const TaskContext& context, SurfaceResult& result);
 
-/// Throws the error of a surface that cannot be made of so few triangles.
-/// fewest  that it has been made of
-[[noreturn]] void reject_limit(std::uint64_t limit, std::uint64_t fewest);
+/// What is wrong where a surface cannot be made of so few triangles.
+Error unreached_limit(std::uint64_t limit, std::uint64_t fewest);
 
 }  // namespace octavo

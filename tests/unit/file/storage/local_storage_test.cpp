@@ -185,6 +185,20 @@ TEST_F(LocalStorage, AScratchFileHasNoName) {
   EXPECT_THROW(storage_.create_scratch(path("none")), Error);
 }
 
+TEST_F(LocalStorage, SaysWhyAFolderTakesNoFilesAndLeavesNothingInOthers) {
+  const auto why_closed = [&](std::initializer_list<SystemFaults> all) {
+    std::string why;
+    for (const SystemFaults& faults : all) {
+      EXPECT_EQ(message_of(faults, [&] { why = storage_.why_closed(folder_); }), "");
+    }
+    return why;
+  };
+  EXPECT_EQ(storage_.why_closed(folder_), "");
+  EXPECT_EQ(why_closed({{"open", 1, EOPNOTSUPP}}), "");  // by a file that has a name for a moment
+  EXPECT_EQ(storage_.list(path("")).size(), 0u);
+  EXPECT_EQ(storage_.why_closed(path("none")), "No such file or directory");
+}
+
 TEST_F(LocalStorage, ListsWhatBeginsWithAPrefix) {
   write_text("b2");
   write_text("b1");
@@ -295,7 +309,9 @@ TEST_F(LocalStorage, EveryFailingCallIsReportedWithItsPath) {
       file->write(0, kTen);
       file->sync();
     });
-    EXPECT_NE(message.find("no space left: 0.0 MiB more needed, "), std::string::npos) << message;
+    const bool is_write = std::string_view(faults.call) == "pwrite";
+    const std::string needed = is_write ? ": 10 bytes more needed, " : ", ";
+    EXPECT_NE(message.find("no space left" + needed), std::string::npos) << message;
     EXPECT_TRUE(message.ends_with(" MiB free")) << message;
   }
   // A named scratch file that keeps its name would be left behind.

@@ -64,9 +64,39 @@ TEST_F(ColoredBall, HasAsFewTrianglesAsAskedWithinWhatIsProven) {
   const TriangleMesh& mesh = limited.reduced.interfaces.mesh;
   EXPECT_LE(mesh.triangles.size(), limit);
   EXPECT_EQ(limited.triangle_count, mesh.triangles.size());
-  EXPECT_GT(limited.max_deviation_mm, 0.4);
   EXPECT_LE(largest_distance(full_.mesh, mesh), limited.max_deviation_mm);
   EXPECT_LE(largest_distance(mesh, full_.mesh), limited.max_deviation_mm);
+}
+
+/// The farthest that points of the surface between two labels lie from that of other interfaces.
+double largest_distance_of_pairs(const InterfaceMesh& from, const InterfaceMesh& to) {
+  double largest = 0;
+  for (std::uint32_t pair = 0; pair < to.pairs.size(); ++pair) {
+    TriangleMesh other{to.mesh.points, {}};
+    for (std::size_t i = 0; i < to.pair_of.size(); ++i) {
+      if (to.pair_of[i] == pair) other.triangles.push_back(to.mesh.triangles[i]);
+    }
+    const TriangleTree tree(other);
+    for (std::size_t i = 0; i < from.pair_of.size(); ++i) {
+      if (from.pair_of[i] != pair) continue;
+      for (const std::uint32_t point : from.mesh.triangles[i]) {
+        const Point3 place = place_of_point(from.mesh.points[point]);
+        largest = std::max(largest, tree.nearest(place, 100).distance);
+      }
+    }
+  }
+  return largest;
+}
+
+TEST_F(ColoredBall, SaysWhatCameOfALimitAndNotWhatWasAllowed) {
+  const std::uint64_t fewest = decimate_interfaces_to(full_, 1, {}, progress_).triangle_count;
+  const LimitedInterfaces limited = decimate_interfaces_to(full_, fewest, {}, progress_);
+  ASSERT_TRUE(limited.is_reached);
+  const InterfaceMesh& reduced = limited.reduced.interfaces;
+  const double farthest = std::max(largest_distance_of_pairs(full_, reduced),
+                                   largest_distance_of_pairs(reduced, full_));
+  EXPECT_GE(limited.max_deviation_mm, farthest);
+  EXPECT_LE(limited.max_deviation_mm, 1.2 * farthest);
 }
 
 TEST_F(ColoredBall, PartsStayManifoldAndNear) {
