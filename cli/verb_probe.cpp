@@ -20,10 +20,11 @@ namespace {
 
 constexpr VerbText kProbeText = {
     "probe", "Show value, place and o-code of a voxel.",
-    "Several positions may be given. Millimeters are LPS world coordinates; the nearest voxel\n"
-    "answers.\n\n"
+    "Several positions may be given, behind one --at or --mm or each behind its own. Millimeters\n"
+    "are LPS world coordinates; the nearest voxel answers.\n\n"
     "Examples:\n"
     "  octavo probe head.8vo --at 128,100,54\n"
+    "  octavo probe head.8vo --at 128,100,54 30,40,54\n"
     "  octavo probe head.8vo --mm 12.5,-30,81 --level 2 --json"};
 
 struct ProbeArguments {

@@ -21,10 +21,11 @@ constexpr VerbText kServeText = {
     "serve", "Give out .8vo files over HTTP, with a page that shows them.",
     "The address of the page is printed; it works until the program is stopped. Browsers fetch of\n"
     "a file only what they show. Only the files that are named can be asked for. One that is\n"
-    "replaced meanwhile is served as it is then; pages that show the earlier one say so.\n\n"
+    "replaced meanwhile is served as it is then; pages that show the earlier one say so. Links\n"
+    "are followed at the start: what a name leads to elsewhere later is not served.\n\n"
     "Others than this machine cannot connect. --bind ADDRESS lets them, and needs --token, which\n"
-    "becomes part of every address: who does not know it gets nothing. What is sent is not\n"
-    "encrypted.\n"
+    "becomes part of every address: who does not know it gets nothing. 0.0.0.0 and :: are all\n"
+    "addresses of this machine; those are printed then. What is sent is not encrypted.\n"
     "Pages of other sites may read the files with --allow-origin alone.\n\n"
     "With --as zarr3 each file also stands at its address with .zarr/ behind it, as an OME-Zarr\n"
     "0.5 image whose chunks are decoded when they are asked for, one at a time: zarr-python and\n"
@@ -59,6 +60,7 @@ struct ServeArguments {
 nlohmann::ordered_json site_json(const ServedSite& site) {
   nlohmann::ordered_json said = {
       {"url", site.url}, {"port", site.port}, {"files", site.urls}, {"page", site.has_page}};
+  if (!site.other_urls.empty()) said["other_urls"] = site.other_urls;
   if (!site.zarr_urls.empty()) said["zarr3"] = site.zarr_urls;
   return said;
 }
@@ -71,6 +73,7 @@ void say_where(const ServedSite& site, Context& context) {
   if (site.has_page) print(site.url + "\n");
   else for (const std::string& url : site.urls) print(url + "\n");
   for (const std::string& url : site.zarr_urls) print("zarr3://" + url + "\n");
+  for (const std::string& url : site.other_urls) context.note("also at " + url);
   context.note("serving; Ctrl-C ends it");
 }
 

@@ -40,6 +40,16 @@ bool is_number(const std::string& word) {
   return !digits.empty() && digits.find_first_not_of("0123456789.") == std::string::npos;
 }
 
+/// "1,2,3"
+bool is_place(const std::string& word) {
+  const std::size_t first = word.find(',');
+  const std::size_t second = word.find(',', first + 1);
+  return first != std::string::npos && second != std::string::npos &&
+         is_number(word.substr(0, first)) &&
+         is_number(word.substr(first + 1, second - first - 1)) &&
+         is_number(word.substr(second + 1));
+}
+
 bool is_option(const std::string& word) {
   return word.size() > 1 && word[0] == '-' && !is_number(word) && word != "--" &&
          std::isalpha(static_cast<unsigned char>(word[word[1] == '-' ? 2 : 1])) != 0;
@@ -85,6 +95,17 @@ std::string option_name(const std::string& word, const OptionNames& names) {
   return names.place_of(letter) ? letter : word;
 }
 
+/// Makes three numbers from `i` on one word; whether a place stands there then.
+bool join_place(std::vector<std::string>& words, std::size_t i) {
+  if (i < words.size() && is_place(words[i])) return true;
+  if (i + 2 >= words.size()) return false;
+  if (!is_number(words[i]) || !is_number(words[i + 1]) || !is_number(words[i + 2])) return false;
+  words[i] += "," + words[i + 1] + "," + words[i + 2];
+  const auto place = words.begin() + static_cast<std::ptrdiff_t>(i);
+  words.erase(place + 1, place + 3);
+  return true;
+}
+
 }  // namespace
 
 std::vector<std::string> settled_words(std::vector<std::string> words) {
@@ -93,12 +114,11 @@ std::vector<std::string> settled_words(std::vector<std::string> words) {
     words.push_back("--help");
   }
   if (words.empty() || words.front() != "probe") return words;
-  for (std::size_t i = 1; i + 3 < words.size(); ++i) {
+  for (std::size_t i = 1; i < words.size(); ++i) {
     if (words[i] != "--at" && words[i] != "--mm") continue;
-    if (!is_number(words[i + 1]) || !is_number(words[i + 2]) || !is_number(words[i + 3])) continue;
-    words[i + 1] += "," + words[i + 2] + "," + words[i + 3];
-    const auto rest = words.begin() + static_cast<std::ptrdiff_t>(i);
-    words.erase(rest + 2, rest + 4);
+    if (!join_place(words, i + 1) || !join_place(words, i + 2)) continue;
+    const std::string option = words[i];
+    words.insert(words.begin() + static_cast<std::ptrdiff_t>(i) + 2, option);
   }
   return words;
 }

@@ -9,7 +9,7 @@
 namespace octavo::cli {
 
 /// The words as they are parsed: "help" and "help VERB" ask for help as --help does, and three
-/// numbers behind `probe --at` or `--mm` are one place.
+/// numbers behind `probe --at` or `--mm` are one place; further places belong to the same option.
 std::vector<std::string> settled_words(std::vector<std::string> words);
 
 /// The first word that names no verb, option or value of this program, with the nearest that does:

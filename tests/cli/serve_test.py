@@ -19,6 +19,7 @@ import subprocess
 import sys
 import unittest
 import urllib.parse
+import urllib.request
 
 import cli_test
 
@@ -221,8 +222,11 @@ class Server(Serving):
         self.assertIn("--token auto", error.stderr)
         self.expect(2, "serve", "a b.8vo", "--token", "short", env=self.environment)
         _, site = self.serve("serve", "a b.8vo", "--bind", "0.0.0.0", "--token", "auto")
-        token = re.fullmatch(r"http://0\.0\.0\.0:\d+/([\w-]{22})/\?url=a%20b\.8vo",
-                             site["url"]).group(1)
+        host, token = re.fullmatch(r"http://([\d.]+):\d+/([\w-]{22})/\?url=a%20b\.8vo",
+                                   site["url"]).groups()
+        self.assertNotEqual(host, "0.0.0.0")
+        with urllib.request.urlopen(site["files"][0], timeout=30) as answer:
+            self.assertEqual(answer.read(), self.bytes)
         self.assertEqual(self.ask(site, f"/{token}/a%20b.8vo", Host="my.host")[1], self.bytes)
         self.assertEqual(self.ask(site, f"/{token}/")[1], b"<p>page")
         for path in ("/", "/a%20b.8vo", f"/{token[:-1]}/", f"/{token}x/"):
@@ -237,6 +241,15 @@ class Server(Serving):
         self.assertNotEqual(first.headers["ETag"], second.headers["ETag"])
         stale, _ = self.ask(site, "/a%20b.8vo", If_Match=first.headers["ETag"])
         self.assertEqual(stale.status, 412)
+
+    def test_a_file_that_becomes_a_link_is_not_followed(self):
+        _, site = self.serve("serve", "a b.8vo")
+        (self.folder / "secret").write_text("of others")
+        (self.folder / "a b.8vo").unlink()
+        (self.folder / "a b.8vo").symlink_to("secret")
+        answer, body = self.ask(site, "/a%20b.8vo")
+        self.assertEqual(answer.status, 404)
+        self.assertNotIn(b"of others", body)
 
     def test_without_a_page_files_alone_are_served_and_view_says_what_is_missing(self):
         _, site = self.serve("serve", "a b.8vo", page=False)

@@ -48,6 +48,10 @@ class Usage(cli_test.InFolder):
         self.assertEqual(self.expect(0, "probe", "p.8vo", "--at", "1", "2", "3").stdout, wanted)
         self.assertEqual(self.expect(0, "probe", "--at", "1", "2", "3", "p.8vo").stdout, wanted)
         two = self.expect(0, "probe", "p.8vo", "--at", "1", "2", "3", "--at", "1,2,3").stdout
+        for words in (("--at", "1,2,3", "1,2,3"), ("--at", "1", "2", "3", "1", "2", "3"),
+                      ("--at", "1,2,3", "1", "2", "3")):
+            self.assertEqual(self.expect(0, "probe", "p.8vo", *words).stdout, two)
+            self.assertEqual(self.expect(0, "probe", *words, "p.8vo").stdout, two)
         self.assertEqual(two, 2 * wanted)
 
 

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 #include <system_error>
 #include <utility>
 
@@ -115,17 +116,24 @@ class FileBytes final : public ServedBytes {
   std::string tag_;
 };
 
+/// Without links; as it is where nothing stands there.
+std::string real_path(const std::string& path) {
+  std::error_code failure;
+  const std::filesystem::path real = std::filesystem::canonical(path, failure);
+  return failure ? path : real.string();
+}
+
 class FileContent final : public ServedContent {
  public:
-  FileContent(std::string path, std::string media_type)
-      : path_(std::move(path)), media_type_(std::move(media_type)) {
+  FileContent(const std::string& path, std::string media_type)
+      : path_(real_path(path)), media_type_(std::move(media_type)) {
     bytes_ = opened();
     if (!bytes_) {
       const int reason = errno;
       throw Error(ErrorKind::io,
                   reason == 0 ? "is no file"
                               : "cannot be read: " + std::generic_category().message(reason),
-                  path_);
+                  path);
     }
   }
   const std::string& media_type() const override { return media_type_; }
@@ -140,10 +148,11 @@ class FileContent final : public ServedContent {
   /// Null, with the reason in errno (0: no file), where that fails.
   std::shared_ptr<const FileBytes> opened() const {
     // A pipe or a device would wait, or never end.
-    const int descriptor = ::open(path_.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    const int descriptor = ::open(path_.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOFOLLOW);
     if (descriptor < 0) return nullptr;
     struct stat state {};
-    if (::fstat(descriptor, &state) != 0 || !S_ISREG(state.st_mode)) {
+    const bool is_file = ::fstat(descriptor, &state) == 0 && S_ISREG(state.st_mode);
+    if (!is_file || real_path(path_) != path_) {
       ::close(descriptor);
       errno = 0;
       return nullptr;
@@ -151,7 +160,7 @@ class FileContent final : public ServedContent {
     return std::make_shared<FileBytes>(descriptor, identity_of(state));
   }
 
-  std::string path_;
+  std::string path_;  // the real one
   std::string media_type_;
   std::shared_ptr<const FileBytes> bytes_;
 };

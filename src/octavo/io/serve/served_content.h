@@ -48,7 +48,9 @@ std::unique_ptr<ServedContent> memory_content(std::vector<std::uint8_t> bytes,
                                               std::string media_type);
 
 /// A file of the disk, which is opened again once another one has taken its name or it was written
-/// to. An answer that has begun goes on with the file that it began with.
+/// to. An answer that has begun goes on with the file that it began with. Links in `path` are
+/// followed once, now: what becomes a link later, or lies behind one, cannot be read, so that who
+/// may write into a folder gives out nothing from elsewhere.
 /// Throws Error{io} when it cannot be opened or is no file
 std::unique_ptr<ServedContent> file_content(const std::string& path, std::string media_type);
 

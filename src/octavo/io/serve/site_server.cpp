@@ -27,7 +27,9 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kPartBytes = std::size_t{256} << 10;
 constexpr int kWaitMs = 200;
-constexpr int kWaiting = 64;  // connections that the system holds before they are taken
+// Connections that the system holds before they are taken: as many as it holds at all. Of one that
+// it drops a client hears nothing, and tries again after a second or more.
+constexpr int kWaiting = SOMAXCONN;
 
 [[noreturn]] void fail_to_serve(const std::string& what, int reason) {
   throw Error(ErrorKind::io, what + ": " + std::generic_category().message(reason));

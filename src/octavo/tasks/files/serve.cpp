@@ -7,6 +7,7 @@
 
 #include "octavo/core/error.h"
 #include "octavo/core/url_text.h"
+#include "octavo/io/serve/own_addresses.h"
 #include "octavo/io/serve/site_server.h"
 #include "octavo/io/zarr/served_zarr.h"
 #include "octavo/tasks/files/web_page.h"
@@ -99,18 +100,24 @@ class Site {
   bool has_page() const { return has_page_; }
   SiteTable& table() { return table_; }
 
-  ServedSite at(const std::string& host, int port, const std::string& shown_url) const {
+  /// hosts  with ports; the first one stands in most addresses
+  ServedSite at(const std::vector<std::string>& hosts, int port,
+                const std::string& shown_url) const {
     ServedSite site;
     site.port = port;
     site.has_page = has_page_;
-    const std::string base = "http://" + host + root_;
+    const std::string base = "http://" + hosts.front() + root_;
     for (const std::string& name : names_) site.urls.push_back(base + percent_encoded(name));
     for (const std::string& url : site.urls) {
       if (is_zarr_) site.zarr_urls.push_back(url + kZarrEnding);
     }
     std::string shown = shown_url.empty() ? "" : percent_encoded(shown_url);
     if (shown.empty() && names_.size() == 1) shown = percent_encoded(names_.front());
-    site.url = base + (!has_page_ ? kWebListName : shown.empty() ? "" : "?url=" + shown);
+    const std::string last = !has_page_ ? kWebListName : shown.empty() ? "" : "?url=" + shown;
+    site.url = base + last;
+    for (std::size_t i = 1; i < hosts.size(); ++i) {
+      site.other_urls.push_back("http://" + hosts[i] + root_ + last);
+    }
     return site;
   }
 
@@ -175,8 +182,11 @@ ServeResult serve(const ServeOptions& options, const TaskContext& context) {
     rules.hosts.push_back(host_of(options.address, server.port()));
     if (server.port() == 80) rules.hosts.emplace_back("localhost");
   }
-  const ServedSite ready =
-      site.at(host_of(options.address, server.port()), server.port(), options.shown_url);
+  std::vector<std::string> hosts;
+  for (const std::string& address : own_addresses(options.address)) {
+    hosts.push_back(host_of(address, server.port()));
+  }
+  const ServedSite ready = site.at(hosts, server.port(), options.shown_url);
   if (options.on_ready) options.on_ready(ready);
   server.run(rules, site.table(), [&] { return context.watcher().is_cancelled(); });
   context.stop_if_cancelled();

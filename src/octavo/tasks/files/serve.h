@@ -14,6 +14,8 @@ namespace octavo {
 struct ServedSite {
   int port = 0;
   std::string url;                ///< of the page, or of all files where there is no page
+  /// The same at the other addresses of this machine, where it listens at all of them.
+  std::vector<std::string> other_urls;
   std::vector<std::string> urls;  ///< of the files
   std::vector<std::string> zarr_urls;  ///< of the files as zarr, where that was asked for
   bool has_page = false;

@@ -57,6 +57,36 @@ TEST_F(ServedFile, IsTheOneThatHasTheName) {
   EXPECT_EQ(all_of(*content->now()), "third");
 }
 
+TEST_F(ServedFile, FollowsNoLinkThatWasNotThere) {
+  const std::string path = write("a", "first");
+  const std::string secret = write("secret", "of others");
+  const std::string link = (folder_ / "link").string();
+  fs::create_symlink("a", link);
+  fs::create_directory(folder_ / "sub");
+  const std::string below = write("sub/b", "below");
+  const auto plain = file_content(path, "");
+  const auto linked = file_content(link, "");
+  const auto inside = file_content(below, "");
+  EXPECT_EQ(all_of(*linked->now()), "first");
+  // A link of the start stands for the file that it led to then.
+  fs::remove(link);
+  fs::create_symlink(secret, link);
+  EXPECT_EQ(all_of(*linked->now()), "first");
+  fs::remove(path);
+  fs::create_symlink(secret, path);
+  EXPECT_EQ(plain->now(), nullptr);
+  EXPECT_EQ(linked->now(), nullptr);
+  fs::rename(folder_ / "sub", folder_ / "moved");
+  fs::create_directory(folder_ / "other");
+  write("other/b", "of others");
+  fs::create_directory_symlink("other", folder_ / "sub");
+  EXPECT_EQ(inside->now(), nullptr);
+  fs::remove(path);
+  write("a", "again");
+  EXPECT_EQ(all_of(*plain->now()), "again");
+  EXPECT_EQ(all_of(*linked->now()), "again");
+}
+
 TEST_F(ServedFile, GivesNothingOfBytesThatWereWrittenTo) {
   const std::string path = write("a", "first");
   const auto bytes = file_content(path, "x/y")->now();

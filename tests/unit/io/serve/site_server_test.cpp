@@ -171,6 +171,25 @@ TEST_F(SiteServerTest, TakesNewConnectionsWhereTooManyRest) {
   for (const int descriptor : open) ::close(descriptor);
 }
 
+TEST(SiteServer, HoldsConnectionsThatComeFasterThanTheyAreTaken) {
+  const SiteServer server({});
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(static_cast<std::uint16_t>(server.port()));
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  // Nobody takes them: one that the system does not hold would never be connected.
+  const timeval patience{.tv_sec = 20, .tv_usec = 0};
+  std::vector<int> waiting;
+  for (int i = 0; i < 120; ++i) {
+    waiting.push_back(::socket(AF_INET, SOCK_STREAM, 0));
+    ::setsockopt(waiting.back(), SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);
+    ASSERT_EQ(
+        ::connect(waiting.back(), reinterpret_cast<sockaddr*>(&address), sizeof address), 0)
+        << i;
+  }
+  for (const int descriptor : waiting) ::close(descriptor);
+}
+
 TEST_F(SiteServerTest, EndsConnectionsThatTakeTooLong) {
   SiteServerOptions options;
   options.idle_s = options.head_s = 0.05;
