@@ -108,7 +108,7 @@ LIBRARIES = {
 }
 
 # The standard library has no dot in its names; POSIX headers serve disk and CPU check.
-SYSTEM = re.compile(r"([a-z_0-9]+|(sys/|linux/|asm/|arpa/|netinet/)?[a-z_0-9]+\.h)$")
+SYSTEM = re.compile(r"([a-z_0-9]+|(sys/|linux/|asm/|arpa/|netinet/|net/)?[a-z_0-9]+\.h)$")
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
 

@@ -113,6 +113,17 @@ test("curve, clip box, isovalue and modes change the 3-D view", async () => {
     await shown.locator("#panel-3d").focus();
     await shown.keyboard.press("+");
     assert.ok((await state(shown, "camera"))[0].zoom > camera.zoom);
+    // A link brings curve and clip box along.
+    await shown.locator("#modes button", { hasText: "Volume" }).click();
+    const link = await shown.evaluate(() => octavo.permalink());
+    assert.match(link, /&clip=0:60,0:130,0:90&curve=[^&]+$/);
+    await shown.goto(link);
+    await settled(shown);
+    const [clip, again] = await state(shown, "clip", "transfer");
+    assert.deepEqual(clip, { lo: [0, 0, 0], hi: [60, 130, 90] });
+    assert.deepEqual(again.map((p) => p.color), moved.map((p) => p.color));
+    again.forEach((p, i) => assert.ok(Math.abs(p.opacity - moved[i].opacity) < 1e-5));
+    assert.deepEqual(await state(shown, "transferName", "mode"), ["own", "volume"]);
   }, { viewport: { width: 760 + 20, height: 560 } });
 });
 

@@ -281,6 +281,33 @@ test("a server that fails for a while is asked again, one that is gone is named"
   await assert.rejects(open(url, { pool }), failsWith("io", /scan\.8vo: .*404/));
 });
 
+test("a server that trickles bytes is waited for", async () => {
+  const bytes = golden("small-int16.8vo");
+  const url = serve(bytes);
+  const calm = await open(url, { pool });
+  const expected = await calm.read(whole(calm.levels[0]), 0);
+  calm.close();
+  let pieces = 0;
+  host.misbehave = async (request, response) => {
+    const [first, last] = /=(\d+)-(\d+)$/.exec(request.headers.range).slice(1).map(Number);
+    const part = bytes.subarray(first, Math.min(last + 1, bytes.length));
+    response.writeHead(206, { "Content-Length": part.length,
+      "Content-Range": `bytes ${first}-${first + part.length - 1}/${bytes.length}` });
+    // A few bytes, and then ever more: frames of every size.
+    for (let at = 0, n = 1; at < part.length; at += n, n = Math.min(2 * n, 1500), ++pieces) {
+      response.write(Buffer.from(part.subarray(at, at + n)));
+      await new Promise((resolve) => setTimeout(resolve, 2));
+    }
+    response.end();
+    return true;
+  };
+  const scan = await open(url, { pool });
+  assert.deepEqual(await scan.read(whole(scan.levels[0]), 0), expected);
+  assert.ok(pieces > 30, `${pieces}`);
+  assert.equal(scan.statistics.retries, 0);
+  scan.close();
+});
+
 test("an answer that ends early is no file that ends early", async () => {
   const bytes = golden("small-int16.8vo");
   const url = serve(bytes);

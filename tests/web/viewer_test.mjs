@@ -3,8 +3,10 @@
 //
 // usage: OCTAVO=build/octavo node tests/web/viewer_test.mjs
 import assert from "node:assert/strict";
+import { readFileSync, writeFileSync } from "node:fs";
+import { join } from "node:path";
 import { after, before, test } from "node:test";
-import { builtScan } from "./support/golden.mjs";
+import { builtScan, inFolder, run } from "./support/golden.mjs";
 import { pngPixels } from "./support/png.mjs";
 import {
   HOSTILE, calm, panelPng, settled, showRaysAlone, startPage, text, withPage,
@@ -41,7 +43,11 @@ test("labels lie over the scan, with names as text and never as markup", async (
     await shown.locator("#labels-none").click();
     await shown.waitForTimeout(500);
     assert.equal(await colored(), false);
-    assert.match(await shown.evaluate(() => octavo.permalink()), /&labels=labels\.8vo/);
+    const link = await shown.evaluate(() => octavo.permalink());
+    assert.match(link, /&labels=labels\.8vo.*&hide=1-2$/);
+    await shown.goto(link);
+    await shown.waitForFunction(() => octavo?.overlay?.hasPreview, null, { timeout: 60_000 });
+    assert.deepEqual(await shown.evaluate(() => [...octavo.store.now.hiddenLabels]), [1, 2]);
     // A link cannot name labels of this machine, and must not name those that they replaced.
     const title = await shown.evaluate(async () => {
       const bytes = await (await fetch("labels.8vo")).arrayBuffer();
@@ -150,6 +156,54 @@ test("a lost graphics context comes back with the same picture", async () => {
   }, { mayComplain: true });
 });
 
+test("a volume longer than a texture is shown, near and far", async () => {
+  const [nx, side] = [300_000, 4];
+  const long = await inFolder((folder) => {
+    const [raw, file] = ["l.raw", "l.8vo"].map((name) => join(folder, name));
+    const voxels = new Uint8Array(nx * side * side);
+    for (let i = 0; i < voxels.length; ++i) voxels[i] = 100 + Math.floor((i % nx) / 2000);
+    writeFileSync(raw, voxels);
+    run("build", raw, "--raw", `${nx},${side},${side},uint8`, "--spacing", "1", "-o", file);
+    return readFileSync(file);
+  });
+  host.files.set("/long.8vo", long);
+  await withPage("?url=long.8vo&layout=z&at=150000,2,2&window=128,256", async (shown) => {
+    await settled(shown);
+    await shown.evaluate(() => octavo.store.set({ hasAnnotations: false }));
+    await shown.waitForTimeout(200);
+    const middle = async () => {
+      const { grey, width, height } = pngPixels(await shown.locator("#panel-z").screenshot());
+      return Math.max(...[-1, 0, 1].map(
+        (dy) => grey[(Math.floor(height / 2) + dy) * width + Math.floor(width / 2)]));
+    };
+    assert.match(await text(shown, "fidelity"), /^1\/\d+ shown/);
+    assert.ok(Math.abs(await middle() - 175) <= 3, `${await middle()}`);
+    await shown.evaluate(() => octavo.slices[2].zoomAt([150_000, 2, 2], 1e5));
+    await shown.waitForFunction(
+      () => document.getElementById("fidelity").textContent.startsWith("full resolution"));
+    await shown.waitForTimeout(200);
+    assert.ok(Math.abs(await middle() - 175) <= 1, `${await middle()}`);
+    assert.ok(await shown.evaluate(() => octavo.slices[2].look.pixelMm < 0.1));
+    await shown.evaluate(() => octavo.store.set({ layout: "3d", mode: "mip" }));
+    await settled(shown);
+  });
+});
+
+test("equal voxels are said to be equal", async () => {
+  const bytes = await inFolder((folder) => {
+    writeFileSync(join(folder, "e.raw"), new Uint8Array(1).fill(7));
+    run("build", join(folder, "e.raw"), "--raw", "1,1,1,uint8", "--spacing", "1", "-o",
+      join(folder, "e.8vo"));
+    return readFileSync(join(folder, "e.8vo"));
+  });
+  host.files.set("/equal.8vo", bytes);
+  await withPage("?url=equal.8vo", async (shown) => {
+    await settled(shown);
+    assert.match(await text(shown, "message"), /^All voxels of equal\.8vo have the value 7\./);
+    assert.equal(await text(shown, "readout"), "voxel 0, 0, 0 · 0.0, 0.0, 0.0 mm · 7");
+  });
+});
+
 test("a server that dies is named, and what is missing comes once it is back", async () => {
   // Larger than what opening fetches.
   const noisy = Buffer.from((await builtScan(5)).bytes);
@@ -205,11 +259,20 @@ test("lies and damage are a sentence, and the next file opens", async () => {
     for (const [name, bytes] of [
       ["none.8vo", null], ["text.8vo", Buffer.from("hello ".repeat(200))],
       ["short.8vo", files.scan.subarray(0, 5000)],
+      ["shifted.8vo", Buffer.concat([Buffer.from([0]), files.scan])],
+      ["zeros.8vo", Buffer.concat([files.scan.subarray(0, -200), Buffer.alloc(200)])],
     ]) {
       if (bytes) host.files.set(`/${name}`, bytes);
       await shown.evaluate((url) => octavo.open(url), `${host.url}/${name}`);
       const message = await text(shown, "message");
       assert.ok(message.length > 20 && message.length < 400, message);
+      if (name === "zeros.8vo") assert.match(message, /damaged/);
+      // What was sent wrongly may be sent rightly now.
+      if (!bytes) continue;
+      host.files.set(`/${name}`, files.scan);
+      await shown.locator("#message button", { hasText: "Try again" }).click();
+      await settled(shown);
+      assert.equal(await text(shown, "title"), name);
     }
     host.files.set("/damaged.8vo", damaged);
     await shown.evaluate((url) => octavo.open(url), `${host.url}/damaged.8vo`);

@@ -39,4 +39,10 @@ test("the level shown first is the finest of few samples", () => {
   }));
   assert.equal(previewLevel(levels), 3);
   assert.equal(previewLevel(levels.slice(0, 2)), 1);
+  // No longer than a texture may be.
+  const long: Level[] = [12, 13, 14, 15].map((n) => ({
+    size: [2 ** (26 - n), 1, 1],
+    factor: [2 ** n, 1, 1],
+  }));
+  assert.equal(previewLevel(long), 2);
 });

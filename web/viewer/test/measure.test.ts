@@ -83,8 +83,8 @@ test("statistics are of real values that are numbers, part by part", () => {
 
 test("scale bars have round lengths", () => {
   assert.deepEqual(
-    [73, 49, 20, 0.3, 0.011].map((mm) => roundLength(mm).text),
-    ["5 cm", "2 cm", "2 cm", "200 µm", "10 µm"],
+    [73, 49, 20, 0.3, 0.011, 999, 1000, 280e3, 3e6].map((mm) => roundLength(mm).text),
+    ["5 cm", "2 cm", "2 cm", "200 µm", "10 µm", "50 cm", "1 m", "200 m", "2 km"],
   );
   assert.equal(roundLength(9).text, "5 mm");
 });

@@ -20,11 +20,43 @@ test("a link holds a view, and gives it back", () => {
     camera: { azimuth: -30, elevation: 12.5, zoom: 2 },
     opacity: 0.4,
     isNeurological: true,
+    clip: { lo: [0, 3, 1], hi: [128, 256, 108] },
+    curve: [
+      { value: -150.5, color: [214, 8, 128], opacity: 0 },
+      { value: 300, color: [255, 255, 255], opacity: 0.75 },
+    ],
+    hidden: new Set([2, 7, 8, 9, 4294967295]),
     labels: "https://other.example/l.8vo?x=1&y=2",
   } as const;
   const text = permalinkText(link, base);
   assert.ok(text.startsWith("?url=head%2520scan.8vo&labels=https://other.example/l.8vo"));
   assert.deepEqual(parsePermalink(text, base), link);
+  assert.ok(
+    text.includes(
+      "&clip=0:128,3:256,1:108&curve=-150.5:0:d60880,300:0.75:ffffff&hide=2,7-9,4294967295&",
+    ),
+    text,
+  );
+  for (const curve of ["bone", "auto"]) {
+    assert.deepEqual(parsePermalink(permalinkText({ curve }, base), base), { curve });
+  }
+});
+
+test("clip boxes, curves and hidden labels that are none are left out", () => {
+  const of = (query: string): object => parsePermalink(`?${query}`, base);
+  for (const clip of ["", "1:2", "0:1,0:1,1:1", "0:1,0:1,-1:1", "0:1,0:1,0:1.5", "0,1,0,1,0,1"]) {
+    assert.deepEqual(of(`clip=${clip}`), {}, clip);
+  }
+  for (const curve of [
+    "", "nose", "1:0:ffffff", "2:0:ffffff,1:0:ffffff", "1:0:ffffff,2:2:ffffff",
+    "1:0:fffff,2:1:ffffff", "NaN:0:ffffff,2:1:ffffff", "1::ffffff,2:1:ffffff",
+    Array.from({ length: 65 }, (_, i) => `${i}:0:ffffff`).join(),
+  ]) {
+    assert.deepEqual(of(`curve=${curve}`), {}, curve);
+  }
+  for (const hide of ["", "x", "-1", "3-2", "0-4294967295", "1,,2", "1-9999,20000-29999"]) {
+    assert.deepEqual(of(`hide=${hide}`), {}, hide);
+  }
 });
 
 test("whatever else stands in an address is left out", () => {

@@ -54,8 +54,10 @@ export const open: Open = async (source, options = {}) => {
   try {
     return await opening.volume({ signal: options.signal });
   } catch (cause) {
-    // Header and tail of two files, when one takes the place of another between two requests.
-    if (!isDamage(cause) || bytes.fetcher.size !== undefined) throw cause;
+    // Header and tail of two files, when one takes the place of another between two requests; or
+    // a page that was sent, and kept, in place of the file.
+    const isElse = cause instanceof OctavoError && cause.kind === "not_octavo";
+    if (!(isDamage(cause) || isElse) || bytes.fetcher.size !== undefined) throw cause;
     bytes.store.clear();
     bytes.size = undefined;
     return opening.volume({ signal: options.signal, fresh: true });

@@ -45,8 +45,14 @@ export function wholeBox(level: Level): Box {
   return { lo: [0, 0, 0], hi: level.size };
 }
 
+/** Every graphics card takes textures of so many samples along a side. */
+const PREVIEW_SIDE = 4096;
+
 /** The level shown first: the finest of at most so many samples, of which one request is enough. */
 export function previewLevel(levels: readonly Level[], maximum = 1 << 18): number {
-  const found = levels.findIndex((l) => l.size[0] * l.size[1] * l.size[2] <= maximum);
+  const found = levels.findIndex(
+    ({ size }) =>
+      size[0] * size[1] * size[2] <= maximum && Math.max(...size) <= PREVIEW_SIDE,
+  );
   return found < 0 ? levels.length - 1 : found;
 }

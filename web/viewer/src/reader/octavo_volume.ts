@@ -13,7 +13,12 @@ import {
 } from "./volume.js";
 
 const REMEDIES: Partial<Record<octavo.ErrorKind, ReadFailure["remedy"]>> = {
+  // What a server sent may be sent better another time.
   io: "retry",
+  no_ranges: "retry",
+  not_octavo: "retry",
+  corrupt: "retry",
+  truncated: "retry",
   out_of_memory: "retry",
   replaced: "reopen",
 };
@@ -25,7 +30,9 @@ export function asFailure(error: unknown): unknown {
   if (kind === "cancelled" || kind === "closed" || error.name === "AbortError") {
     return new DOMException(error.message, "AbortError");
   }
-  return new ReadFailure(error.message, (kind && REMEDIES[kind]) ?? "none");
+  const isDamage = kind === "corrupt" || kind === "truncated";
+  const text = isDamage ? `${error.message} (damaged, or not sent as it is)` : error.message;
+  return new ReadFailure(text, (kind && REMEDIES[kind]) ?? "none");
 }
 
 /** Where nothing says where a volume lies, it lies at 0 along the axes of the body. */

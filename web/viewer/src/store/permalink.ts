@@ -1,11 +1,14 @@
 // A view as text behind the address of the page, and back.
 //
 //     ?url=scan.8vo&at=128,40,60&window=bone&layout=z&mode=iso&iso=226
+//     ?url=scan.8vo&labels=organs.8vo&hide=2,7-40&clip=0:128,0:256,0:108&curve=bone
+//     ?url=scan.8vo&curve=150:0:d6a880,500:0.7:faecd4    value : opacity : color of each point
 //
 // Whatever comes from an address is only ever taken as numbers, as one of a list of words, or as a
 // URL to fetch.
-import { type Vec3 } from "../reader/volume.js";
+import { type Box, type Vec3 } from "../reader/volume.js";
 import { type Camera } from "../view/camera.js";
+import { type Transfer, type TransferPoint, TRANSFER_PRESETS } from "../view/transfer.js";
 import { type Window, parseWindow, shortNumber, windowText } from "../view/window.js";
 
 export const LAYOUTS = ["four", "x", "y", "z", "3d"] as const;
@@ -25,12 +28,87 @@ export interface Permalink {
   camera?: Camera;
   opacity?: number;
   isNeurological?: boolean;
+  /** Voxels of level 0. */
+  clip?: Box;
+  /** The name of a preset, or points. */
+  curve?: string | Transfer;
+  hidden?: ReadonlySet<number>;
 }
+
+const MOST_CURVE_POINTS = 64;
+const MOST_HIDDEN = 10_000;
 
 function numbers(text: string | null, count: number): number[] | undefined {
   if (text === null) return undefined;
   const parts = text.split(",").map((part) => (part.trim() === "" ? NaN : Number(part)));
   return parts.length === count && parts.every(Number.isFinite) ? parts : undefined;
+}
+
+/** "0:128,0:256,0:108": first and one behind the last voxel of each axis. */
+function parseClip(text: string | null): Box | undefined {
+  const ends = text?.split(",").map((part) => numbers(part.replaceAll(":", ","), 2));
+  const isRight = ends?.length === 3 &&
+    ends.every((end) => end?.every(Number.isInteger) && end[0]! >= 0 && end[0]! < end[1]!);
+  if (!isRight) return undefined;
+  return {
+    lo: ends.map((end) => end![0]) as unknown as Vec3,
+    hi: ends.map((end) => end![1]) as unknown as Vec3,
+  };
+}
+
+function clipText(clip: Box): string {
+  return clip.lo.map((lo, a) => `${lo}:${clip.hi[a as 0]}`).join(",");
+}
+
+function parseCurve(text: string | null): string | Transfer | undefined {
+  if (text === null) return undefined;
+  if (TRANSFER_PRESETS.has(text) || text === "auto") return text;
+  const points = text.split(",").map((part): TransferPoint | undefined => {
+    const fields = /^([^:]+):([^:]+):([0-9a-f]{2})([0-9a-f]{2})([0-9a-f]{2})$/i.exec(part);
+    const [value, opacity] = numbers(fields && `${fields[1]},${fields[2]}`, 2) ?? [];
+    if (!fields || opacity === undefined || opacity < 0 || opacity > 1) return undefined;
+    const color = fields.slice(3).map((hex) => parseInt(hex, 16)) as unknown as Vec3;
+    return { value: value!, color, opacity };
+  });
+  const isRight =
+    points.length >= 2 && points.length <= MOST_CURVE_POINTS &&
+    points.every((p, i) => p && (i === 0 || points[i - 1]!.value <= p.value));
+  return isRight ? (points as Transfer) : undefined;
+}
+
+function curveText(curve: string | Transfer): string {
+  if (typeof curve === "string") return curve;
+  const hex = (c: number): string => Math.round(c).toString(16).padStart(2, "0");
+  return curve
+    .map((p) => `${shortNumber(p.value)}:${shortNumber(p.opacity)}:${p.color.map(hex).join("")}`)
+    .join(",");
+}
+
+/** "2,7-40"; nothing where that is not what it is, or too many. */
+function parseHidden(text: string | null): ReadonlySet<number> | undefined {
+  if (!text) return undefined;
+  const hidden = new Set<number>();
+  for (const part of text.split(",")) {
+    const ends = /^(\d{1,10})(?:-(\d{1,10}))?$/.exec(part);
+    if (!ends) return undefined;
+    const [first, last] = [Number(ends[1]), Number(ends[2] ?? ends[1])];
+    if (last < first || hidden.size + last - first >= MOST_HIDDEN) return undefined;
+    for (let label = first; label <= last; ++label) hidden.add(label);
+  }
+  return hidden;
+}
+
+function hiddenText(hidden: ReadonlySet<number>): string | undefined {
+  if (hidden.size === 0 || hidden.size > MOST_HIDDEN) return undefined;
+  const parts: string[] = [];
+  const labels = [...hidden].sort((a, b) => a - b);
+  for (let i = 0; i < labels.length; ) {
+    let next = i + 1;
+    while (labels[next] === labels[next - 1]! + 1) next += 1;
+    parts.push(next === i + 1 ? `${labels[i]}` : `${labels[i]}-${labels[next - 1]}`);
+    i = next;
+  }
+  return parts.join(",");
 }
 
 function oneOf<T extends string>(text: string | null, words: readonly T[]): T | undefined {
@@ -82,6 +160,9 @@ export function parsePermalink(search: string, base: string): Permalink {
   }
   const opacity = numbers(query.get("opacity"), 1)?.[0];
   if (opacity !== undefined) link.opacity = Math.max(0, Math.min(1, opacity));
+  put("clip", parseClip(query.get("clip")));
+  put("curve", parseCurve(query.get("curve")));
+  put("hidden", parseHidden(query.get("hide")));
   if (query.get("side") === "neurological") link.isNeurological = true;
   return link;
 }
@@ -112,6 +193,9 @@ export function permalinkText(link: Permalink, base: string): string {
     c && [c.azimuth, c.elevation, c.zoom].map((v) => Number(v.toPrecision(4))).join(","),
   );
   put("opacity", link.opacity === undefined ? undefined : shortNumber(link.opacity));
+  put("clip", link.clip && clipText(link.clip));
+  put("curve", link.curve === undefined ? undefined : curveText(link.curve));
+  put("hide", link.hidden && hiddenText(link.hidden));
   if (link.isNeurological) put("side", "neurological");
   return parts.length > 0 ? `?${parts.join("&")}` : "";
 }

@@ -54,8 +54,21 @@ export function drawAnnotations(pen: Pen, a: Annotated): void {
   pen.font = "12px system-ui, sans-serif";
   pen.textAlign = "left";
   pen.textBaseline = "top";
-  write(pen, a.title, 8, 8);
-  if (a.fidelity !== "") write(pen, a.fidelity, 8, 24, MEASURE);
+  const y = captionTop(pen, w, a.facts, a.title, a.fidelity);
+  write(pen, a.title, 8, y);
+  if (a.fidelity !== "") write(pen, a.fidelity, 8, y + 16, MEASURE);
+}
+
+/** Where captions at the left begin: beside the letter in the middle of the upper side, or below it
+ *  where a panel is too narrow. */
+export function captionTop(
+  pen: Pen,
+  width: number,
+  facts: VolumeFacts,
+  ...lines: readonly string[]
+): number {
+  const longest = Math.max(...lines.map((line) => pen.measureText(line).width));
+  return facts.isPlaceKnown && 8 + longest > width / 2 - 14 ? 26 : 8;
 }
 
 function drawCursor(pen: Pen, a: Annotated, w: number, h: number): void {

@@ -1,14 +1,15 @@
 // The viewer: opens volumes, joins panels and settings to the state, and says how true the picture
 // is.
-import { AXES, type Traffic, type Volume } from "../reader/volume.js";
+import { AXES, type Box, type Traffic, type Vec3, type Volume } from "../reader/volume.js";
 import {
   type Permalink,
   parsePermalink,
   permalinkText,
   rejectedAddresses,
 } from "../store/permalink.js";
-import { type StateKey, Store, emptyState } from "../store/state.js";
+import { type StateKey, Store, type ViewState, emptyState } from "../store/state.js";
 import { usualTransfer, TRANSFER_PRESETS } from "../view/transfer.js";
+import { shortNumber } from "../view/window.js";
 import { clampVoxel, orientationOf } from "../view/geometry.js";
 import { parallelAxes } from "../view/slice_look.js";
 import { byId, shownText } from "./dom.js";
@@ -28,6 +29,13 @@ import { Stage } from "./stage.js";
 import { switchTheme } from "./theme.js";
 import { makeToolbar } from "./toolbar.js";
 import { TransferEditor } from "./transfer_editor.js";
+
+/** The part of a link's clip box that lies in a volume; all of it where there is none. */
+function clippedTo(size: Vec3, clip: Box | undefined): Box {
+  const whole: Box = { lo: [0, 0, 0], hi: size };
+  if (!clip || AXES.some((a) => clip.lo[a] >= size[a])) return whole;
+  return { lo: clip.lo, hi: size.map((n, a) => Math.min(n, clip.hi[a as 0])) as unknown as Vec3 };
+}
 
 /** Opens a URL or a file; rejects with a ReadFailure. */
 export type Opener = (source: string | File) => Promise<Volume>;
@@ -208,9 +216,10 @@ export class App {
       layout: link.layout ?? this.store.now.layout,
       mode: link.mode ?? "volume",
       iso: link.iso ?? (facts.unit === "HU" ? 226 : window.center),
-      transfer: usualTransfer(window),
+      ...this.curveOf(link, window, facts.unit),
       camera: link.camera ?? this.store.now.camera,
-      clip: { lo: [0, 0, 0], hi: size },
+      clip: clippedTo(size, link.clip),
+      hiddenLabels: (facts.kind === "labels" && link.hidden) || new Set(),
       isNeurological: link.isNeurological ?? false,
       overlayOpacity: link.opacity ?? 0.5,
     });
@@ -218,8 +227,12 @@ export class App {
     this.rays.open(this.session);
     this.labels.open(facts.kind === "labels" ? this.session : undefined, false);
     showFacts(this.session);
+    const [low, high] = facts.range;
+    const real = shortNumber(low * facts.slope + facts.intercept);
     if (this.session.volume.hostNote !== "") {
       this.messages.show(this.session.volume.hostNote, "note");
+    } else if (facts.kind === "grey" && low === high) {
+      this.messages.show(`All voxels of ${facts.name} have the value ${real}.`, "note");
     }
     void this.show(this.session);
     this.stage.ask();
@@ -253,7 +266,8 @@ export class App {
     this.overlay = this.newSession(volume, (again) => this.openOverlay(again, url));
     if (url === undefined) delete this.urls.labels;
     else this.urls.labels = url;
-    this.store.set({ hiddenLabels: new Set() });
+    const isLinked = url !== undefined && url === this.link.labels;
+    this.store.set({ hiddenLabels: (isLinked && this.link.hidden) || new Set() });
     for (const panel of this.slices) panel.open(scan, this.overlay);
     this.rays.openOverlay(this.overlay);
     this.labels.open(this.overlay, true);
@@ -279,16 +293,24 @@ export class App {
     this.isFirstPicture = false;
     const session = this.session!;
     this.firstTraffic ??= session.volume.traffic();
-    if (!this.link.window || this.link.url !== this.urls.scan) this.autoWindow();
-    const isHu = session.facts.unit === "HU";
-    this.store.set(
-      isHu
-        ? { transfer: TRANSFER_PRESETS.get("bone")!, transferName: "bone" }
-        : { transfer: usualTransfer(this.store.now.window), transferName: "auto" },
-    );
+    const link = this.link.url === this.urls.scan ? this.link : {};
+    if (!link.window) this.autoWindow();
+    this.store.set(this.curveOf(link, this.store.now.window, session.facts.unit));
     if (session.facts.kind === "labels") this.labels.open(session, false);
     // Finer levels are asked for once the first picture is on the screen.
     requestAnimationFrame(() => this.want());
+  }
+
+  /** The curve of a link, else one that suits the unit and the window. */
+  private curveOf(
+    link: Permalink,
+    window: ViewState["window"],
+    unit: string,
+  ): Pick<ViewState, "transfer" | "transferName"> {
+    const curve = link.curve ?? (unit === "HU" ? "bone" : "auto");
+    if (typeof curve !== "string") return { transfer: curve, transferName: "own" };
+    const preset = TRANSFER_PRESETS.get(curve);
+    return { transfer: preset ?? usualTransfer(window), transferName: preset ? curve : "auto" };
   }
 
   private autoWindow(): void {
@@ -351,6 +373,10 @@ export class App {
       isNeurological: s.isNeurological,
     };
     if (s.mode === "iso") link.iso = s.iso;
+    if (s.mode === "volume") link.curve = s.transferName === "own" ? s.transfer : s.transferName;
+    const size = this.session?.facts.levels[0]!.size;
+    if (size && AXES.some((a) => s.clip.lo[a] > 0 || s.clip.hi[a] < size[a])) link.clip = s.clip;
+    if (this.urls.labels || this.session?.facts.kind === "labels") link.hidden = s.hiddenLabels;
     if (this.urls.scan) link.url = this.urls.scan;
     if (this.urls.labels) {
       link.labels = this.urls.labels;

@@ -33,7 +33,8 @@ export class Fidelity {
       return;
     }
     const { bytes, requests } = session.volume.traffic();
-    this.traffic.textContent = `${requests} requests, ${byteText(bytes)}`;
+    const counted = requests === 1 ? "1 request" : `${requests} requests`;
+    this.traffic.textContent = `${counted}, ${byteText(bytes)}`;
     if (!session.hasPreview) {
       const level = session.facts.levels[session.preview]!;
       const text = session.first ? `${levelText(level)} shown` : "opening …";

@@ -10,7 +10,7 @@ import { type Visible } from "../view/ray_scene.js";
 import { GREY_COLORS } from "../view/ray_shader.js";
 import { type Viewport } from "../view/slice_painter.js";
 import { largestOpacity, transferSpan, transferTable } from "../view/transfer.js";
-import { drawScaleBar } from "./annotations.js";
+import { captionTop, drawScaleBar } from "./annotations.js";
 import { byId } from "./dom.js";
 import { RayVolume } from "./ray_volume.js";
 import { type Session } from "./session.js";
@@ -350,7 +350,8 @@ export class RayPanel {
     pen.fillStyle = color;
     pen.textAlign = "left";
     pen.textBaseline = "top";
-    pen.fillText(`3-D · ${shown}`, 8, 8);
+    const caption = `3-D · ${shown}`;
+    pen.fillText(caption, 8, captionTop(pen, w, facts, caption));
   }
 
   get overlayCanvas(): HTMLCanvasElement {

@@ -70,7 +70,9 @@ export class Readout {
     const over = this.overlay();
     const inOver = over && session.voxelIn(over, voxel);
     if (over && inOver) parts.push(valueText(over, inOver));
-    parts.push(`o-code ${oCode(voxel, rootLevel(session.facts.levels[0]!.size))}`);
+    const root = rootLevel(session.facts.levels[0]!.size);
+    // A volume of one voxel is its root, whose name has no digits.
+    if (root > 0) parts.push(`o-code ${oCode(voxel, root)}`);
     return parts.filter((part) => part !== "").join(" · ");
   }
 

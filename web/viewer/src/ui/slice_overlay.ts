@@ -64,6 +64,7 @@ export class SliceOverlay {
   constructor(
     readonly session: Session,
     private readonly owner: string,
+    private readonly mostSamples: () => number,
   ) {}
 
   repaint(): void {
@@ -87,7 +88,13 @@ export class SliceOverlay {
   /** The level that has a sample for every pixel. */
   private wantedLevel(of: LookedAt, over: OverlaySlice): number {
     const { levels, geometry } = this.session.facts;
-    const level = levelForPixels(levels, geometry, over.orientation, of.look.pixelMm * 1.25);
+    let level = levelForPixels(levels, geometry, over.orientation, of.look.pixelMm * 1.25);
+    while (
+      level < levels.length - 1 &&
+      Math.max(...this.rect(of, over, level).size) > this.mostSamples()
+    ) {
+      level += 1;
+    }
     return Math.min(level, this.session.preview);
   }
 

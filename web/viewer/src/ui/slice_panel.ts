@@ -39,6 +39,8 @@ import {
 
 /** Samples may be so many pixels long before a finer level is asked for. */
 const LONGEST_SAMPLE = 1.25;
+/** So many pixels a voxel may fill, and more where a picture is small. */
+const LARGEST_VOXEL = 64;
 const NAMES = ["x", "y", "z"] as const;
 
 export class SlicePanel {
@@ -50,6 +52,8 @@ export class SlicePanel {
   private overlay: SliceOverlay | undefined;
   private fine: Painted | undefined;
   private base: Painted | undefined;
+  /** Samples along a side of a texture; what the graphics card takes. */
+  mostSamples = 4096;
 
   constructor(
     readonly axis: Axis,
@@ -69,7 +73,8 @@ export class SlicePanel {
 
   open(session: Session | undefined, overlay: Session | undefined): void {
     this.session = session;
-    this.overlay = overlay && new SliceOverlay(overlay, `slice-${this.axis}`);
+    const mostSamples = (): number => this.mostSamples;
+    this.overlay = overlay && new SliceOverlay(overlay, `slice-${this.axis}`, mostSamples);
     this.forget();
     if (session) this.slider.max = String(session.facts.levels[0]!.size[this.axis] - 1);
   }
@@ -130,12 +135,10 @@ export class SlicePanel {
     );
     const share = cells.budgetBytes / (this.store.now.layout === "four" ? 4 : 2);
     const bytes = facts.type.endsWith("8") ? 1 : facts.type.endsWith("16") ? 2 : 4;
-    while (
-      level < facts.levels.length - 1 &&
-      planeCells(this.orientation, this.rect(level, look)).length * 64 ** 3 * bytes > share
-    ) {
-      level += 1;
-    }
+    const isTooLarge = (rect: PlaneRect): boolean =>
+      Math.max(...rect.size) > this.mostSamples ||
+      planeCells(this.orientation, rect).length * 64 ** 3 * bytes > share;
+    while (level < facts.levels.length - 1 && isTooLarge(this.rect(level, look))) level += 1;
     return Math.min(level, this.session!.preview);
   }
 
@@ -336,7 +339,11 @@ export class SlicePanel {
     const o = this.orientation;
     const size = this.session!.facts.levels[0]!.size;
     const center = view.center ?? [(size[o.across] - 1) / 2, (size[o.down] - 1) / 2];
-    const zoom = Math.max(0.25, Math.min(200, view.zoom * factor));
+    // Of any volume so far that a voxel is seen large.
+    const { spacing } = this.session!.facts.geometry;
+    const fittingMm = this.look.pixelMm * view.zoom;
+    const most = Math.max(200, (LARGEST_VOXEL * fittingMm) / Math.min(...spacing));
+    const zoom = Math.max(0.25, Math.min(most, view.zoom * factor));
     const share = 1 - view.zoom / zoom;
     this.place(
       [

@@ -46,6 +46,8 @@ export class Stage {
       return;
     }
     this.gl.enable(this.gl.SCISSOR_TEST);
+    const mostSamples = this.gl.getParameter(this.gl.MAX_TEXTURE_SIZE) as number;
+    for (const panel of this.slices) panel.mostSamples = mostSamples;
     try {
       this.painter = new SlicePainter(this.gl);
     } catch (error) {

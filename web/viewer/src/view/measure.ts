@@ -119,6 +119,8 @@ export class RegionSums {
 export function roundLength(most: number): { mm: number; text: string } {
   const power = 10 ** Math.floor(Math.log10(most));
   const mm = power * (most >= 5 * power ? 5 : most >= 2 * power ? 2 : 1);
+  if (mm >= 1e6) return { mm, text: `${Math.round(mm / 1e6)} km` };
+  if (mm >= 1000) return { mm, text: `${Math.round(mm / 1000)} m` };
   if (mm >= 10) return { mm, text: `${Math.round(mm) / 10} cm` };
   if (mm >= 1) return { mm, text: `${Math.round(mm)} mm` };
   return { mm, text: `${Number((mm * 1000).toPrecision(1))} µm` };

@@ -46,6 +46,9 @@ export interface Uploads {
 /** Blocks of the index beyond which it is not read: some 40 bytes each. */
 export const MOST_BLOCKS = 200_000;
 
+/** Every graphics card takes tables of so many pages along a side. */
+const MOST_PAGES_ALONG = 256;
+
 export class RayScene {
   private readonly residents = new Map<string, Resident>();
   private readonly rangeCache = new Map<string, readonly [number, number]>();
@@ -138,6 +141,7 @@ export class RayScene {
     for (let k = this.coarsest - 1; k >= Math.min(asked, this.coarsest); --k) {
       const grid = pageGrid(this.facts.levels[k]!);
       if (grid[0] * grid[1] * grid[2] > 1 << 20) break;
+      if (Math.max(...grid) > MOST_PAGES_ALONG) break;
       const more = this.visiblePages(k, visible, clip);
       if (pages.length + more.length > this.slots.capacity) break;
       pages = [...pages, ...more];

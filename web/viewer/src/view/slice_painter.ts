@@ -166,13 +166,15 @@ export function sampleMap(
   ];
 }
 
-/** The pixels that lie in the volume: outermost voxels reach half a voxel beyond their centers. */
+/** The pixels that lie in the volume: outermost voxels reach half a voxel beyond their centers.
+ *  What is thinner than a pixel is drawn one pixel thick. */
 function insidePixels(facts: VolumeFacts, o: Orientation, map: SliceMap): number[] {
   const size = facts.levels[0]!.size;
   const ends = ([o.across, o.down] as const).map((axis, i) => {
     const at = (voxel: number): number => (voxel - map.first[i]!) / map.step[i]!;
     const [a, b] = [at(-0.5), at(size[axis] - 0.5)];
-    return [Math.min(a, b), Math.max(a, b)] as const;
+    const half = Math.max(0.5, Math.abs(b - a) / 2);
+    return [(a + b) / 2 - half, (a + b) / 2 + half] as const;
   });
   return [ends[0]![0], ends[1]![0], ends[0]![1], ends[1]![1]];
 }
