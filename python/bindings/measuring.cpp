@@ -1,6 +1,5 @@
 #include "measuring.h"
 
-#include <nanobind/ndarray.h>
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
@@ -14,12 +13,9 @@
 #include "octavo/core/error.h"
 #include "octavo/core/sha256.h"
 #include "octavo/core/text.h"
-#include "octavo/mesh/formats/mesh_bytes.h"
 #include "octavo/tasks/file_planes.h"
 #include "octavo/tasks/files/plane_compare.h"
 #include "octavo/tasks/measure.h"
-#include "octavo/tasks/surface.h"
-#include "octavo/tasks/surfaces/surface_mesh.h"
 #include "work.h"
 
 namespace octavo::python {
@@ -129,89 +125,12 @@ nb::dict compare_files(const OpenFile& a, const OpenFile& b, double max_error,
   return row;
 }
 
-SurfaceOptions surface_options(const std::string& name, const nb::dict& asked) {
-  SurfaceOptions options;
-  options.input = name;
-  options.isovalue = nb::cast<std::optional<double>>(asked["isovalue"]);
-  options.is_stored = nb::cast<bool>(asked["stored"]);
-  options.labels = {nb::cast<std::vector<std::int64_t>>(asked["labels"]),
-                    nb::cast<std::vector<std::string>>(asked["names"])};
-  options.level = nb::cast<int>(asked["level"]);
-  if (const auto seed = nb::cast<std::optional<std::array<double, 3>>>(asked["seed"])) {
-    options.seed = xyz_of(*seed);
-  }
-  options.max_deviation = {nb::cast<double>(asked["max_deviation_mm"]), false};
-  if (const auto most = nb::cast<std::optional<double>>(asked["triangles"])) {
-    options.triangles = AskedTriangles{*most, false};
-  }
-  options.allows_faults = nb::cast<bool>(asked["allow_faults"]);
-  options.space = nb::cast<std::string>(asked["space"]) == "ras" ? MeshSpace::ras : MeshSpace::lps;
-  return options;
-}
-
-nb::dict surface_facts(const SurfaceResult& result) {
-  nb::dict facts;
-  facts["closed"] = result.check.is_closed();
-  facts["manifold"] = result.check.is_manifold();
-  facts["components"] = result.check.components;
-  facts["area_mm2"] = result.measures.area_mm2;
-  facts["volume_mm3"] = result.measures.volume_mm3;
-  facts["max_deviation_mm"] = result.max_deviation_mm;
-  facts["full_triangles"] = result.full_triangle_count;
-  return facts;
-}
-
-/// An array of rows of three, which keeps what it is of alive.
-template <class T, class Row>
-nb::object rows_of_three(std::vector<Row> rows) {
-  auto* const held = new std::vector<Row>(std::move(rows));
-  const nb::capsule owner(held,
-                          [](void* p) noexcept { delete static_cast<std::vector<Row>*>(p); });
-  T* const first = held->empty() ? nullptr : held->front().data();
-  return nb::cast(nb::ndarray<nb::numpy, T, nb::shape<-1, 3>>(first, {held->size(), 3}, owner));
-}
-
-/// (points x y z in mm, triangles, facts)
-nb::tuple surface_arrays(const OpenFile& file, const std::string& name, const nb::dict& asked,
-                         const nb::dict& given) {
-  const SurfaceOptions options = surface_options(name, asked);
-  Work work(given);
-  SurfaceMesh made =
-      work.run([&] { return surface_mesh(file.reader(), options, false, work.context()); });
-  for (MeshPoint& point : made.mesh.points) point = in_space(point, options.space);
-  return nb::make_tuple(rows_of_three<float>(std::move(made.mesh.points)),
-                        rows_of_three<std::uint32_t>(std::move(made.mesh.triangles)),
-                        surface_facts(made.result));
-}
-
-nb::dict surface_file(const OpenFile& file, const std::string& name, const std::string& path,
-                      bool overwrite, const nb::dict& asked, const nb::dict& given) {
-  SurfaceOptions options = surface_options(name, asked);
-  options.output = {path, overwrite};
-  Work work(given);
-  const SurfaceResult result =
-      work.run({{name, &file}}, [&] { return surface(options, work.context()); });
-  if (!result.is_written) {
-    throw Error(ErrorKind::invalid_argument,
-                "the surface is not closed or not manifold, and nothing was written", name)
-        .with_field("allows_faults");
-  }
-  nb::dict facts = surface_facts(result);
-  facts["points"] = result.point_count;
-  facts["triangles"] = result.triangle_count;
-  facts["file_bytes"] = result.file_bytes;
-  return facts;
-}
-
 }  // namespace
 
 void bind_measuring(nb::module_& module) {
   module.def("measure", &measure_file, "labels"_a, "name"_a, "grey"_a.none(), "grey_name"_a,
              "percentiles"_a, "numbers"_a, "names"_a, "work"_a);
   module.def("compare", &compare_files, "a"_a, "b"_a, "max_error"_a, "work"_a);
-  module.def("surface", &surface_arrays, "file"_a, "name"_a, "asked"_a, "work"_a);
-  module.def("save_surface", &surface_file, "file"_a, "name"_a, "path"_a, "overwrite"_a,
-             "asked"_a, "work"_a);
 }
 
 }  // namespace octavo::python

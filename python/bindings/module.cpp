@@ -9,6 +9,8 @@
 #include "reading.h"
 #include "remaking.h"
 #include "structure.h"
+#include "surfaces.h"
+#include "views.h"
 
 NB_MODULE(_octavo, module) {
   module.attr("version") = OCTAVO_VERSION;
@@ -20,4 +22,6 @@ NB_MODULE(_octavo, module) {
   octavo::python::bind_pictures(module);
   octavo::python::bind_remaking(module);
   octavo::python::bind_structure(module);
+  octavo::python::bind_surfaces(module);
+  octavo::python::bind_views(module);
 }

@@ -3,16 +3,20 @@
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "octavo/core/error.h"
 #include "octavo/tasks/files/condense_volume.h"
 #include "octavo/tasks/files/export_zarr_image.h"
+#include "octavo/tasks/shell.h"
+#include "octavo/tasks/threshold.h"
 #include "octavo/tasks/transform.h"
 #include "work.h"
 
@@ -110,6 +114,24 @@ void condense_file(const OpenFile& file, const std::string& name, const std::str
   work.run({{name, &file}}, [&] { condense_volume(options, work.context()); });
 }
 
+/// Classes of values as the labels of a file.
+void classify_file(const OpenFile& file, const std::string& name, const std::string& path,
+                   const std::vector<std::tuple<std::int64_t, double, double>>& classes,
+                   bool is_stored, const nb::dict& given) {
+  ThresholdOptions options{.input = name, .output = {path, false}, .is_stored = is_stored};
+  for (const auto& [label, low, high] : classes) options.classes.push_back({label, {low, high}});
+  Work work(given);
+  work.run({{name, &file}}, [&] { threshold(options, work.context()); });
+}
+
+/// The leaves of a mask that lie at its surface, as a file.
+void shell_file(const OpenFile& file, const std::string& name, const std::string& path,
+                const nb::dict& given) {
+  const ShellOptions options{name, Output{path, false}};
+  Work work(given);
+  work.run({{name, &file}}, [&] { shell(options, work.context()); });
+}
+
 ZarrCompression compression_of(const std::string& name) {
   return name == "blosc"  ? ZarrCompression::blosc
          : name == "zstd" ? ZarrCompression::zstd
@@ -148,6 +170,9 @@ void bind_remaking(nb::module_& module) {
              "grid"_a.none(), "grid_name"_a, "asked"_a, "work"_a);
   module.def("condense", &condense_file, "file"_a, "name"_a, "path"_a, "flat"_a, "overwrite"_a,
              "work"_a);
+  module.def("classify", &classify_file, "file"_a, "name"_a, "path"_a, "classes"_a, "is_stored"_a,
+             "work"_a);
+  module.def("shell", &shell_file, "file"_a, "name"_a, "path"_a, "work"_a);
   module.def("export_zarr", &export_zarr_file, "file"_a, "name"_a, "path"_a, "asked"_a, "work"_a);
   module.def("zarr_text", &zarr_text_of, "file"_a, "level"_a.none(), "name"_a);
 }

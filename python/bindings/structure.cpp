@@ -9,10 +9,13 @@
 #include <string>
 #include <vector>
 
+#include "facts.h"
 #include "octavo/tasks/distance.h"
 #include "octavo/tasks/structure/align.h"
 #include "octavo/tasks/structure/morphometry.h"
 #include "octavo/tasks/structure/morphometry_rows.h"
+#include "octavo/tasks/structure/self_similarity.h"
+#include "octavo/tasks/touch.h"
 #include "work.h"
 
 namespace octavo::python {
@@ -118,6 +121,7 @@ nb::dict morphometry_file(const std::vector<const OpenFile*>& files, const nb::d
   const bool overwrites = nb::cast<bool>(asked["overwrite"]);
   options.thickness_map = {text("thickness_map"), overwrites};
   options.spacing_map = {text("spacing_map"), overwrites};
+  options.histogram = {text("histogram"), overwrites};
   std::vector<NamedFile> named;
   for (const std::string& name : {options.input, options.region, options.grey}) {
     if (!name.empty()) named.push_back({name, files[named.size()]});
@@ -128,14 +132,7 @@ nb::dict morphometry_file(const std::vector<const OpenFile*>& files, const nb::d
       options.has_tortuosity);
 }
 
-nb::dict align_files(const OpenFile& moving, const std::string& moving_name,
-                     const OpenFile& fixed, const std::string& fixed_name, bool has_scale,
-                     const nb::dict& given) {
-  const AlignOptions options{moving_name, fixed_name, {}, has_scale};
-  Work work(given);
-  const AlignResult result =
-      work.run({{moving_name, &moving}, {fixed_name, &fixed}},
-               [&] { return align(options, work.context()); });
+nb::dict pose_facts(const AlignResult& result) {
   const FoundPose& pose = result.pose;
   nb::dict facts;
   facts["found"] = result.is_found;
@@ -155,8 +152,99 @@ nb::dict align_files(const OpenFile& moving, const std::string& moving_name,
   facts["iterations"] = pose.iterations;
   facts["condition"] = pose.condition;
   facts["points"] = result.points;
+  facts["has_lines"] = result.has_lines;
   facts["level"] = result.level;
   return facts;
+}
+
+/// moving  null where `moving` of `asked` is a file of a mesh, points or lines
+nb::dict align_files(const OpenFile* moving, const OpenFile& fixed, const nb::dict& asked,
+                     const nb::dict& given) {
+  const auto text = [&](const char* name) { return nb::cast<std::string>(asked[name]); };
+  const bool overwrites = nb::cast<bool>(asked["overwrite"]);
+  const AlignOptions options{text("moving"), text("fixed"), {text("output"), overwrites},
+                             nb::cast<bool>(asked["scale"]), {text("picture"), overwrites}};
+  std::vector<NamedFile> files = {{options.fixed, &fixed}};
+  if (moving != nullptr) files.push_back({options.moving, moving});
+  Work work(given);
+  return pose_facts(work.run(files, [&] { return align(options, work.context()); }));
+}
+
+/// Cubes that equal others.
+nb::dict self_similarity_of(const OpenFile& file, const std::string& name, const OpenFile* coded,
+                            const std::string& coded_name, double max_difference,
+                            bool is_up_to_mean, const nb::dict& given) {
+  const SelfSimilarityOptions options{name, max_difference, is_up_to_mean,
+                                      coded == nullptr ? "" : coded_name};
+  std::vector<NamedFile> files = {{name, &file}};
+  if (coded != nullptr) files.push_back({coded_name, coded});
+  Work work(given);
+  const SelfSimilarityResult result =
+      work.run(files, [&] { return self_similarity(options, work.context()); });
+  nb::list levels;
+  for (const SimilarityLevel& level : result.levels) {
+    nb::dict one;
+    one["side"] = level.side;
+    one["cubes"] = level.cubes;
+    one["uniform"] = level.uniform;
+    one["asked"] = level.asked;
+    one["same_level"] = level.same_level;
+    one["next_level"] = level.next_level;
+    one["turned"] = level.turned;
+    one["cut_short"] = level.cut_short;
+    one["coded_bytes"] = level.coded_bytes;
+    one["reference_bytes"] = level.reference_bytes;
+    levels.append(one);
+  }
+  nb::dict facts;
+  facts["file_bytes"] = result.file_bytes;
+  facts["saved_bytes"] = result.saved_bytes();
+  facts["levels"] = levels;
+  return facts;
+}
+
+nb::dict extent_facts(const VoxelExtent& extent) {
+  nb::dict facts;
+  facts["voxels"] = extent.voxel_count;
+  facts["box"] = nb::none();
+  if (extent.voxel_count > 0) {
+    facts["box"] = nb::make_tuple(zyx_of(extent.box.lo), zyx_of(extent.box.hi));
+  }
+  return facts;
+}
+
+/// How two masks meet.
+nb::dict touch_of(const OpenFile& a, const std::string& a_name, const OpenFile& b,
+                  const std::string& b_name, int connectivity, const nb::dict& given) {
+  const TouchMasksOptions options{a_name, b_name, static_cast<Connectivity>(connectivity)};
+  Work work(given);
+  const TouchMasksResult result = work.run({{a_name, &a}, {b_name, &b}},
+                                           [&] { return touch_masks(options, work.context()); });
+  nb::dict facts;
+  facts["overlap"] = extent_facts(result.found.overlap);
+  facts["contact"] = extent_facts(result.found.contact_a);
+  facts["contact_of_other"] = extent_facts(result.found.contact_b);
+  facts["area_mm2"] = area_mm2(result.found.face_pairs, result.volume);
+  return facts;
+}
+
+/// The labels that lie side by side.
+nb::list contacts_of(const OpenFile& file, const std::string& name, int connectivity,
+                     const nb::dict& given) {
+  const TouchLabelsOptions options{name, static_cast<Connectivity>(connectivity)};
+  Work work(given);
+  const TouchLabelsResult result =
+      work.run({{name, &file}}, [&] { return touch_labels(options, work.context()); });
+  nb::list rows;
+  for (const LabelContact& contact : result.contacts) {
+    nb::dict row;
+    row["first"] = contact.first;
+    row["second"] = contact.second;
+    row["voxel_pairs"] = contact.voxel_pairs;
+    row["area_mm2"] = area_mm2(contact.face_pairs, result.volume);
+    rows.append(row);
+  }
+  return rows;
 }
 
 }  // namespace
@@ -164,8 +252,12 @@ nb::dict align_files(const OpenFile& moving, const std::string& moving_name,
 void bind_structure(nb::module_& module) {
   module.def("distance", &distance_file, "file"_a, "name"_a, "path"_a, "asked"_a, "work"_a);
   module.def("morphometry", &morphometry_file, "files"_a, "asked"_a, "work"_a);
-  module.def("align", &align_files, "moving"_a, "moving_name"_a, "fixed"_a, "fixed_name"_a,
-             "has_scale"_a, "work"_a);
+  module.def("align", &align_files, "moving"_a.none(), "fixed"_a, "asked"_a, "work"_a);
+  module.def("self_similarity", &self_similarity_of, "file"_a, "name"_a, "coded"_a.none(),
+             "coded_name"_a, "max_difference"_a, "is_up_to_mean"_a, "work"_a);
+  module.def("touch", &touch_of, "a"_a, "a_name"_a, "b"_a, "b_name"_a, "connectivity"_a,
+             "work"_a);
+  module.def("contacts", &contacts_of, "file"_a, "name"_a, "connectivity"_a, "work"_a);
 }
 
 }  // namespace octavo::python

@@ -17,7 +17,7 @@ from ._errors import (ArgumentError, Cancelled, CorruptError, Error, FormatError
                       LimitError, OutOfMemoryError, SourceError, StorageError, TruncatedError,
                       VersionError)
 from ._label_map import LabelMap
-from ._tasks import Surface
+from ._surfaces import Surface
 from ._notebook import viewer
 from ._volume import DEFAULT_CACHE_BYTES, RealView, View, Volume
 from ._zarr import as_dask, as_zarr, export, from_ome_zarr

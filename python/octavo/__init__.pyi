@@ -12,6 +12,8 @@ _Labels = int | str | Iterable[int | str] | None
 _Range = Sequence[float | None]
 _Point = Sequence[float]
 _Box = Sequence[Sequence[int]]
+_Overlay = Volume | LabelMap
+_Look = str | os.PathLike[str] | tuple[str, float] | None
 
 __version__: str
 
@@ -53,42 +55,97 @@ class _StructureTasks:
     def morphometry(self, *, region: Volume | LabelMap | None = None, of: Volume | None = None,
                     calibration: Sequence[float] = (1, 0), thickness: bool = True,
                     tortuosity: bool = False, thickness_map: _Path | Literal[True] | None = None,
-                    spacing_map: _Path | Literal[True] | None = None, overwrite: bool = False,
-                    threads: int = 0, max_memory: int = 0,
-                    progress: _Progress = None) -> dict[str, Any]: ...
-    def align(self, fixed: Volume | LabelMap, *, scale: bool = False, threads: int = 0,
-              max_memory: int = 0, progress: _Progress = None) -> dict[str, Any]: ...
+                    spacing_map: _Path | Literal[True] | None = None,
+                    histogram: _Path | None = None, overwrite: bool = False, threads: int = 0,
+                    max_memory: int = 0, progress: _Progress = None) -> dict[str, Any]: ...
+    def align(self, fixed: Volume | LabelMap, *, scale: bool = False,
+              output: _Path | None = None, picture: _Path | None = None, overwrite: bool = False,
+              threads: int = 0, max_memory: int = 0,
+              progress: _Progress = None) -> dict[str, Any]: ...
+    def align_features(self, features: _Path | ArrayLike, *, scale: bool = False,
+                       output: _Path | None = None, picture: _Path | None = None,
+                       overwrite: bool = False, threads: int = 0, max_memory: int = 0,
+                       progress: _Progress = None) -> dict[str, Any]: ...
+    @overload
+    def touch(self, other: None = None, *, connectivity: Literal[6, 18, 26] = 6, threads: int = 0,
+              max_memory: int = 0, progress: _Progress = None) -> list[dict[str, Any]]: ...
+    @overload
+    def touch(self, other: Volume | LabelMap, *, connectivity: Literal[6, 18, 26] = 6,
+              threads: int = 0, max_memory: int = 0,
+              progress: _Progress = None) -> dict[str, Any]: ...
+    def shell(self, *, threads: int = 0, max_memory: int = 0,
+              progress: _Progress = None) -> LabelMap: ...
 
-class _FileTasks(_StructureTasks):
+class _PictureTasks:
+    def slice(self, axis: Literal["z", "y", "x"] = "z", index: int | None = None, *,
+              position_mm: float | None = None, plane: _Point | Sequence[_Point] | None = None,
+              montage: Sequence[int] | None = None, every: int | None = None, level: int = 0,
+              window: _Range | None = None, preset: str = "", labels: _Labels = None,
+              overlays: _Overlay | Iterable[_Overlay | tuple[_Overlay, dict[str, Any]]] = (),
+              salvage: bool | Literal["coarse"] | float | None = None, text: bool = True,
+              minimum_side: int = 512, threads: int = 0, max_memory: int = 0,
+              progress: _Progress = None) -> NDArray[np.uint8]: ...
+    def render(self, mode: str | None = None, *, view: str = "left-front-top",
+               azimuth: float | None = None, elevation: float | None = None,
+               direction: _Point | None = None, perspective: float | None = None,
+               ranges: Iterable[Sequence[Any]] = (), tissues: str | Iterable[str] = (),
+               labels: _Labels = None, level: int | None = None, isovalue: float | None = None,
+               window: _Range | None = None, average: bool = False,
+               transfer: _Path | None = None, shade: Literal["flat", "smooth"] | None = None,
+               fade: float | None = None, cuts: str | Iterable[str] = (),
+               removed: Iterable[Sequence[Sequence[int | None]]] = (),
+               mask: _Overlay | None = None, label_map: _Overlay | None = None,
+               label_looks: Mapping[int | str | None, _Look] | None = None,
+               meshes: Iterable[_Path | tuple[Any, ...]] = (),
+               marks: Iterable[Sequence[Any]] = (), ambient_shade: bool = False,
+               shadows: bool = False, smooth_edges: bool = False, adaptive: bool = False,
+               moving: bool = False, time_budget: float | None = None,
+               size: Sequence[int] = (1024, 1024), zoom: float = 1.0, turntable: int = 0,
+               grow: bool = False, background: str = "black", text: bool = True, threads: int = 0,
+               max_memory: int = 0, progress: _Progress = None) -> NDArray[np.uint8]: ...
+
+class _SurfaceTasks:
+    def surface(self, isovalue: float | None = None, *, labels: _Labels = None,
+                stored: bool = False, level: int = 0, seed: _Point | None = None,
+                max_deviation_mm: float = 0.0, max_deviation_voxels: float | None = None,
+                triangles: int | str | None = None,
+                method: Literal["collapse", "octree"] = "collapse",
+                space: Literal["lps", "ras"] = "lps", threads: int = 0, max_memory: int = 0,
+                progress: _Progress = None) -> Surface: ...
+    def save_surface(self, path: _Path, isovalue: float | None = None, *, labels: _Labels = None,
+                     stored: bool = False, level: int = 0, seed: _Point | None = None,
+                     max_deviation_mm: float = 0.0, max_deviation_voxels: float | None = None,
+                     triangles: int | str | None = None,
+                     method: Literal["collapse", "octree"] = "collapse",
+                     space: Literal["lps", "ras"] = "lps", plain: bool = False,
+                     report: _Path | None = None, allow_faults: bool = False,
+                     overwrite: bool = False, threads: int = 0, max_memory: int = 0,
+                     progress: _Progress = None) -> dict[str, Any]: ...
+    def save_label_surfaces(self, path: _Path, *,
+                            form: Literal["parts", "interfaces"] = "parts",
+                            part_format: Literal["stl", "ply", "obj", "glb", "vtp", "3mf"] = "stl",
+                            labels: _Labels = None, level: int = 0, smooth: int = 20,
+                            max_deviation_mm: float = 0.0,
+                            max_deviation_voxels: float | None = None,
+                            triangles: int | str | None = None,
+                            space: Literal["lps", "ras"] = "lps", overwrite: bool = False,
+                            threads: int = 0, max_memory: int = 0,
+                            progress: _Progress = None) -> dict[str, Any]: ...
+    def save_hexahedra(self, path: _Path, *,
+                       method: Literal["uniform", "octree", "conforming"] = "uniform",
+                       labels: _Labels = None, level: int = 0, keep_largest: bool = False,
+                       of: Volume | None = None, density: Sequence[float] | None = None,
+                       modulus: Sequence[float] | None = None, min_modulus: float = 1.0,
+                       poisson_ratio: float = 0.3, bins: int = 32, quality: bool = False,
+                       overwrite: bool = False, threads: int = 0, max_memory: int = 0,
+                       progress: _Progress = None) -> dict[str, Any]: ...
+
+class _FileTasks(_StructureTasks, _PictureTasks, _SurfaceTasks):
     def measure(self, of: Volume | None = None, *, labels: _Labels = None,
                 percentiles: Sequence[float] = (5, 25, 50, 75, 95), threads: int = 0,
                 max_memory: int = 0, progress: _Progress = None) -> list[dict[str, Any]]: ...
     def compare(self, other: Volume | LabelMap, *, max_error: float = 0.0, threads: int = 0,
                 max_memory: int = 0, progress: _Progress = None) -> dict[str, Any]: ...
-    def surface(self, isovalue: float | None = None, *, labels: _Labels = None,
-                stored: bool = False, level: int = 0, seed: _Point | None = None,
-                max_deviation_mm: float = 0.0, triangles: int | None = None,
-                space: Literal["lps", "ras"] = "lps", threads: int = 0, max_memory: int = 0,
-                progress: _Progress = None) -> Surface: ...
-    def save_surface(self, path: _Path, isovalue: float | None = None, *, labels: _Labels = None,
-                     stored: bool = False, level: int = 0, seed: _Point | None = None,
-                     max_deviation_mm: float = 0.0, triangles: int | None = None,
-                     space: Literal["lps", "ras"] = "lps", allow_faults: bool = False,
-                     overwrite: bool = False, threads: int = 0, max_memory: int = 0,
-                     progress: _Progress = None) -> dict[str, Any]: ...
-    def slice(self, axis: Literal["z", "y", "x"] = "z", index: int | None = None, *,
-              position_mm: float | None = None, level: int = 0, window: _Range | None = None,
-              preset: str = "", overlays: Volume | LabelMap | Iterable[Volume | LabelMap] = (),
-              text: bool = True, minimum_side: int = 512, threads: int = 0, max_memory: int = 0,
-              progress: _Progress = None) -> NDArray[np.uint8]: ...
-    def render(self, mode: str | None = None, *, view: str = "left-front-top",
-               azimuth: float | None = None, elevation: float | None = None,
-               ranges: Iterable[_Range] = (), tissues: Iterable[str] = (), labels: _Labels = None,
-               level: int | None = None, isovalue: float | None = None,
-               window: _Range | None = None, transfer: _Path | None = None,
-               size: Sequence[int] = (1024, 1024), zoom: float = 1.0, turntable: int = 0,
-               background: str = "black", text: bool = True, threads: int = 0, max_memory: int = 0,
-               progress: _Progress = None) -> NDArray[np.uint8]: ...
     def transform(self, path: _Path, *, grid_of: Volume | LabelMap | None = None,
                   interpolation: Literal["nearest", "linear", "cubic"] | None = None,
                   fill: float | None = None, in_place: bool = False, inverse: bool = False,
@@ -184,6 +241,11 @@ class Volume(_FileTasks, View):
              progress: _Progress = None) -> LabelMap: ...
     def condense(self, path: _Path, flat: float, *, overwrite: bool = False, threads: int = 0,
                  max_memory: int = 0, progress: _Progress = None) -> Volume: ...
+    def self_similarity(self, max_difference: float = 0.0, *, up_to_mean: bool = False,
+                        coded: Volume | None = None, threads: int = 0, max_memory: int = 0,
+                        progress: _Progress = None) -> dict[str, Any]: ...
+    def classify(self, classes: Mapping[int, _Range], *, stored: bool = False, threads: int = 0,
+                 max_memory: int = 0, progress: _Progress = None) -> LabelMap: ...
     def close(self) -> None: ...
     def __enter__(self) -> Volume: ...
     def __exit__(self, *_: object) -> None: ...

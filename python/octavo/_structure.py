@@ -8,7 +8,8 @@ import numpy as np
 
 from . import _octavo
 from ._errors import ArgumentError
-from ._work import if_given, number_of, work_of
+from ._sources import written_path
+from ._work import connectivity_of, if_given, number_of, work_of
 
 
 class StructureTasks:
@@ -58,8 +59,8 @@ class StructureTasks:
             return maps.made("path")
 
     def morphometry(self, *, region=None, of=None, calibration=(1, 0), thickness=True,
-                    tortuosity=False, thickness_map=None, spacing_map=None, overwrite=False,
-                    threads=0, max_memory=0, progress=None):
+                    tortuosity=False, thickness_map=None, spacing_map=None, histogram=None,
+                    overwrite=False, threads=0, max_memory=0, progress=None):
         """Measure structure: volume share, surface, thickness, separation, connectivity and more.
 
         docs/morphometry.md says how each number is computed, and by whom it is defined.
@@ -79,6 +80,8 @@ class StructureTasks:
         thickness_map, spacing_map : True, str or os.PathLike, optional
             The local thickness of the mask, and of what is not in it: a path writes it to an .8vo
             file, True returns it as an array.
+        histogram : str or os.PathLike, optional
+            A PNG of the histograms of thickness and separation.
 
         Returns
         -------
@@ -95,12 +98,13 @@ class StructureTasks:
         from ._tasks import opened_file
         name, handle = self._opened_file()
         line = _line(calibration)
-        if not thickness and (thickness_map is not None or spacing_map is not None):
-            raise ArgumentError("thickness=False leaves out what the maps show")
+        if not thickness and (thickness_map or spacing_map or histogram) is not None:
+            raise ArgumentError("thickness=False leaves out what maps and histograms show")
         if of is None and line != (1, 0):
             raise ArgumentError("calibration is of the scan that `of` gives")
         asked = dict(mask=name, region="", grey="", calibration=line, thickness=bool(thickness),
-                     tortuosity=bool(tortuosity), overwrite=bool(overwrite))
+                     tortuosity=bool(tortuosity), overwrite=bool(overwrite),
+                     histogram=_written(histogram))
         files = [handle]
         for key, given in (("region", region), ("grey", of)):
             if given is None:
@@ -117,7 +121,8 @@ class StructureTasks:
             facts["spacing_map"] = maps.made("spacing_map")
         return facts
 
-    def align(self, fixed, *, scale=False, threads=0, max_memory=0, progress=None):
+    def align(self, fixed, *, scale=False, output=None, picture=None, overwrite=False, threads=0,
+              max_memory=0, progress=None):
         """The pose that lays the surface of this mask onto that of another.
 
         Nothing has to be near, and half of a surface may be missing on either side.
@@ -128,6 +133,10 @@ class StructureTasks:
             The mask that stays.
         scale : bool
             Whether the size is found as well.
+        output : str or os.PathLike, optional
+            A text file for the matrix, as the program takes it; written where a pose is found.
+        picture : str or os.PathLike, optional
+            A PNG of both, written where a pose is found.
 
         Returns
         -------
@@ -148,11 +157,107 @@ class StructureTasks:
         fixed_name = _volume_name(fixed_name)
         if fixed_name == name:
             fixed_name = "fixed " + fixed_name
+        return _pose(handle, name, fixed_handle, fixed_name, scale, output, picture, overwrite,
+                     threads, max_memory, progress)
+
+    def align_features(self, features, *, scale=False, output=None, picture=None, overwrite=False,
+                       threads=0, max_memory=0, progress=None):
+        """The pose that lays a mesh, points or lines of sight onto the surface of this mask.
+
+        Parameters
+        ----------
+        features : str, os.PathLike or array_like
+            A file: .stl, .ply, .obj, or .csv with three or six numbers a row. Or these as an array:
+            points (n, 3), or two places on each line (n, 6), x, y, z in mm (LPS). Lines of sight,
+            from the source of X-rays through the outline of a shadow, are laid so that they touch
+            the surface.
+        scale, output, picture
+            As of `align`.
+
+        Returns
+        -------
+        dict
+            As of `align`; points counts lines where has_lines is True.
+        """
+        name, handle = self._opened_file()
+        with tempfile.TemporaryDirectory(prefix="octavo-") as folder:
+            if isinstance(features, (str, os.PathLike)):
+                moving = written_path(features)
+            else:
+                moving = os.path.join(folder, "features.csv")
+                np.savetxt(moving, _rows_of(features), fmt="%.17g", delimiter=",")
+            return _pose(None, moving, handle, _volume_name(name), scale, output, picture,
+                         overwrite, threads, max_memory, progress)
+
+    def touch(self, other=None, *, connectivity=6, threads=0, max_memory=0, progress=None):
+        """How this mask and another meet, or which labels of a label map lie side by side.
+
+        Parameters
+        ----------
+        other : Volume or LabelMap, optional
+            A mask on the same grid.
+        connectivity : {6, 18, 26}
+            Which voxels are neighbors.
+
+        Returns
+        -------
+        dict, or list of dict without `other`
+            overlap, contact, contact_of_other: dicts of voxels and box (((z, y, x), (z, y, x)),
+            half-open, or None); and area_mm2, None where the spacing is not known. Or for each pair
+            of labels: first, second, voxel_pairs, area_mm2.
+        """
+        from ._tasks import opened_file
+        name, handle = self._opened_file()
+        neighbors = connectivity_of(connectivity)
+        if other is None:
+            with work_of(threads, max_memory, progress) as work:
+                return _octavo.contacts(handle, name, neighbors, work)
+        other_name, other_handle = opened_file(other, "other")
+        if other_name == name:
+            other_name = "the other " + other_name
         with work_of(threads, max_memory, progress) as work:
-            facts = _octavo.align(handle, name, fixed_handle, fixed_name, bool(scale), work)
-        matrix = np.vstack((facts["matrix_mm"], (0, 0, 0, 1)))
-        facts["matrix_mm"] = matrix if facts["found"] else None
-        return facts
+            return _octavo.touch(handle, name, other_handle, other_name, neighbors, work)
+
+    def shell(self, *, threads=0, max_memory=0, progress=None):
+        """The leaves of the octree of the mask that others do not hide on all six sides.
+
+        Returns
+        -------
+        LabelMap
+        """
+        from ._volume import Volume
+        name, handle = self._opened_file()
+        with tempfile.TemporaryDirectory(prefix="octavo-") as folder:
+            path = os.path.join(folder, "shell.8vo")
+            with work_of(threads, max_memory, progress) as work:
+                _octavo.shell(handle, name, path, work)
+            with Volume(path) as made:
+                return made.mask(threads=threads, max_memory=max_memory)
+
+
+def _pose(moving_handle, moving, fixed_handle, fixed, scale, output, picture, overwrite, threads,
+          max_memory, progress):
+    asked = dict(moving=moving, fixed=fixed, scale=bool(scale), output=_written(output),
+                 picture=_written(picture), overwrite=bool(overwrite))
+    with work_of(threads, max_memory, progress) as work:
+        facts = _octavo.align(moving_handle, fixed_handle, asked, work)
+    matrix = np.vstack((facts["matrix_mm"], (0, 0, 0, 1)))
+    facts["matrix_mm"] = matrix if facts["found"] else None
+    return facts
+
+
+def _rows_of(features):
+    try:
+        rows = np.asarray(features, float)
+    except (TypeError, ValueError):
+        rows = np.empty(0)
+    if rows.ndim != 2 or rows.shape[1] not in (3, 6) or not np.isfinite(rows).all():
+        raise ArgumentError("features are a file, points (n, 3) or lines (n, 6)")
+    return rows
+
+
+def _written(given):
+    return "" if given is None else written_path(given)
 
 
 class _Maps(contextlib.ExitStack):

@@ -11,6 +11,7 @@ from ._errors import ArgumentError
 
 MOST_THREADS = 1 << 10
 CONNECTIVITIES = (6, 18, 26)
+AXES = {"z": 2, "y": 1, "x": 0}
 
 
 @contextlib.contextmanager
@@ -64,6 +65,25 @@ def texts_of(given, name):
 def level_of(given):
     """A level as an int; the file says whether it has that. Raises ArgumentError."""
     return whole_number(given, "level", 0, (1 << 31) - 1)
+
+
+def three_of(given, name):
+    """Three finite numbers, z, y, x. Raises ArgumentError for anything else."""
+    try:
+        numbers_given = [float(n) for n in given]
+    except (TypeError, ValueError, OverflowError):
+        numbers_given = []
+    if len(numbers_given) != 3 or not all(map(math.isfinite, numbers_given)):
+        raise ArgumentError(f"{name} is (z, y, x), not {given!r}")
+    return numbers_given
+
+
+def one_of(given, name, choices):
+    """`given`, which is one of `choices`. Raises ArgumentError for anything else."""
+    if given not in choices:
+        known = " or ".join(f'"{choice}"' for choice in choices)
+        raise ArgumentError(f"{name} is {known}, not {given!r}")
+    return given
 
 
 def if_given(check, given, *rest):

@@ -92,25 +92,6 @@ def test_a_viewer_of_napari_shows_the_scan_where_it_lies(scan):
     assert np.allclose(layer.world_to_data(at), (5, 6, 7))
 
 
-def test_patches_for_pytorch_are_those_of_the_scan(scan, tmp_path):
-    torch = pytest.importorskip("torch")
-    from octavo.torch import PatchDataset
-    mask = scan.threshold(0).save(tmp_path / "mask.8vo", overwrite=True)
-    patches = PatchDataset([(scan.name, mask.name)], (16, 32, 24), 6, seed=3)
-    image, labels = patches[2]
-    assert image.shape == labels.shape == (1, 16, 32, 24)
-    assert image.dtype == torch.float32 and labels.dtype == torch.int64
-    assert torch.equal(labels > 0, image >= 0)
-    assert torch.equal(image, patches[2][0]) and not torch.equal(image, patches[3][0])
-    loader = torch.utils.data.DataLoader(patches, batch_size=3, num_workers=2)
-    assert [batch[0].shape[0] for batch in loader] == [3, 3]
-    assert torch.equal(next(iter(loader))[0][2], image)
-    patches.set_epoch(1)
-    assert not torch.equal(image, patches[2][0])
-    large = PatchDataset([scan.name], (64, 8, 8), 1)[0]
-    assert large.shape == (1, 64, 8, 8) and (large[0, 40:] == large[0, 63]).all()
-
-
 def test_a_slider_of_notebooks_shows_the_slices(scan):
     pytest.importorskip("ipywidgets")
     from octavo._notebook import png_of

@@ -1,0 +1,43 @@
+// What Python asks of a task: the members of a dictionary.
+#pragma once
+
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "octavo/render/picture.h"
+#include "octavo/tasks/asked_labels.h"
+#include "work.h"
+
+namespace octavo::python {
+
+/// The member `name`. Throws nb::cast_error where it is of another type
+template <class T>
+T asked_for(const nanobind::dict& asked, const char* name) {
+  return nanobind::cast<T>(asked[name]);
+}
+
+/// The members "labels", by number, and "names".
+inline AskedLabels asked_labels(const nanobind::dict& asked) {
+  return {asked_for<std::vector<std::int64_t>>(asked, "labels"),
+          asked_for<std::vector<std::string>>(asked, "names")};
+}
+
+/// Files of (name, file), behind the one that a task is about.
+std::vector<NamedFile> named_files(const OpenFile& file, const std::string& name,
+                                   const nanobind::list& others);
+
+/// A color of a name or of "#rrggbb". Throws Error{invalid_argument} for other text
+Color color_of(const std::string& name);
+std::optional<Color> color_of(const std::optional<std::string>& name);
+
+/// Pictures as arrays of pixels [y, x, 3].
+nanobind::object pixels_of(Picture picture);
+nanobind::list pixels_of_all(std::vector<Picture>& pictures);
+
+}  // namespace octavo::python
