@@ -33,7 +33,8 @@ struct ServedPart {
 class ServedContent {
  public:
   virtual ~ServedContent() = default;
-  /// What stands behind an address that ends in "/"; nothing where nothing does.
+  /// What stands behind an address that ends in "/"; nothing where nothing does. Called by several
+  /// threads at once.
   virtual std::optional<ServedPart> beneath(std::string_view /*key*/) { return std::nullopt; }
   virtual const std::string& media_type() const = 0;
   /// The bytes that stand there now; null where they cannot be read.

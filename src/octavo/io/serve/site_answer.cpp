@@ -83,6 +83,21 @@ std::optional<std::uint64_t> number_of(std::string_view digits) {
   return value;
 }
 
+/// Where a path is looked up.
+std::string_view table_path(const RequestHead& head) {
+  return head.path == "/" ? std::string_view("/index.html") : std::string_view(head.path);
+}
+
+/// The entry of the table with the longest name that the path goes on behind.
+SiteTable::const_iterator folder_of(std::string_view path, const SiteTable& table) {
+  for (std::size_t end = path.rfind('/'); end != path.npos && end > 0;
+       end = path.rfind('/', end - 1)) {
+    const auto folder = table.find(path.substr(0, end + 1));
+    if (folder != table.end()) return folder;
+  }
+  return table.end();
+}
+
 /// One request on its way to an answer.
 class Answering {
  public:
@@ -97,7 +112,7 @@ class Answering {
       fields_ += "Allow: GET, HEAD\r\n";
       return plain(405);
     }
-    const auto found = table_.find(head_.path == "/" ? "/index.html" : head_.path);
+    const auto found = table_.find(table_path(head_));
     if (found == table_.end()) return of_folder();
     const auto bytes = found->second->now();
     if (!bytes) return plain(404);
@@ -156,18 +171,13 @@ class Answering {
     return finished(204, 0);
   }
 
-  /// Of the entry of the table with the longest name that the path goes on behind.
   SiteAnswer of_folder() {
-    const std::string_view path = head_.path;
-    for (std::size_t end = path.rfind('/'); end != path.npos && end > 0;
-         end = path.rfind('/', end - 1)) {
-      const auto folder = table_.find(path.substr(0, end + 1));
-      if (folder == table_.end()) continue;
-      const std::optional<ServedPart> part = folder->second->beneath(path.substr(end + 1));
-      if (!part) return plain(404);
-      return part->bytes ? of_content(part->media_type, part->bytes) : plain(500);
-    }
-    return plain(404);
+    const auto folder = folder_of(head_.path, table_);
+    if (folder == table_.end()) return plain(404);
+    const std::string_view key = std::string_view(head_.path).substr(folder->first.size());
+    const std::optional<ServedPart> part = folder->second->beneath(key);
+    if (!part) return plain(404);
+    return part->bytes ? of_content(part->media_type, part->bytes) : plain(500);
   }
 
   SiteAnswer of_content(const std::string& type, std::shared_ptr<const ServedBytes> bytes) {
@@ -238,6 +248,11 @@ RangeState parse_asked_range(std::string_view field, std::uint64_t size, ServedR
   const std::uint64_t end = last ? std::min(*last, size - 1) : size - 1;
   range = {*first, end - *first + 1};
   return RangeState::some;
+}
+
+bool is_behind_folder(const RequestHead& head, const SiteTable& table) {
+  return table.find(table_path(head)) == table.end() &&
+         folder_of(head.path, table) != table.end();
 }
 
 SiteAnswer site_answer(const RequestHead& head, const SiteRules& rules, SiteTable& table) {

@@ -60,6 +60,10 @@ enum class RangeState { none, some, wrong };
 /// has no byte of the file, as wrong.
 RangeState parse_asked_range(std::string_view field, std::uint64_t size, ServedRange& range);
 
+/// Whether a request is for what stands behind a folder of the table: the answer may take time to
+/// make. Any thread may make it, and several at once.
+bool is_behind_folder(const RequestHead& head, const SiteTable& table);
+
 /// The answer to a request. Never throws for anything that a request can hold.
 SiteAnswer site_answer(const RequestHead& head, const SiteRules& rules, SiteTable& table);
 

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "octavo/core/error.h"
+#include "octavo/io/serve/answer_workers.h"
 
 namespace octavo {
 
@@ -66,9 +67,40 @@ SocketAddress socket_address(const std::string& address, int port) {
   return result;
 }
 
+/// A pipe that ends a wait for connections, from any thread.
+class WakingPipe {
+ public:
+  WakingPipe() {
+    if (::pipe(ends_) != 0) fail_to_serve("a server cannot be started", errno);
+    for (const int end : ends_) set_flags(end);
+  }
+  ~WakingPipe() {
+    for (const int end : ends_) ::close(end);
+  }
+  WakingPipe(const WakingPipe&) = delete;
+  WakingPipe& operator=(const WakingPipe&) = delete;
+
+  int waited_for() const { return ends_[0]; }
+  /// A full pipe wakes as well.
+  void wake() const {
+    const char byte = 0;
+    while (::write(ends_[1], &byte, 1) < 0 && errno == EINTR) {
+    }
+  }
+  void drain() const {
+    char bytes[256];
+    while (::read(ends_[0], bytes, sizeof bytes) > 0) {
+    }
+  }
+
+ private:
+  int ends_[2] = {-1, -1};
+};
+
 /// One client: what it has sent, what it still gets.
 struct ServedClient {
   int descriptor = -1;
+  std::uint64_t number = 0;
   std::string received;
   std::string outgoing;          // text that goes first
   std::size_t sent = 0;          // of it
@@ -76,6 +108,7 @@ struct ServedClient {
   std::uint64_t next = 0;        // of the bytes
   std::uint64_t left = 0;
   bool is_answering = false;
+  bool is_awaiting = false;      // an answer that a worker makes
   bool keeps_alive = true;
   bool is_ready = false;         // there is something to read, or room to write
   Clock::time_point since;       // of what its time is limited for
@@ -122,12 +155,14 @@ class SiteServer::Loop {
   int port() const { return port_; }
 
   void run(const SiteRules& rules, SiteTable& table, const std::function<bool()>& is_cancelled) {
+    AnswerWorkers workers(options_.most_workers, [this] { pipe_.wake(); });
     while (!is_cancelled()) {
       wait();
+      for (MadeAnswer& made : workers.take_made()) take_made(made);
       for (auto client = clients_.begin(); client != clients_.end();) {
         // One whose bytes come one by one is always ready, and late all the same.
         const bool stays =
-            (!client->is_ready || serve(*client, rules, table)) && !is_late(*client);
+            (!client->is_ready || serve(*client, rules, table, workers)) && !is_late(*client);
         if (!stays) ::close(client->descriptor);
         client = stays ? std::next(client) : clients_.erase(client);
       }
@@ -139,16 +174,30 @@ class SiteServer::Loop {
   void wait() {
     polled_.clear();
     polled_.push_back({listener_, POLLIN, 0});
+    polled_.push_back({pipe_.waited_for(), POLLIN, 0});
     for (const ServedClient& client : clients_) {
       const bool writes = client.is_answering || client.has_request();
-      polled_.push_back({client.descriptor, static_cast<short>(writes ? POLLOUT : POLLIN), 0});
+      // Of one that waits for a worker only that it is gone.
+      const int asked = client.is_awaiting ? 0 : writes ? POLLOUT : POLLIN;
+      polled_.push_back({client.descriptor, static_cast<short>(asked), 0});
     }
     if (::poll(polled_.data(), static_cast<nfds_t>(polled_.size()), kWaitMs) < 0 &&
         errno != EINTR) {
       fail_to_serve("waiting for connections failed", errno);
     }
-    auto state = polled_.begin() + 1;
+    if (polled_[1].revents != 0) pipe_.drain();
+    auto state = polled_.begin() + 2;
     for (ServedClient& client : clients_) client.is_ready = (state++)->revents != 0;
+  }
+
+  /// The answer of a worker, where its client is still there.
+  void take_made(MadeAnswer& made) {
+    for (ServedClient& client : clients_) {
+      if (client.number != made.client) continue;
+      client.is_awaiting = false;
+      take_answer(client, std::move(made.answer));
+      client.is_ready = true;
+    }
   }
 
   void take_new() {
@@ -167,6 +216,7 @@ class SiteServer::Loop {
       if (clients_.size() >= options_.most_connections) drop_longest_idle();
       ServedClient& client = clients_.emplace_back();
       client.descriptor = descriptor;
+      client.number = next_number_++;
       client.since = Clock::now();
     }
   }
@@ -175,13 +225,15 @@ class SiteServer::Loop {
   void drop_longest_idle() {
     const auto dropped =
         std::min_element(clients_.begin(), clients_.end(), [](const auto& a, const auto& b) {
-          return std::pair(a.is_answering, a.since) < std::pair(b.is_answering, b.since);
+          return std::pair(a.is_answering || a.is_awaiting, a.since) <
+                 std::pair(b.is_answering || b.is_awaiting, b.since);
         });
     ::close(dropped->descriptor);
     clients_.erase(dropped);
   }
 
   bool is_late(const ServedClient& client) const {
+    if (client.is_awaiting) return false;
     const double limit = client.is_answering         ? options_.stall_s
                          : client.received.empty() ? options_.idle_s
                                                    : options_.head_s;
@@ -189,10 +241,12 @@ class SiteServer::Loop {
   }
 
   /// Reads and writes what can be without waiting; false ends the connection.
-  bool serve(ServedClient& client, const SiteRules& rules, SiteTable& table) {
+  bool serve(ServedClient& client, const SiteRules& rules, SiteTable& table,
+             AnswerWorkers& workers) {
+    if (client.is_awaiting) return false;  // it is gone
     if (!client.is_answering && !client.has_request() && !receive(client)) return false;
     // Requests that came together are answered one after the other, one a round.
-    if (!client.is_answering) begin_answer(client, rules, table);
+    if (!client.is_answering) begin_answer(client, rules, table, workers);
     if (!client.is_answering) return true;
     if (!send_text(client) || !send_bytes(client)) return false;
     if (client.sent < client.outgoing.size() || client.left > 0) return true;
@@ -219,7 +273,8 @@ class SiteServer::Loop {
     return true;
   }
 
-  static void begin_answer(ServedClient& client, const SiteRules& rules, SiteTable& table) {
+  static void begin_answer(ServedClient& client, const SiteRules& rules, SiteTable& table,
+                           AnswerWorkers& workers) {
     const auto end = end_of_head(client.received);
     if (!end && client.received.size() <= kMaxRequestHead) return;
     SiteAnswer answer;
@@ -228,10 +283,21 @@ class SiteServer::Loop {
     } else {
       const std::string_view bytes = std::string_view(client.received).substr(0, *end);
       const ParsedHead parsed = parse_request_head(bytes);
+      client.received.erase(0, *end);
+      if (parsed.status == 0 && is_behind_folder(parsed.head, table)) {
+        client.is_awaiting = true;
+        workers.begin({client.number, [head = parsed.head, &rules, &table] {
+                         return site_answer(head, rules, table);
+                       }});
+        return;
+      }
       answer = parsed.status == 0 ? site_answer(parsed.head, rules, table)
                                   : error_answer(parsed.status);
-      client.received.erase(0, *end);
     }
+    take_answer(client, std::move(answer));
+  }
+
+  static void take_answer(ServedClient& client, SiteAnswer answer) {
     client.outgoing = std::move(answer.head) + answer.text;
     client.sent = 0;
     client.bytes = std::move(answer.bytes);
@@ -279,6 +345,8 @@ class SiteServer::Loop {
   int listener_ = -1;
   int port_ = 0;
   std::list<ServedClient> clients_;
+  std::uint64_t next_number_ = 0;
+  WakingPipe pipe_;
   std::vector<pollfd> polled_;
   std::vector<std::uint8_t> part_;
 };

@@ -1,7 +1,9 @@
 // A small HTTP server for one machine: GET and HEAD of what stands in a table.
 //
 // One thread waits for all connections at once; none of them can make another wait, neither by
-// being idle nor by reading slowly. Memory is a few KiB a connection and one part of an answer.
+// being idle nor by reading slowly. What stands behind folders is made by threads beside it. Memory
+// is a few KiB a connection, one part of an answer, and what stands behind folders as long as it is
+// sent.
 #pragma once
 
 #include <cstdint>
@@ -20,6 +22,7 @@ struct SiteServerOptions {
   double head_s = 10;                 ///< a head must be whole so long after its first byte
   double stall_s = 30;                ///< a client may take nothing of an answer so long
   std::size_t most_connections = 512;
+  std::size_t most_workers = 1;   ///< threads that make what stands behind folders, 1 or more
 };
 
 class SiteServer {

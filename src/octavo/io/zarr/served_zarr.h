@@ -16,7 +16,7 @@ namespace octavo {
 /// Files of `reader` at keys behind an address that ends in "/". A chunk that cannot be decoded is
 /// one that cannot be read: nothing is filled in.
 /// name    of the image
-/// Memory  a chunk for each answer; one thread at a time
+/// Memory  a chunk for each answer; any number of threads
 std::unique_ptr<ServedContent> zarr_content(std::shared_ptr<const FileReader> reader,
                                             const std::string& name);
 

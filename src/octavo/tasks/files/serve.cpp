@@ -168,6 +168,7 @@ ServeResult serve(const ServeOptions& options, const TaskContext& context) {
   SiteServerOptions listening;
   listening.address = options.address;
   listening.port = options.port;
+  listening.most_workers = static_cast<std::size_t>(context.thread_count());
   SiteServer server(listening);
 
   SiteRules rules;

@@ -9,7 +9,10 @@
 #include <atomic>
 #include <cerrno>
 #include <chrono>
+#include <memory>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <vector>
 
@@ -188,6 +191,118 @@ TEST(SiteServer, HoldsConnectionsThatComeFasterThanTheyAreTaken) {
         << i;
   }
   for (const int descriptor : waiting) ::close(descriptor);
+}
+
+/// A folder whose files take until `gate` opens.
+class GatedFolder final : public ServedContent {
+ public:
+  const std::string& media_type() const override { return type_; }
+  std::shared_ptr<const ServedBytes> now() override { return nullptr; }
+  std::optional<ServedPart> beneath(std::string_view key) override {
+    if (key == "quick") return ServedPart{"a/b", memory_bytes({'q'})};
+    if (key == "throws") throw Error(ErrorKind::io, "nothing there");
+    ++waiting;
+    gate.wait(false);
+    return ServedPart{"a/b", memory_bytes({key.begin(), key.end()})};
+  }
+
+  std::atomic<int> waiting{0};
+  std::atomic<bool> gate{false};
+
+ private:
+  std::string type_;
+};
+
+class SiteFolderTest : public SiteServerTest {
+ protected:
+  void start_gated(std::size_t workers) {
+    auto folder = std::make_unique<GatedFolder>();
+    folder_ = folder.get();
+    table_["/folder/"] = std::move(folder);
+    SiteServerOptions options;
+    options.most_workers = workers;
+    start(options);
+  }
+  int asked_slowly(const std::string& path) const {
+    const int descriptor = connected();
+    send_text(descriptor, "GET " + path + " HTTP/1.1\r\nConnection: close\r\n\r\n");
+    return descriptor;
+  }
+  void wait_for(int waiting) const {
+    while (folder_->waiting < waiting) std::this_thread::yield();
+  }
+  void open_gate() {
+    folder_->gate = true;
+    folder_->gate.notify_all();
+  }
+  void TearDown() override {
+    ends_ = true;
+    open_gate();
+    SiteServerTest::TearDown();
+  }
+
+  GatedFolder* folder_ = nullptr;
+};
+
+TEST_F(SiteFolderTest, GoesOnWithOthersWhileAnAnswerIsMade) {
+  start_gated(1);
+  const int slow = asked_slowly("/folder/one");
+  wait_for(1);
+  EXPECT_EQ(body_of("/small"), "hi");
+  const int next = asked_slowly("/folder/two");
+  EXPECT_EQ(body_of("/small"), "hi");
+  EXPECT_EQ(folder_->waiting, 1);
+  open_gate();
+  EXPECT_TRUE(rest_of(slow).ends_with("\r\n\r\none"));
+  EXPECT_TRUE(rest_of(next).ends_with("\r\n\r\ntwo"));
+  EXPECT_EQ(body_of("/folder/quick"), "q");
+}
+
+TEST_F(SiteFolderTest, MakesSeveralAnswersAtOnceAndKeepsTheOrderOfEachClient) {
+  start_gated(3);
+  const int first = asked_slowly("/folder/one");
+  const int second = asked_slowly("/folder/two");
+  const int both = connected();
+  send_text(both, "GET /folder/x HTTP/1.1\r\n\r\nGET /small HTTP/1.1\r\n\r\n"
+                  "GET /folder/quick HTTP/1.1\r\nConnection: close\r\n\r\n");
+  wait_for(3);
+  open_gate();
+  EXPECT_TRUE(rest_of(first).ends_with("one"));
+  EXPECT_TRUE(rest_of(second).ends_with("two"));
+  const std::string text = rest_of(both);
+  const std::size_t x = text.find("\r\n\r\nx");
+  const std::size_t hi = text.find("\r\n\r\nhi");
+  ASSERT_NE(x, std::string::npos);
+  ASSERT_NE(hi, std::string::npos);
+  EXPECT_LT(x, hi);
+  EXPECT_TRUE(text.ends_with("\r\n\r\nq"));
+}
+
+TEST_F(SiteFolderTest, DropsAnswersOfClientsThatAreGoneAndOutlivesFailures) {
+  start_gated(1);
+  const int gone = asked_slowly("/folder/one");
+  wait_for(1);
+  const linger at_once{1, 0};
+  ::setsockopt(gone, SOL_SOCKET, SO_LINGER, &at_once, sizeof at_once);
+  ::close(gone);
+  const int next = asked_slowly("/folder/two");
+  EXPECT_EQ(body_of("/small"), "hi");
+  open_gate();
+  EXPECT_TRUE(rest_of(next).ends_with("two"));
+  EXPECT_TRUE(asked("GET /folder/throws HTTP/1.0\r\n\r\n").starts_with("HTTP/1.1 500 "));
+  EXPECT_EQ(body_of("/folder/quick"), "q");
+}
+
+TEST_F(SiteFolderTest, EndsWhileAnswersWait) {
+  start_gated(1);
+  const int slow = asked_slowly("/folder/one");
+  wait_for(1);
+  const int next = asked_slowly("/folder/two");
+  EXPECT_EQ(body_of("/small"), "hi");
+  TearDown();
+  EXPECT_FALSE(thread_.joinable());
+  ::close(slow);
+  ::close(next);
 }
 
 TEST_F(SiteServerTest, EndsConnectionsThatTakeTooLong) {
