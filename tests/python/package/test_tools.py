@@ -1,5 +1,8 @@
 """Readers for other tools, each with the real package, where it is installed."""
 
+import sys
+import types
+
 import numpy as np
 import pytest
 
@@ -56,6 +59,74 @@ def test_vtk_decodes_the_extent_that_it_asks_for(scan):
     reader.SetLevel(0)
     reader.Update()
     assert reader.GetOutputDataObject(0).GetDimensions() == scan.shape[::-1]
+
+
+class SlicerOfTests(types.ModuleType):
+    """What the reader calls of Slicer, which is in no package index: nodes are kept."""
+
+    def __init__(self):
+        super().__init__("slicer")
+        self.nodes, self.said = [], []
+        self.util = types.SimpleNamespace(addVolumeFromArray=self.add,
+                                          errorDisplay=self.said.append)
+        self.ScriptedLoadableModule = types.ModuleType("slicer.ScriptedLoadableModule")
+        self.ScriptedLoadableModule.ScriptedLoadableModule = type("Base", (), {
+            "__init__": lambda self, parent: None})
+
+    def add(self, narray, ijkToRAS=None, name=None, nodeClassName=None):
+        self.nodes.append((narray, ijkToRAS, name, nodeClassName))
+        return types.SimpleNamespace(GetID=lambda: f"node{len(self.nodes)}")
+
+
+@pytest.fixture
+def slicer(monkeypatch):
+    import octavo.slicer
+    fake = SlicerOfTests()
+    monkeypatch.setitem(sys.modules, "slicer", fake)
+    monkeypatch.setitem(sys.modules, "slicer.ScriptedLoadableModule", fake.ScriptedLoadableModule)
+    monkeypatch.syspath_prepend(octavo.slicer.module_folder())
+    monkeypatch.delitem(sys.modules, "OctavoReader", raising=False)
+    return fake
+
+
+def test_the_reader_for_slicer_makes_nodes_of_voxels_at_their_places(scan, slicer, tmp_path):
+    import OctavoReader
+    module = OctavoReader.OctavoReader(types.SimpleNamespace())
+    reader = OctavoReader.OctavoReaderFileReader(types.SimpleNamespace())
+    assert module and reader.canLoadFile(scan.name) and not reader.canLoadFile("scan.nii")
+    assert reader.load({"fileName": scan.name})
+    assert reader.load({"fileName": scan.name, "nbytes": 60_000})
+    assert reader.parent.loadedNodes == ["node2"]
+    fine, coarse = slicer.nodes
+    budget = scan.at_budget(60_000)
+    assert fine[2:] == ("scan", "vtkMRMLScalarVolumeNode") and budget.level > 0
+    assert coarse[2] == f"scan 1/{max(budget.factor)}"
+    for (voxels, matrix, *_), view in ((fine, scan.levels[0]), (coarse, budget)):
+        assert voxels.shape == view.shape and voxels.dtype == np.float32
+        for i, j, k in ((0, 0, 0), (7, 11, 5)):
+            i, j, k = (min(a, n - 1) for a, n in zip((i, j, k), view.shape[::-1]))
+            assert voxels[k, j, i] == view[k, j, i] * scan.slope + scan.intercept
+            x, y, z = (view.affine @ [k, j, i, 1])[:3]
+            assert np.allclose(matrix @ [i, j, k, 1], [-x, -y, z, 1])
+    labels = scan.threshold(-900).save(tmp_path / "labels.8vo")
+    assert reader.load({"fileName": labels.name, "level": 0})
+    assert slicer.nodes[2][0].dtype == np.uint8
+    assert slicer.nodes[2][3] == "vtkMRMLLabelMapVolumeNode"
+    (tmp_path / "none.8vo").write_bytes(b"nothing")
+    assert not reader.load({"fileName": str(tmp_path / "none.8vo")})
+    assert "none.8vo" in slicer.said[0] and len(slicer.nodes) == 3
+
+
+def test_places_in_slicer_are_those_of_simpleitk(scan):
+    pytest.importorskip("SimpleITK")
+    import octavo.slicer
+    from octavo.sitk import to_sitk
+    for view in scan.levels[:3]:
+        matrix = octavo.slicer.ijk_to_ras(view)
+        image = to_sitk(view)
+        for index in ((0, 0, 0), (3, 2, 1), tuple(n - 1 for n in view.shape[::-1])):
+            lps = np.array(image.TransformIndexToPhysicalPoint(index))
+            assert np.allclose((matrix @ [*index, 1])[:3], lps * (-1, -1, 1))
 
 
 def test_napari_gets_all_levels_and_their_place(scan, tmp_path):
