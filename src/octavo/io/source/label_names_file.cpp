@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <deque>
 #include <limits>
 #include <map>
 #include <optional>
@@ -13,6 +14,7 @@
 
 #include "octavo/core/error.h"
 #include "octavo/core/utf8.h"
+#include "octavo/io/source/label_table_xml.h"
 #include "octavo/io/source/source_file.h"
 
 namespace octavo {
@@ -46,8 +48,10 @@ class LabelNamesFile {
   explicit LabelNamesFile(const std::string& path) : path_(path), text_(text_of_file()) {}
 
   LabelNames read() {
-    take_rows();
+    if (is_xml()) take_xml();
+    else take_rows();
     if (rows_.empty()) reject("names no label");
+    if (are_pairs()) join_pairs();
     layout_ = find_layout();
     for (const Row& row : rows_) take_name(row);
     return std::move(names_);
@@ -62,6 +66,10 @@ class LabelNamesFile {
   }
 
   std::string text_of_file() const;
+  bool is_xml() const;
+  void take_xml();
+  bool are_pairs() const;
+  void join_pairs();
   void take_rows();
   void take_line(std::size_t number, std::string_view line);
   Layout find_layout() const;
@@ -74,6 +82,7 @@ class LabelNamesFile {
 
   const std::string& path_;
   std::string text_;
+  std::deque<std::string> made_;  // lines and names that do not stand in the text so
   std::vector<Row> rows_;
   Layout layout_;
   std::map<std::int64_t, std::size_t> lines_;  // that named a label first
@@ -144,6 +153,50 @@ std::string LabelNamesFile::text_of_file() const {
   }
   if (text.starts_with("\xef\xbb\xbf")) text.erase(0, 3);
   return is_utf8(text) ? text : utf8_of_latin1(text);
+}
+
+bool LabelNamesFile::is_xml() const {
+  const std::size_t first = text_.find_first_not_of(" \t\r\n");
+  return first != std::string::npos && text_[first] == '<';
+}
+
+/// Labels of GIFTI as lines of ITK-SNAP.
+void LabelNamesFile::take_xml() {
+  for (const XmlLabel& label : labels_in_xml(text_)) {
+    if (label.name.find('"') != std::string::npos) {
+      reject_line(label.line, "names hold no quotes");
+    }
+    const auto& [red, green, blue] = label.color;
+    made_.push_back(label.key + " " + red + " " + green + " " + blue + " 1 1 1 \"" + label.name +
+                    "\"");
+    take_line(label.line, made_.back());
+  }
+}
+
+/// Whether each second line is KEY R G B A, and the one before it a name.
+bool LabelNamesFile::are_pairs() const {
+  const auto is_key = [](const Row& row) {
+    return row.words.size() == 5 && std::ranges::all_of(row.words, [](const Word& word) {
+             return label_in_word(word).has_value();
+           });
+  };
+  if (rows_.size() % 2 != 0 || is_key(rows_.front())) return false;
+  for (std::size_t i = 1; i < rows_.size(); i += 2) {
+    if (!is_key(rows_[i])) return false;
+  }
+  return true;
+}
+
+/// Pairs of lines as lines of ITK-SNAP.
+void LabelNamesFile::join_pairs() {
+  std::vector<Row> joined_rows;
+  for (std::size_t i = 0; i < rows_.size(); i += 2) {
+    made_.push_back(joined(rows_[i], 0, rows_[i].words.size()));
+    Row& row = joined_rows.emplace_back(std::move(rows_[i + 1]));
+    const Word mark{"1", false};
+    row.words.insert(row.words.end(), {mark, mark, Word{made_.back(), true}});
+  }
+  rows_ = std::move(joined_rows);
 }
 
 void LabelNamesFile::take_rows() {

@@ -15,6 +15,10 @@ namespace octavo {
 ///     1 Precentral_L 255 128 0 255        and a color with its opacity: FreeSurfer, 3D Slicer
 ///     Precentral_L 2001                   name and number; a color may follow as well
 ///     1 255 128 0 1 1 1 "Precentral L"    ITK-SNAP
+///     Precentral L                        two lines a label, as Connectome Workbench has them:
+///     1 255 128 0 255                     a name; then number, color and opacity
+///
+/// or in the XML of a GIFTI file, label_table_xml.h.
 ///
 /// All lines have the same layout. A name may hold blanks; in double quotes it may end in numbers,
 /// too. A third word that is a number in every line is a code unless names would be the same

@@ -51,6 +51,11 @@ TEST(LabelNamesFile, EveryLayoutGivesItsNamesAndColors) {
            Row{"7 255 128 0 1 1 1 \"Left Lung\"\n8 1 2 3 0.25 0 1 \"Heart\"\n",
                named("Left Lung", kOrange)},
            Row{"7 255 128 0 1 1 1 Left Lung\n8 1 2 3 1 1 1 Heart\n", named("Left Lung", kOrange)},
+           Row{"Left Lung\n7 255 128 0 255\nHeart\n8 1 2 3 0\n", named("Left Lung", kOrange)},
+           Row{"<LabelTable><Label Key=\"7\" Red=\"1\" Green=\"0.502\" Blue=\"0\" Alpha=\"1\">"
+               "Left Lung</Label>\n<Label Key='8' Red='0.004' Green='0.008' Blue='0.012'>\n"
+               "<![CDATA[Heart]]></Label></LabelTable>",
+               named("Left Lung", kOrange)},
        }) {
     const LabelName second = named("Heart", row.first.color ? std::optional(LabelColor{1, 2, 3})
                                                             : std::nullopt);
@@ -96,7 +101,7 @@ TEST(LabelNamesFile, WhatFitsNoLayoutIsRejectedWithItsLine) {
   expect_line_rejected("1 a\n2\n", "line 2: '2' is neither");
   expect_line_rejected("1 a\nb 2\n", "line 2: 'b' is no label");
   expect_line_rejected("a 1\nb\n", "line 2: 'b' is neither");
-  expect_line_rejected("<?xml version=\"1.0\"?>\n", "line 1: '<?xml version=\"1.0\"?>' is neither");
+  expect_line_rejected("<?xml version=\"1.0\"?>\n", "names no label");
   expect_line_rejected("a 1\nb 2.5\n", "line 2: '2.5' is no label");
   expect_line_rejected("1 a\n4294967296 b\n", "line 2: '4294967296' is no label");
   expect_line_rejected("1 a\n-2147483649 b\n", "line 2: '-2147483649' is no label");
