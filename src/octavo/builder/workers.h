@@ -3,6 +3,7 @@
 
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
+#include <tbb/task_group.h>
 
 #include <algorithm>
 #include <chrono>
@@ -25,6 +26,12 @@ class Workers {
                static_cast<std::size_t>(std::max(threads, of_all)) + 1),
         arena_(threads, 0),
         threads_(threads) {}
+
+  /// Drops what threads have not come for yet, of which other threads have done the work.
+  ~Workers();
+
+  Workers(const Workers&) = delete;
+  Workers& operator=(const Workers&) = delete;
 
   int count() const { return threads_; }
 
@@ -69,6 +76,7 @@ class Workers {
 
   tbb::global_control limit_;
   tbb::task_arena arena_;
+  tbb::task_group comings_;  // a task for each work, of a thread that comes for the oldest
   int threads_;
   std::shared_ptr<Waiting> waiting_ = std::make_shared<Waiting>();
 };
