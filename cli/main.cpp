@@ -115,7 +115,7 @@ int run_program(const std::vector<std::string>& words) {
   app.get_formatter()->label("SUBCOMMAND", "VERB");
   app.footer(kExitCodes);
   app.require_subcommand(1);
-  add_global_options(Verb(app), context);
+  add_global_options(Verb(app, context), context);
   try {
     add_verbs(app, context);
     refuse_empty_texts(app);

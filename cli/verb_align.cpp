@@ -1,7 +1,6 @@
 // octavo align: the pose that lays the surface of one mask onto that of another.
 #include <fmt/format.h>
 
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -35,15 +34,7 @@ constexpr VerbText kAlignText = {
     "  octavo align probe.stl skull.8vo -o pose.txt --picture pose.png\n"
     "  octavo transform a.8vo --affine pose.txt --grid-of b.8vo -o a-on-b.8vo"};
 
-struct AlignArguments {
-  std::string moving;
-  std::string fixed;
-  std::string output;
-  std::string picture;
-  bool scale = false;
-};
-
-nlohmann::ordered_json report_json(const AlignArguments& arguments, const AlignResult& result) {
+nlohmann::ordered_json report_json(const AlignOptions& options, const AlignResult& result) {
   const FoundPose& pose = result.pose;
   nlohmann::ordered_json matrix = nullptr;
   if (result.is_found) {
@@ -53,8 +44,8 @@ nlohmann::ordered_json report_json(const AlignArguments& arguments, const AlignR
                         pose.map.linear[3 * row + 2], pose.map.offset[row]});
     }
   }
-  return {{"moving", arguments.moving},
-          {"fixed", arguments.fixed},
+  return {{"moving", options.moving},
+          {"fixed", options.fixed},
           {"found", result.is_found},
           {"matrix_mm", matrix},
           {"scale", pose.scale},
@@ -70,13 +61,14 @@ nlohmann::ordered_json report_json(const AlignArguments& arguments, const AlignR
           {"level", result.level}};
 }
 
-std::string report_text(const AlignArguments& arguments, const AlignResult& result) {
+std::string report_text(const AlignOptions& options, const AlignResult& result) {
   const FoundPose& pose = result.pose;
   if (!result.is_found) {
-    return fmt::format("{} and {}: no pose; at best {:.0f} % of the first agrees, and {:.0f} % of "
-                       "the second around it\n",
-                       escaped(arguments.moving), escaped(arguments.fixed),
-                       100 * result.agreement.forward, 100 * result.agreement.backward);
+    return fmt::format(
+        "{} and {}: no pose; at best {:.0f} % of the first agrees, and {:.0f} % of "
+        "the second around it\n",
+        escaped(options.moving), escaped(options.fixed), 100 * result.agreement.forward,
+        100 * result.agreement.backward);
   }
   std::string text;
   for (std::size_t row = 0; row < 3; ++row) {
@@ -93,33 +85,23 @@ std::string report_text(const AlignArguments& arguments, const AlignResult& resu
                             pose.iterations, pose.condition);
 }
 
-int run_align(const AlignArguments& arguments, Context& context) {
-  const AlignOptions options = {
-      arguments.moving,  arguments.fixed, {arguments.output, context.force},
-      arguments.scale, {arguments.picture, context.force}};
+int run_align(const AlignOptions& options, Context& context) {
   const AlignResult result = run_task(align, options, context);
-  print_result(context, report_json(arguments, result), report_text(arguments, result));
+  print_result(context, report_json(options, result), report_text(options, result));
   return result.is_found ? kExitDone : kExitDifferent;
 }
 
 }  // namespace
 
 void add_align(CLI::App& app, Context& context) {
-  const auto arguments = std::make_shared<AlignArguments>();
-  Verb verb = add_verb(app, context, kAlignText,
-                       [arguments, &context] { return run_align(*arguments, context); });
-  verb.add_option("moving", arguments->moving, "What moves: .8vo, .stl, .ply, .obj or .csv")
-      ->type_name("FILE")
-      ->required();
-  verb.add_option("fixed", arguments->fixed, "The mask that stays, .8vo")
-      ->type_name("FILE")
-      ->required();
-  verb.add_option("-o,--output", arguments->output, "A text file for the matrix")
-      ->type_name("FILE");
-  verb.add_option("--picture", arguments->picture,
-                  "A PNG of both: the mask's shadow from three sides, what moved on it")
-      ->type_name("FILE");
-  verb.add_flag("--scale", arguments->scale, "Find the size as well: a similarity");
+  auto [verb, options] = add_verb(app, context, kAlignText, run_align);
+  verb.add_option("moving FILE", options.moving, "What moves: .8vo, .stl, .ply, .obj or .csv")
+      .required();
+  verb.add_option("fixed FILE", options.fixed, "The mask that stays, .8vo").required();
+  verb.add_output_option("-o,--output FILE", options.matrix, "A text file for the matrix");
+  verb.add_output_option("--picture FILE", options.picture,
+                         "A PNG of both: the mask's shadow from three sides, what moved on it");
+  verb.add_flag("--scale", options.has_scale, "Find the size as well: a similarity");
 }
 
 }  // namespace octavo::cli

@@ -1,8 +1,7 @@
 // octavo build: a scan in, one .8vo file out.
-#include <memory>
 #include <optional>
 
-#include "common/build_arguments.h"
+#include "common/build_options.h"
 #include "common/failure.h"
 #include "common/options.h"
 #include "common/task_run.h"
@@ -60,7 +59,8 @@ constexpr VerbText kBuildText = {
     "It makes planes along z only, and none behind the last slice.\n\n"
     "--label-names gives labels the names and colors of a text file: lines of NUMBER NAME, as\n"
     "atlases have them, with a color R G B or R G B A behind it (FreeSurfer, 3D Slicer), of NAME\n"
-    "NUMBER, or ITK-SNAP's. Tables and pictures then show them, and info lists them.\n\n"
+    "NUMBER, ITK-SNAP's, Connectome Workbench's, or the table of a GIFTI file. Tables and\n"
+    "pictures then show them, and info lists them.\n\n"
     "Names, dates, identifiers and free text of the source stay out of the file, as do names of\n"
     "files; info --metadata lists what was dropped. --keep-identity puts them into the metadata:\n"
     "of DICOM the attributes of the first slice that are text, and the labels of segments, which\n"
@@ -90,46 +90,39 @@ constexpr VerbText kBuildText = {
     "  octavo build scans/head/ --parts 4 -o parted.8vo\n"
     "  octavo build density.nii --max-error 0.001 --nan 0 -o density.8vo"};
 
-struct BuildVerb {
-  BuildArguments build;
-  std::string output;
-  bool resume = false;
+struct BuildArguments {
+  BuildScanOptions scan;
   std::optional<std::int64_t> parts;
   std::optional<std::int64_t> bands;
 };
 
-int run_build(const BuildVerb& arguments, Context& context) {
-  BuildScanOptions options = build_scan_options(arguments.build, arguments.output, context);
-  options.is_resuming = arguments.resume;
+int run_build(const BuildArguments& arguments, Context& context) {
+  const BuildScanOptions& options = arguments.scan;
   const bool is_in_parts = arguments.parts || arguments.bands;
   const BuildInPartsOptions in_parts{options, arguments.parts.value_or(1), arguments.bands};
   const BuiltVolume built = is_in_parts ? run_task(build_in_parts, in_parts, context)
                                         : run_task(build_scan, options, context);
-  print_built(built, arguments.output, context);
+  print_built(built, options.output.path, context);
   return kExitDone;
 }
 
 }  // namespace
 
 void add_build(CLI::App& app, Context& context) {
-  const auto arguments = std::make_shared<BuildVerb>();
-  Verb verb = add_verb(app, context, kBuildText,
-                       [arguments, &context] { return run_build(*arguments, context); });
-  add_build_options(verb, arguments->build)->required();
-  verb.add_output(arguments->output, "The file to write");
+  auto [verb, arguments] = add_verb(app, context, kBuildText, run_build);
+  add_build_options(verb, arguments.scan).required();
+  verb.add_output(arguments.scan.output, "The file to write");
   Option resume = verb.add_flag(
-      "--resume", arguments->resume,
+      "--resume", arguments.scan.is_resuming,
       "Continue an interrupted build of FILE, and keep this one if it is interrupted");
-  Option parts = verb.add_option("--parts", arguments->parts, "Build in N parts, and join them")
-                     ->type_name("N")
-                     ->check(whole_within(1))
-                     ->excludes(resume);
-  verb.add_option("--bands", arguments->bands,
+  Option parts = verb.add_option("--parts N", arguments.parts, "Build in N parts, and join them")
+                     .check(whole_within(1))
+                     .excludes(resume);
+  verb.add_option("--bands N", arguments.bands,
                   "Build in parts of which N share each group of planes, and join them")
-      ->type_name("N")
-      ->check(whole_within(1))
-      ->excludes(resume)
-      ->excludes(parts);
+      .check(whole_within(1))
+      .excludes(resume)
+      .excludes(parts);
 }
 
 }  // namespace octavo::cli

@@ -1,6 +1,5 @@
 // octavo codes: the o-codes of what a file holds: label maps by their tree, other voxels condensed
 // plane by plane.
-#include <memory>
 
 #include "common/codes_arguments.h"
 #include "common/failure.h"
@@ -37,10 +36,8 @@ int run_codes(const CodesArguments& arguments, Context& context) {
 }  // namespace
 
 void add_codes(CLI::App& app, Context& context) {
-  const auto arguments = std::make_shared<CodesArguments>();
-  Verb verb = add_verb(app, context, kCodesText,
-                       [arguments, &context] { return run_codes(*arguments, context); });
-  add_codes_options(verb, *arguments);
+  auto [verb, arguments] = add_verb(app, context, kCodesText, run_codes);
+  add_codes_options(verb, arguments);
 }
 
 }  // namespace octavo::cli

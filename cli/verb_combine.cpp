@@ -1,7 +1,6 @@
 // octavo combine: set operations on masks.
 #include <fmt/format.h>
 
-#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "common/failure.h"
@@ -26,63 +25,39 @@ constexpr VerbText kCombineText = {
     "  octavo combine tumor.8vo tumor-mr.8vo --resample --intersect -o agreed.8vo\n"
     "  octavo combine bone.8vo --complement -o rest.8vo"};
 
-struct CombineArguments {
-  std::vector<std::string> inputs;
-  std::string output;
-  bool is_union = false;
-  bool is_intersection = false;
-  bool is_difference = false;
-  bool is_xor = false;
-  bool is_complement = false;
-  bool is_resampling = false;
-};
-
-CombineOptions options_of(const CombineArguments& arguments, const Context& context) {
-  CombineOptions options;
-  options.inputs = arguments.inputs;
-  options.output = {arguments.output, context.force};
-  options.combination = arguments.is_union          ? Combination::unite
-                        : arguments.is_intersection ? Combination::intersect
-                        : arguments.is_difference   ? Combination::subtract
-                        : arguments.is_xor          ? Combination::exclusive_or
-                                                    : Combination::complement;
-  options.is_resampling = arguments.is_resampling;
-  return options;
-}
-
-int run_combine(const CombineArguments& arguments, Context& context) {
-  const CombineOptions options = options_of(arguments, context);
+int run_combine(const CombineOptions& options, Context& context) {
   const CombineResult result = run_task(combine, options, context);
-  print_result(context,
-               {{"output", arguments.output},
-                {"operation", combination_name(options.combination)},
-                {"voxels", result.voxels},
-                {"mm3", optional_json(mm3_of(result.voxels, result.volume))},
-                {"resampled", result.resampled},
-                {"file_bytes", result.file_bytes}},
-               fmt::format("{}: {}\n", arguments.output,
-                           volume_text(result.voxels, result.volume)));
+  print_result(
+      context,
+      {{"output", options.output.path},
+       {"operation", combination_name(options.combination)},
+       {"voxels", result.voxels},
+       {"mm3", optional_json(mm3_of(result.voxels, result.volume))},
+       {"resampled", result.resampled},
+       {"file_bytes", result.file_bytes}},
+      fmt::format("{}: {}\n", options.output.path, volume_text(result.voxels, result.volume)));
   return kExitDone;
 }
 
 }  // namespace
 
 void add_combine(CLI::App& app, Context& context) {
-  const auto arguments = std::make_shared<CombineArguments>();
-  Verb verb = add_verb(app, context, kCombineText,
-                            [arguments, &context] { return run_combine(*arguments, context); });
-  verb.add_option("masks", arguments->inputs, "Label maps, .8vo")->type_name("FILE")->required();
-  verb.add_output(arguments->output, "The .8vo mask to write");
-  Option resample = verb.add_flag("--resample", arguments->is_resampling,
+  auto [verb, options] = add_verb(app, context, kCombineText, run_combine);
+  verb.add_option("masks FILE", options.inputs, "Label maps, .8vo").required();
+  verb.add_output(options.output, "The .8vo mask to write");
+  Option resample = verb.add_flag("--resample", options.is_resampling,
                                   "Bring further masks onto the grid of the first");
   Verb operation = verb.add_choice("Operation");
-  operation.add_flag("--union", arguments->is_union, "Voxels that are in any mask");
-  operation.add_flag("--intersect", arguments->is_intersection, "Voxels that are in all masks");
-  operation.add_flag("--subtract", arguments->is_difference,
-                      "Voxels of the first mask that are in no other");
-  operation.add_flag("--xor", arguments->is_xor, "Voxels that are in an odd number of masks");
-  operation.add_flag("--complement", arguments->is_complement, "Voxels that are not in the mask")
-      ->excludes(resample);
+  const auto add = [&, &made = options.combination](const char* name, Combination combination,
+                                                    const char* help) {
+    return operation.add_flag_of(name, made, combination, help);
+  };
+  add("--union", Combination::unite, "Voxels that are in any mask");
+  add("--intersect", Combination::intersect, "Voxels that are in all masks");
+  add("--subtract", Combination::subtract, "Voxels of the first mask that are in no other");
+  add("--xor", Combination::exclusive_or, "Voxels that are in an odd number of masks");
+  add("--complement", Combination::complement, "Voxels that are not in the mask")
+      .excludes(resample);
 }
 
 }  // namespace octavo::cli

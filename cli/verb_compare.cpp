@@ -2,12 +2,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "common/failure.h"
 #include "common/options.h"
-#include "common/scan_arguments.h"
+#include "common/scan_options.h"
 #include "common/task_run.h"
 #include "octavo/core/url_text.h"
 #include "octavo/tasks/files/compare.h"
@@ -34,84 +33,76 @@ constexpr VerbText kCompareText = {
     "  octavo compare reference.8vo found.8vo --labels"};
 
 struct CompareArguments {
-  std::string a;
-  std::string b;
-  std::string max_error = "0";
-  bool labels = false;
-  bool voxels = false;
-  ScanArguments scan;
+  CompareOptions volumes;
+  bool are_labels = false;
 };
 
-std::string difference_text(const CompareArguments& arguments, const CompareResult& result) {
-  std::string text = fmt::format("{} and {} differ\n", public_name(arguments.a),
-                                 public_name(arguments.b));
+std::string difference_text(const CompareOptions& options, const CompareResult& result) {
+  std::string text =
+      fmt::format("{} and {} differ\n", public_name(options.a), public_name(options.b));
   for (const std::string& line : comparison_lines(result.comparison, result.a, result.b)) {
     text += "  " + line + "\n";
   }
   return text;
 }
 
-int run_volumes(const CompareArguments& arguments, Context& context) {
-  const double max_error = parse_number(arguments.max_error, "--max-error");
-  const CompareOptions options = {arguments.a, arguments.b, max_error, arguments.voxels,
-                                  scan_options(arguments.scan)};
+int run_volumes(const CompareOptions& options, Context& context) {
   const CompareResult result = run_task(compare_volumes, options, context);
   const bool is_equal = result.comparison.is_equal();
   if (context.json) {
     print_json(comparison_json(result.comparison));
   } else if (!is_equal) {
-    print(difference_text(arguments, result));
+    print(difference_text(options, result));
   } else if (!context.quiet) {
-    print(fmt::format("{} and {} are {}\n", public_name(arguments.a), public_name(arguments.b),
+    print(fmt::format("{} and {} are {}\n", public_name(options.a), public_name(options.b),
                       equal_text(result)));
   }
   return is_equal ? kExitDone : kExitDifferent;
 }
 
-std::string labels_text(const CompareArguments& arguments, const CompareLabelsResult& result) {
+std::string labels_text(const CompareOptions& options, const CompareLabelsResult& result) {
   const std::vector<LabelAgreement>& all = result.agreements;
   const auto alike = std::count_if(all.begin(), all.end(),
                                    [](const LabelAgreement& one) { return one.dice() == 1; });
-  const std::string text =
-      fmt::format("A = {}, B = {}: {} label{}, {} of them the same in both\n",
-                  escaped(public_name(arguments.a)), escaped(public_name(arguments.b)), all.size(),
-                  all.size() == 1 ? "" : "s", alike);
+  const std::string text = fmt::format(
+      "A = {}, B = {}: {} label{}, {} of them the same in both\n", escaped(public_name(options.a)),
+      escaped(public_name(options.b)), all.size(), all.size() == 1 ? "" : "s", alike);
   return all.empty() ? text : text + agreement_table(result);
 }
 
-int run_labels(const CompareArguments& arguments, Context& context) {
-  require_scan_for_options({arguments.a, arguments.b}, scan_options(arguments.scan));
-  const CompareLabelsOptions options = {arguments.a, arguments.b};
-  const CompareLabelsResult result = run_task(compare_labels, options, context);
+int run_labels(const CompareOptions& options, Context& context) {
+  require_scan_for_options({options.a, options.b}, options.scan);
+  const CompareLabelsOptions of_labels = {options.a, options.b};
+  const CompareLabelsResult result = run_task(compare_labels, of_labels, context);
   if (context.json) {
     print_json({{"equal", result.is_equal}, {"labels", agreements_json(result)}});
   } else if (!context.quiet || !result.is_equal) {
-    print(labels_text(arguments, result));
+    print(labels_text(options, result));
   }
   return result.is_equal ? kExitDone : kExitDifferent;
+}
+
+int run_compare(const CompareArguments& arguments, Context& context) {
+  return arguments.are_labels ? run_labels(arguments.volumes, context)
+                              : run_volumes(arguments.volumes, context);
 }
 
 }  // namespace
 
 void add_compare(CLI::App& app, Context& context) {
-  const auto arguments = std::make_shared<CompareArguments>();
-  Verb verb = add_verb(app, context, kCompareText,
-                       [arguments, &context] {
-                         return arguments->labels ? run_labels(*arguments, context)
-                                                  : run_volumes(*arguments, context);
-                       });
-  verb.add_option("a", arguments->a, "The first volume")->type_name("VOLUME")->required();
-  verb.add_option("b", arguments->b, "The second volume")->type_name("VOLUME")->required();
+  auto [verb, arguments] = add_verb(app, context, kCompareText, run_compare);
+  CompareOptions& options = arguments.volumes;
+  verb.add_option("a VOLUME", options.a, "The first volume").required();
+  verb.add_option("b VOLUME", options.b, "The second volume").required();
   Option labels =
-      verb.add_flag("--labels", arguments->labels, "Compare two label maps label by label");
-  verb.add_option("--max-error,--tolerance", arguments->max_error,
+      verb.add_flag("--labels", arguments.are_labels, "Compare two label maps label by label");
+  verb.add_parsed("--max-error,--tolerance E", options.max_error, parse_number,
                   "Largest difference, in real units, that counts as equal")
-      ->type_name("E")
-      ->capture_default_str()
-      ->excludes(labels);
-  verb.add_flag("--voxels", arguments->voxels, "Read all voxels, whatever the digests of files say")
-      ->excludes(labels);
-  add_scan_options(verb, arguments->scan);
+      .default_str("0")
+      .excludes(labels);
+  verb.add_flag("--voxels", options.voxels, "Read all voxels, whatever the digests of files say")
+      .excludes(labels);
+  add_scan_options(verb, options.scan);
 }
 
 }  // namespace octavo::cli

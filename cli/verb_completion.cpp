@@ -94,10 +94,9 @@ void add_completion(CLI::App& app, Context& context) {
     print(script_for(*shell, option_tree(app)));
     return kExitDone;
   });
-  verb.add_option("shell", *shell, "The shell")
-      ->required()
-      ->type_name("SHELL")
-      ->check(one_of({"bash", "zsh", "fish"}));
+  verb.add_option("shell SHELL", *shell, "The shell")
+      .required()
+      .check(one_of({"bash", "zsh", "fish"}));
 }
 
 void add_manual(CLI::App& app, Context& context) {
@@ -110,11 +109,10 @@ void add_manual(CLI::App& app, Context& context) {
   // This verb is added last, so all verbs are there to be named.
   std::vector<std::string> names;
   for (const VerbEntry& entry : option_tree(app).verbs) names.push_back(entry.name);
-  verb.add_option("verb", arguments->verb, "The verb whose page is printed")
-      ->type_name("VERB")
-      ->check(one_of(names));
-  verb.add_option("-o,--output", arguments->folder, "Write all pages into this folder instead")
-      ->type_name("FOLDER");
+  verb.add_option("verb VERB", arguments->verb, "The verb whose page is printed")
+      .check(one_of(names));
+  verb.add_option("-o,--output FOLDER", arguments->folder,
+                  "Write all pages into this folder instead");
 }
 
 }  // namespace octavo::cli

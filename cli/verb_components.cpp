@@ -1,13 +1,14 @@
 // octavo components: what is connected in a mask, as a label map and a table.
 #include <fmt/format.h>
 
-#include <memory>
 #include <nlohmann/json.hpp>
+#include <tuple>
 
 #include "common/failure.h"
 #include "common/options.h"
 #include "common/part_options.h"
 #include "common/task_run.h"
+#include "common/volume_options.h"
 #include "octavo/core/text.h"
 #include "octavo/core/url_text.h"
 #include "octavo/tasks/components.h"
@@ -39,11 +40,7 @@ constexpr VerbText kComponentsText = {
     "  octavo plan -o labels.plan -- components pores.8vo --numbers pores.numbers"};
 
 struct ComponentsArguments {
-  std::string input;
-  std::string output;
-  int connectivity = 6;
-  std::int64_t keep_largest = 0;
-  double min_mm3 = 0;
+  ComponentsOptions options;
   std::size_t rows = 20;
   std::string numbers;
   PartArguments parts;
@@ -53,18 +50,13 @@ ComponentsOptions options_of(const ComponentsArguments& arguments, const Context
   // A row as a tree of JSON and as text, or as text alone.
   constexpr std::uint64_t kJsonBytes = 2048;
   constexpr std::uint64_t kTextBytes = 256;
-  ComponentsOptions options;
-  options.input = arguments.input;
-  if (!arguments.output.empty()) options.output = {arguments.output, context.force};
-  options.connectivity = static_cast<Connectivity>(arguments.connectivity);
-  options.keep_largest = arguments.keep_largest;
-  options.min_mm3 = arguments.min_mm3;
+  ComponentsOptions options = arguments.options;
   if (!context.json) options.max_rows = arguments.rows;
   options.bytes_per_row = context.json ? kJsonBytes : kTextBytes;
   return options;
 }
 
-nlohmann::ordered_json report_json(const ComponentsArguments& arguments,
+nlohmann::ordered_json report_json(const ComponentsOptions& options,
                                    const ComponentsResult& result) {
   nlohmann::ordered_json objects = nlohmann::ordered_json::array();
   for (const ComponentRow& row : result.rows) {
@@ -77,18 +69,17 @@ nlohmann::ordered_json report_json(const ComponentsArguments& arguments,
   }
   nlohmann::ordered_json report = {
       {"components", result.found}, {"kept", result.kept}, {"objects", std::move(objects)}};
-  if (!arguments.output.empty()) {
-    report["output"] = arguments.output;
+  if (options.output) {
+    report["output"] = options.output->path;
     report["file_bytes"] = result.file_bytes;
   }
   return report;
 }
 
-std::string table_text(const ComponentsArguments& arguments, const ComponentsResult& result) {
-  std::string text =
-      fmt::format("{}: {}, {} kept{}\n", public_name(arguments.input),
-                  count_of(result.found, "component"), count_of(result.kept),
-                  arguments.output.empty() ? "" : " in " + arguments.output);
+std::string table_text(const ComponentsOptions& options, const ComponentsResult& result) {
+  std::string text = fmt::format("{}: {}, {} kept{}\n", public_name(options.input),
+                                 count_of(result.found, "component"), count_of(result.kept),
+                                 options.output ? " in " + options.output->path : "");
   if (!result.rows.empty()) {
     text += fmt::format("{:>7} {:>14} {:>14}  {:<26} {}\n", "label", "voxels", "mm3",
                         result.rows.front().mm3 ? "centroid mm (x, y, z)" : "centroid voxels",
@@ -108,10 +99,9 @@ std::string table_text(const ComponentsArguments& arguments, const ComponentsRes
 
 int run_components_part(const ComponentsArguments& arguments, Context& context) {
   PartArguments parts = arguments.parts;
-  parts.output = arguments.output;
-  const ComponentsPartOptions options = {arguments.input,
-                                         static_cast<Connectivity>(arguments.connectivity),
-                                         part_of(parts), part_output(parts, context)};
+  parts.output = arguments.options.output;
+  const ComponentsPartOptions options = {arguments.options.input, arguments.options.connectivity,
+                                         *parts.part, parts.output_of_part()};
   const std::size_t found = run_task(components_of_part, options, context);
   print_part_result(context, options.output, options.part, {{"components", found}},
                     count_of(found, "component"));
@@ -119,20 +109,20 @@ int run_components_part(const ComponentsArguments& arguments, Context& context) 
 }
 
 int run_numbered(const ComponentsArguments& arguments, Context& context) {
-  if (arguments.output.empty()) {
+  const auto& [input, output] = std::tie(arguments.options.input, arguments.options.output);
+  if (!output) {
     throw Error(ErrorKind::invalid_argument, "--numbers needs -o FILE for the label map");
   }
-  const LabelComponentsOptions options = {arguments.input, arguments.numbers,
-                                          {arguments.output, context.force}};
+  const LabelComponentsOptions options = {input, arguments.numbers, *output};
   const LabeledComponents result = run_task(label_components, options, context);
-  print_result(context,
-               {{"components", result.found},
-                {"kept", result.kept},
-                {"output", arguments.output},
-                {"file_bytes", result.file_bytes}},
-               fmt::format("{}: {}, {} kept in {}\n", public_name(arguments.input),
-                           count_of(result.found, "component"), count_of(result.kept),
-                           arguments.output));
+  print_result(
+      context,
+      {{"components", result.found},
+       {"kept", result.kept},
+       {"output", output->path},
+       {"file_bytes", result.file_bytes}},
+      fmt::format("{}: {}, {} kept in {}\n", public_name(input),
+                  count_of(result.found, "component"), count_of(result.kept), output->path));
   return kExitDone;
 }
 
@@ -143,54 +133,40 @@ ComponentsResult found_components(const ComponentsArguments& arguments, Context&
 }
 
 int run_components(const ComponentsArguments& arguments, Context& context) {
-  if (!arguments.parts.part.empty()) return run_components_part(arguments, context);
+  if (arguments.parts.part) return run_components_part(arguments, context);
   if (!arguments.numbers.empty()) return run_numbered(arguments, context);
   const ComponentsResult result = found_components(arguments, context);
   // One of them alone, since there may be millions of rows.
-  print_result(context,
-               context.json ? report_json(arguments, result) : nlohmann::ordered_json::object(),
-               context.json ? "" : table_text(arguments, result));
+  print_result(
+      context,
+      context.json ? report_json(arguments.options, result) : nlohmann::ordered_json::object(),
+      context.json ? "" : table_text(arguments.options, result));
   return kExitDone;
-}
-
-/// Beside --part and --join.
-Option add_numbers_option(Verb verb, std::string& numbers) {
-  return verb
-      .add_option("--numbers", numbers, "Write the label map with the numbers of a join")
-      ->type_name("FILE")
-      ->group(kPartGroup);
 }
 
 }  // namespace
 
 void add_components(CLI::App& app, Context& context) {
-  const auto arguments = std::make_shared<ComponentsArguments>();
-  Verb verb = add_verb(app, context, kComponentsText,
-                            [arguments, &context] { return run_components(*arguments, context); });
-  verb.add_option("mask", arguments->input, "A label map, .8vo")->type_name("FILE")->required();
-  verb.add_option("-o,--output", arguments->output,
-                  "The .8vo label map to write; with --part or --join, what is found")
-      ->type_name("FILE");
-  Option connectivity =
-      verb.add_option("--connectivity", arguments->connectivity,
-                      "Voxels are connected by faces (6), edges (18) or corners (26)")
-          ->type_name("N")
-          ->check(one_of({6, 18, 26}))
-          ->capture_default_str();
-  Option largest = verb.add_option("--keep-largest", arguments->keep_largest,
-                                   "Keep only the N largest")
-                       ->type_name("N")
-                       ->check(whole_within(1));
-  Option smallest = verb.add_option("--min-mm3", arguments->min_mm3,
-                                    "Keep only those of this volume or more")
-                        ->type_name("V")
-                        ->check(not_negative());
-  Option rows = verb.add_option("--rows", arguments->rows, "Rows of the table, at most")
-                    ->type_name("N")
-                    ->check(whole_within(0))
-                    ->capture_default_str();
-  const auto [part, join] = add_part_and_join(verb, arguments->parts);
-  Option numbers = add_numbers_option(verb, arguments->numbers);
+  auto [verb, arguments] = add_verb(app, context, kComponentsText, run_components);
+  ComponentsOptions& options = arguments.options;
+  add_mask_input(verb, options.input);
+  verb.add_output_option("-o,--output FILE", options.output,
+                         "The .8vo label map to write; with --part or --join, what is found");
+  Option connectivity = add_connectivity(
+      verb, options.connectivity, "Voxels are connected by faces (6), edges (18) or corners (26)");
+  Option largest =
+      verb.add_option("--keep-largest N", options.keep_largest, "Keep only the N largest")
+          .check(whole_within(1));
+  Option smallest =
+      verb.add_option("--min-mm3 V", options.min_mm3, "Keep only those of this volume or more")
+          .check(not_negative());
+  Option rows = verb.add_option("--rows N", arguments.rows, "Rows of the table, at most")
+                    .check(whole_within(0))
+                    .capture_default_str();
+  const auto [part, join] = add_part_and_join(verb, arguments.parts);
+  Option numbers = verb.add_option("--numbers FILE", arguments.numbers,
+                                   "Write the label map with the numbers of a join")
+                       .group(kPartGroup);
   for (Option option : {part, join, connectivity, largest, smallest, rows}) {
     numbers.excludes(option);
   }

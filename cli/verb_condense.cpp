@@ -2,7 +2,6 @@
 // many of its cubes look like another one.
 #include <fmt/format.h>
 
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -38,12 +37,18 @@ constexpr VerbText kCondenseText = {
 
 struct CondenseArguments {
   std::string input;
-  std::string output;
-  std::string flat;
-  std::string similar;
+  std::optional<Output> output;
+  std::optional<double> flat;
+  std::optional<double> similar;
   std::string coded;
-  bool up_to_mean = false;
+  bool is_up_to_mean = false;
 };
+
+double parse_flat(const std::string& text, const std::string& option) {
+  const double flat = parse_number(text, option);
+  if (flat >= 0) return flat;
+  throw Error(ErrorKind::invalid_argument, option + " " + text + ": must not be negative");
+}
 
 nlohmann::ordered_json similarity_json(const std::string& input,
                                        const SelfSimilarityOptions& options,
@@ -93,9 +98,8 @@ std::string similarity_text(const SelfSimilarityResult& result) {
 }
 
 int run_similarity(const CondenseArguments& arguments, Context& context) {
-  const SelfSimilarityOptions options = {arguments.input,
-                                         parse_number(arguments.similar, "--self-similar"),
-                                         arguments.up_to_mean, arguments.coded};
+  const SelfSimilarityOptions options = {arguments.input, *arguments.similar,
+                                         arguments.is_up_to_mean, arguments.coded};
   const SelfSimilarityResult result = run_task(self_similarity, options, context);
   print_result(context, similarity_json(arguments.input, options, result),
                similarity_text(result));
@@ -103,47 +107,37 @@ int run_similarity(const CondenseArguments& arguments, Context& context) {
 }
 
 int run_condense(const CondenseArguments& arguments, Context& context) {
-  if (!arguments.similar.empty()) return run_similarity(arguments, context);
-  if (arguments.flat.empty() || arguments.output.empty()) {
+  if (arguments.similar) return run_similarity(arguments, context);
+  if (!arguments.flat || !arguments.output) {
     throw Error(ErrorKind::invalid_argument,
                 "give --flat and -o for a condensed volume, or --self-similar");
   }
-  if (arguments.up_to_mean || !arguments.coded.empty()) {
+  if (arguments.is_up_to_mean || !arguments.coded.empty()) {
     throw Error(ErrorKind::invalid_argument, "--up-to-mean and --coded need --self-similar");
   }
-  const double flat = parse_number(arguments.flat, "--flat");
-  if (flat < 0) {
-    throw Error(ErrorKind::invalid_argument, "--flat " + arguments.flat + ": must not be negative");
-  }
-  const CondenseVolumeOptions options = {arguments.input, {arguments.output, context.force}, flat};
-  print_built(run_task(condense_volume, options, context), arguments.output, context);
+  const CondenseVolumeOptions options = {arguments.input, *arguments.output, *arguments.flat};
+  print_built(run_task(condense_volume, options, context), arguments.output->path, context);
   return kExitDone;
 }
 
 }  // namespace
 
 void add_condense(CLI::App& app, Context& context) {
-  const auto arguments = std::make_shared<CondenseArguments>();
-  Verb verb = add_verb(app, context, kCondenseText,
-                            [arguments, &context] { return run_condense(*arguments, context); });
-  verb.add_input(arguments->input);
+  auto [verb, arguments] = add_verb(app, context, kCondenseText, run_condense);
+  verb.add_input(arguments.input);
   const Option output =
-      verb.add_option("-o,--output", arguments->output, "The .8vo file to write")
-          ->type_name("FILE");
+      verb.add_output_option("-o,--output FILE", arguments.output, "The .8vo file to write");
   const Option flat =
-      verb.add_option("--flat", arguments->flat,
-                      "The most by which the voxels of a cube may differ, real units")
-          ->type_name("T");
-  verb.add_option("--self-similar", arguments->similar,
+      verb.add_parsed("--flat T", arguments.flat, parse_flat,
+                      "The most by which the voxels of a cube may differ, real units");
+  verb.add_parsed("--self-similar T", arguments.similar, parse_number,
                   "Count cubes that equal another one within T at every voxel, real units")
-      ->type_name("T")
-      ->excludes(flat)
-      ->excludes(output);
-  verb.add_flag("--up-to-mean", arguments->up_to_mean,
+      .excludes(flat)
+      .excludes(output);
+  verb.add_flag("--up-to-mean", arguments.is_up_to_mean,
                 "With --self-similar: compare what differs from each cube's mean");
-  verb.add_option("--coded", arguments->coded,
-                  "With --self-similar: the file whose bytes references would save")
-      ->type_name("FILE");
+  verb.add_option("--coded FILE", arguments.coded,
+                  "With --self-similar: the file whose bytes references would save");
 }
 
 }  // namespace octavo::cli

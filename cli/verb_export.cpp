@@ -1,7 +1,6 @@
 // octavo export and extract: voxels out, in the formats other programs read.
 #include <fmt/format.h>
 
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -49,30 +48,10 @@ constexpr VerbText kExtractText = {
     "  octavo extract https://example.org/head.8vo --box-mm=-40:40,-40:40,0:60 -o box.nii.gz"};
 
 struct ExportArguments {
-  std::string input;
-  std::string output;
-  int level = 0;
-  bool level_given = false;
-  std::string box;
-  std::string box_mm;
-  bool stored = false;
-  bool real = false;
-  SalvageArguments salvage;
-  std::string compression;
+  ExportPartOptions part;
+  std::optional<int> level;
+  std::optional<ZarrCompression> compression;
 };
-
-ExportPartOptions options_of(const ExportArguments& arguments, const Context& context) {
-  ExportPartOptions options;
-  options.input = arguments.input;
-  options.output = {arguments.output, context.force};
-  options.level = arguments.level;
-  if (!arguments.box.empty()) options.box = parse_box(arguments.box);
-  if (!arguments.box_mm.empty()) options.box_mm = parse_box_mm(arguments.box_mm);
-  if (arguments.stored) options.values = ExportValues::stored;
-  if (arguments.real) options.values = ExportValues::real;
-  options.salvage = salvage_filling(arguments.salvage);
-  return options;
-}
 
 nlohmann::ordered_json result_json(const ExportPartResult& result, int level) {
   return {{"files", result.written.files},
@@ -95,99 +74,89 @@ std::string result_text(const ExportResult& result, const Box& box, int level) {
                      bytes_text(result.bytes));
 }
 
-ZarrCompression compression_of(const std::string& name) {
-  return name == "blosc"  ? ZarrCompression::blosc
-         : name == "none" ? ZarrCompression::none
-                          : ZarrCompression::zstd;
-}
-
 /// All levels from one on, as an OME-Zarr image.
 int run_zarr_export(const ExportArguments& arguments, Context& context) {
-  if (!arguments.box.empty() || !arguments.box_mm.empty() || arguments.real ||
-      salvage_filling(arguments.salvage)) {
+  const ExportPartOptions& part = arguments.part;
+  if (part.box || part.box_mm || part.values == ExportValues::real || part.salvage) {
     throw Error(ErrorKind::invalid_argument,
                 "OME-Zarr images are whole volumes of stored values: --box, --box-mm, --real and "
                 "--salvage are of other formats",
-                arguments.output);
+                part.output.path);
   }
-  const ZarrImageOptions options{.input = arguments.input,
-                                 .output = {arguments.output, context.force},
-                                 .level = arguments.level,
-                                 .compression = compression_of(arguments.compression)};
+  const ZarrImageOptions options{
+      .input = part.input,
+      .output = part.output,
+      .level = part.level,
+      .compression = arguments.compression.value_or(ZarrCompression::zstd)};
   const ZarrImageResult result = run_task(export_zarr_image, options, context);
-  print_result(context,
-               {{"output", arguments.output},
-                {"levels", result.written.levels},
-                {"files", result.written.files},
-                {"bytes", result.written.bytes}},
-               fmt::format("{}: {} in {}, {}\n", arguments.output,
-                           count_of(static_cast<std::uint64_t>(result.written.levels), "level"),
-                           count_of(result.written.files, "file"),
-                           bytes_text(result.written.bytes)));
+  print_result(
+      context,
+      {{"output", part.output.path},
+       {"levels", result.written.levels},
+       {"files", result.written.files},
+       {"bytes", result.written.bytes}},
+      fmt::format("{}: {} in {}, {}\n", part.output.path,
+                  count_of(static_cast<std::uint64_t>(result.written.levels), "level"),
+                  count_of(result.written.files, "file"), bytes_text(result.written.bytes)));
   return kExitDone;
 }
 
 int run_export(const ExportArguments& arguments, Context& context) {
-  if (is_zarr_path(arguments.output)) return run_zarr_export(arguments, context);
-  if (!arguments.compression.empty()) {
+  const ExportPartOptions& options = arguments.part;
+  if (is_zarr_path(options.output.path)) return run_zarr_export(arguments, context);
+  if (arguments.compression) {
     throw Error(ErrorKind::invalid_argument, "--compression is of .ome.zarr and .ozx",
-                arguments.output);
+                options.output.path);
   }
-  const ExportPartResult result = run_task(export_part, options_of(arguments, context), context);
-  print_result(context, result_json(result, arguments.level),
-               result_text(result.written, result.box, arguments.level));
+  const ExportPartResult result = run_task(export_part, options, context);
+  print_result(context, result_json(result, options.level),
+               result_text(result.written, result.box, options.level));
   return kExitDone;
 }
 
 int run_extract(const ExportArguments& arguments, Context& context) {
-  if (arguments.box.empty() && arguments.box_mm.empty() && !arguments.level_given) {
+  if (!arguments.part.box && !arguments.part.box_mm && !arguments.level) {
     throw Error(ErrorKind::invalid_argument,
                 "extract needs --box, --box-mm or --level; export writes the whole volume");
   }
   return run_export(arguments, context);
 }
 
-void add_options(Verb verb, const std::shared_ptr<ExportArguments>& arguments) {
-  verb.add_input(arguments->input);
-  verb.add_output(arguments->output, "The file or folder/ to write");
-  verb.add_option_function<int>(
-          "--level",
-          [arguments](int level) {
-            arguments->level = level;
-            arguments->level_given = true;
-          },
-          "Level of detail: 0 is the scan, each level halves it")
-      ->type_name("K")
-      ->default_str("0");
-  Option box = verb.add_option("--box", arguments->box,
-                                     "x0:x1,y0:y1,z0:z1 in voxels of the level, half-open");
-  box->type_name("BOX");
-  verb.add_option("--box-mm", arguments->box_mm, "The same in mm: the voxels centered inside")
-      ->type_name("BOX")
-      ->excludes(box);
-  Option stored =
-      verb.add_flag("--stored", arguments->stored, "Stored integers instead of real units");
-  verb.add_flag("--real", arguments->real, "Real units as float32, in every format")
-      ->excludes(stored);
-  verb.add_option("--compression", arguments->compression, "Of OME-Zarr: zstd, blosc or none")
-      ->type_name("NAME")
-      ->check(one_of(std::vector<std::string>{"zstd", "blosc", "none"}));
-  add_salvage_option(verb, arguments->salvage);
+void add_options(Verb verb, ExportArguments& arguments) {
+  ExportPartOptions& options = arguments.part;
+  verb.add_input(options.input);
+  verb.add_output(options.output, "The file or folder/ to write");
+  verb.add_option("--level K", arguments.level,
+                  "Level of detail: 0 is the scan, each level halves it")
+      .default_str("0");
+  verb.before_run([&arguments] { arguments.part.level = arguments.level.value_or(0); });
+  Option box = verb.add_parsed("--box BOX", options.box, parse_box,
+                               "x0:x1,y0:y1,z0:z1 in voxels of the level, half-open");
+  verb.add_parsed("--box-mm BOX", options.box_mm, parse_box_mm,
+                  "The same in mm: the voxels centered inside")
+      .excludes(box);
+  Option stored = verb.add_flag_of("--stored", options.values, ExportValues::stored,
+                                   "Stored integers instead of real units");
+  verb.add_flag_of("--real", options.values, ExportValues::real,
+                   "Real units as float32, in every format")
+      .excludes(stored);
+  verb.add_word("--compression NAME", arguments.compression,
+                {{"zstd", ZarrCompression::zstd},
+                 {"blosc", ZarrCompression::blosc},
+                 {"none", ZarrCompression::none}},
+                "Of OME-Zarr: zstd, blosc or none");
+  add_salvage_option(verb, options.salvage);
 }
 
 }  // namespace
 
 void add_export(CLI::App& app, Context& context) {
-  const auto arguments = std::make_shared<ExportArguments>();
-  Verb verb = add_verb(app, context, kExportText,
-                            [arguments, &context] { return run_export(*arguments, context); });
+  auto [verb, arguments] = add_verb(app, context, kExportText, run_export);
   add_options(verb, arguments);
 }
 
 void add_extract(CLI::App& app, Context& context) {
-  const auto arguments = std::make_shared<ExportArguments>();
-  Verb verb = add_verb(app, context, kExtractText,
-                            [arguments, &context] { return run_extract(*arguments, context); });
+  auto [verb, arguments] = add_verb(app, context, kExtractText, run_extract);
   add_options(verb, arguments);
 }
 

@@ -1,13 +1,13 @@
 // octavo fill-holes: background that is enclosed by an object becomes part of it.
 #include <fmt/format.h>
 
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 
 #include "common/failure.h"
 #include "common/options.h"
 #include "common/task_run.h"
+#include "common/volume_options.h"
 #include "octavo/core/text.h"
 #include "octavo/tasks/fill_holes.h"
 #include "octavo/tasks/volume_facts.h"
@@ -30,13 +30,6 @@ constexpr VerbText kFillHolesText = {
     "  octavo fill-holes bone.8vo --max-mm3 5 -o bone-closed.8vo\n"
     "  octavo fill-holes shell.8vo --connectivity 6 -o filled.8vo --json"};
 
-struct FillHolesArguments {
-  std::string input;
-  std::string output;
-  int connectivity = 26;
-  std::optional<double> max_mm3;
-};
-
 std::string holes_text(const FillHolesResult& result) {
   const std::string left =
       result.larger_hole_count == 0
@@ -47,15 +40,10 @@ std::string holes_text(const FillHolesResult& result) {
                      volume_text(result.hole_voxels, result.volume), left);
 }
 
-int run_fill_holes(const FillHolesArguments& arguments, Context& context) {
-  FillHolesOptions options;
-  options.input = arguments.input;
-  options.output = {arguments.output, context.force};
-  options.connectivity = static_cast<Connectivity>(arguments.connectivity);
-  options.max_mm3 = arguments.max_mm3;
+int run_fill_holes(const FillHolesOptions& options, Context& context) {
   const FillHolesResult result = run_task(fill_holes, options, context);
   print_result(context,
-               {{"output", arguments.output},
+               {{"output", options.output.path},
                 {"operation", "fill-holes"},
                 {"voxels", result.voxels},
                 {"mm3", optional_json(mm3_of(result.voxels, result.volume))},
@@ -64,7 +52,7 @@ int run_fill_holes(const FillHolesArguments& arguments, Context& context) {
                 {"hole_mm3", optional_json(mm3_of(result.hole_voxels, result.volume))},
                 {"larger_holes", result.larger_hole_count},
                 {"file_bytes", result.file_bytes}},
-               fmt::format("{}: {}; {}\n", escaped(arguments.output),
+               fmt::format("{}: {}; {}\n", escaped(options.output.path),
                            volume_text(result.voxels, result.volume), holes_text(result)));
   return kExitDone;
 }
@@ -72,19 +60,13 @@ int run_fill_holes(const FillHolesArguments& arguments, Context& context) {
 }  // namespace
 
 void add_fill_holes(CLI::App& app, Context& context) {
-  const auto arguments = std::make_shared<FillHolesArguments>();
-  Verb verb = add_verb(app, context, kFillHolesText,
-                            [arguments, &context] { return run_fill_holes(*arguments, context); });
-  verb.add_option("mask", arguments->input, "A label map, .8vo")->type_name("FILE")->required();
-  verb.add_output(arguments->output, "The .8vo mask to write");
-  verb.add_option("--connectivity", arguments->connectivity,
-                  "The object is joined by faces (6), edges (18) or corners (26)")
-      ->type_name("N")
-      ->check(one_of({6, 18, 26}))
-      ->capture_default_str();
-  verb.add_option("--max-mm3", arguments->max_mm3, "Fill only holes of this volume or less")
-      ->type_name("V")
-      ->check(not_negative());
+  auto [verb, options] = add_verb(app, context, kFillHolesText, run_fill_holes);
+  add_mask_input(verb, options.input);
+  verb.add_output(options.output, "The .8vo mask to write");
+  add_connectivity(verb, options.connectivity,
+                   "The object is joined by faces (6), edges (18) or corners (26)");
+  verb.add_option("--max-mm3 V", options.max_mm3, "Fill only holes of this volume or less")
+      .check(not_negative());
 }
 
 }  // namespace octavo::cli

@@ -1,13 +1,12 @@
 // octavo hexahedra: a mesh of cubes for solvers.
 #include <fmt/format.h>
 
-#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "common/failure.h"
-#include "common/label_option.h"
 #include "common/options.h"
 #include "common/task_run.h"
+#include "common/volume_options.h"
 #include "octavo/tasks/hexahedra.h"
 #include "octavo/tasks/volume_facts.h"
 #include "text/quantities.h"
@@ -49,61 +48,24 @@ constexpr VerbText kHexahedraText = {
     "  octavo hexahedra bone.8vo --of ct.8vo --density 0.001,0 --modulus 6850,1.49 -o bone.inp"};
 
 struct HexahedraArguments {
-  std::string input;
-  std::string output;
-  bool uniform = false;
-  bool octree = false;
-  bool conforming = false;
-  std::vector<std::string> labels;
-  int level = 0;
-  bool keep_largest = false;
-  std::string grey;
-  std::string density;
-  std::string modulus;
+  HexahedraOptions options;
   double min_modulus = 1;
-  double poisson = 0.3;
-  int bins = 32;
-  bool quality = false;
 };
 
-/// "A,B"
-std::array<double, 2> parse_pair(const std::string& text, const char* what) {
-  const std::vector<std::string> parts = split(text, ',');
-  if (parts.size() != 2) {
-    throw Error(ErrorKind::invalid_argument,
-                std::string(what) + ": expected two numbers, A,B, found " + escaped(text));
-  }
-  return {parse_number(parts[0], what), parse_number(parts[1], what)};
+DensityLine parse_density(const std::string& text, const std::string& option) {
+  const std::vector<double> numbers = parse_numbers(text, option, 2, "two numbers, A,B");
+  return {numbers[0], numbers[1]};
 }
 
-HexahedraOptions options_of(const HexahedraArguments& arguments, const Context& context) {
-  HexahedraOptions options;
-  options.input = arguments.input;
-  options.output = {arguments.output, context.force};
-  if (arguments.octree) options.method = HexMethod::octree;
-  if (arguments.conforming) options.method = HexMethod::conforming;
-  options.labels = parse_labels(arguments.labels);
-  options.level = arguments.level;
-  options.keep_largest = arguments.keep_largest;
-  options.grey = arguments.grey;
-  if (!arguments.density.empty()) {
-    const auto [slope, intercept] = parse_pair(arguments.density, "--density");
-    options.density = DensityLine{slope, intercept};
-  }
-  if (!arguments.modulus.empty()) {
-    const auto [factor, exponent] = parse_pair(arguments.modulus, "--modulus");
-    options.modulus = ModulusPower{factor, exponent, arguments.min_modulus};
-  }
-  options.poisson_ratio = arguments.poisson;
-  options.bin_count = arguments.bins;
-  options.has_quality = arguments.quality;
-  return options;
+ModulusPower parse_modulus(const std::string& text, const std::string& option) {
+  const std::vector<double> numbers = parse_numbers(text, option, 2, "two numbers, A,B");
+  return {numbers[0], numbers[1], 0};
 }
 
-std::string hexahedra_text(const HexahedraArguments& arguments, const HexahedraResult& result) {
+std::string hexahedra_text(const HexahedraOptions& options, const HexahedraResult& result) {
   const auto& [cubes, pyramids, tetrahedra] = result.elements_of_shape;
   std::string text = fmt::format(
-      "{}: {} of {}, {}", arguments.output, count_of(result.element_count, "element"),
+      "{}: {} of {}, {}", options.output.path, count_of(result.element_count, "element"),
       count_of(result.voxel_count, "voxel"), count_of(result.node_count, "node"));
   if (result.hanging_count != 0) {
     text += fmt::format(", {} of them hang", count_of(result.hanging_count));
@@ -145,15 +107,15 @@ nlohmann::ordered_json quality_json(const HexahedraResult& result) {
           {"total_volume_mm3", quality.total_volume_mm3}};
 }
 
-nlohmann::ordered_json hexahedra_json(const HexahedraArguments& arguments,
-                                      const HexahedraResult& result, const Context& context) {
+nlohmann::ordered_json hexahedra_json(const HexahedraOptions& options,
+                                      const HexahedraResult& result) {
   nlohmann::ordered_json range = nullptr;
   if (result.modulus_range_mpa) range = *result.modulus_range_mpa;
   nlohmann::ordered_json volume = nullptr;
   if (is_spacing_known(result.volume)) volume = result.volume_mm3;
-  return {{"output", arguments.output},
+  return {{"output", options.output.path},
           {"file_bytes", result.file_bytes},
-          {"level", arguments.level},
+          {"level", options.level},
           {"elements", result.element_count},
           {"hexahedra", result.elements_of_shape[0]},
           {"pyramids", result.elements_of_shape[1]},
@@ -168,65 +130,57 @@ nlohmann::ordered_json hexahedra_json(const HexahedraArguments& arguments,
           {"materials", result.material_count},
           {"modulus_range_mpa", range},
           {"volume_mm3", volume},
-          {"quality", quality_json(result)},
-          {"warnings", context.warnings}};
+          {"quality", quality_json(result)}};
 }
 
 int run_hexahedra(const HexahedraArguments& arguments, Context& context) {
-  const HexahedraResult result = run_task(hexahedra, options_of(arguments, context), context);
-  if (context.json) print_json(hexahedra_json(arguments, result, context));
-  else if (!context.quiet) print(hexahedra_text(arguments, result));
+  HexahedraOptions options = arguments.options;
+  if (options.modulus) options.modulus->minimum_mpa = arguments.min_modulus;
+  const HexahedraResult result = run_task(hexahedra, options, context);
+  print_result(context, hexahedra_json(options, result), hexahedra_text(options, result));
   return kExitDone;
 }
 
 void add_materials(Verb verb, HexahedraArguments& arguments) {
-  verb.add_option("--of", arguments.grey, "The grey volume that the elements take values from")
-      ->type_name("GREY");
-  verb.add_option("--density", arguments.density,
+  HexahedraOptions& options = arguments.options;
+  verb.add_option("--of GREY", options.grey, "The grey volume that the elements take values from");
+  verb.add_parsed("--density SLOPE,INTERCEPT", options.density, parse_density,
                   "g/cm3 of a grey value: SLOPE * value + INTERCEPT; needs --of, and --modulus "
-                  "but for .vtu")
-      ->type_name("SLOPE,INTERCEPT");
-  verb.add_option("--modulus", arguments.modulus,
-                  "MPa of a density: A * density^B; needs --density")
-      ->type_name("A,B");
-  verb.add_option("--min-modulus", arguments.min_modulus, "MPa that no element is below")
-      ->type_name("MPA")
-      ->check(above_zero())
-      ->capture_default_str();
-  verb.add_option("--poisson", arguments.poisson, "Poisson's ratio of the materials")
-      ->type_name("NU")
-      ->capture_default_str();
-  verb.add_option("--bins", arguments.bins, "Materials that each label has at most")
-      ->type_name("N")
-      ->check(whole_within(1, 100000))
-      ->capture_default_str();
+                  "but for .vtu");
+  verb.add_parsed("--modulus A,B", options.modulus, parse_modulus,
+                  "MPa of a density: A * density^B; needs --density");
+  verb.add_option("--min-modulus MPA", arguments.min_modulus, "MPa that no element is below")
+      .check(above_zero())
+      .capture_default_str();
+  verb.add_option("--poisson NU", options.poisson_ratio, "Poisson's ratio of the materials")
+      .capture_default_str();
+  verb.add_option("--bins N", options.bin_count, "Materials that each label has at most")
+      .check(whole_within(1, 100000))
+      .capture_default_str();
 }
 
 }  // namespace
 
 void add_hexahedra(CLI::App& app, Context& context) {
-  const auto arguments = std::make_shared<HexahedraArguments>();
-  Verb verb = add_verb(app, context, kHexahedraText,
-                       [arguments, &context] { return run_hexahedra(*arguments, context); });
-  verb.add_input(arguments->input);
-  verb.add_output(arguments->output, "The .vtu, .inp, .msh or .mesh file to write");
-  Option uniform = verb.add_flag("--uniform", arguments->uniform,
-                                 "Every voxel an element; the default");
-  Option octree = verb.add_flag("--octree", arguments->octree,
-                                "Leaves of the octree; nodes hang, but not in .msh");
-  octree->excludes(uniform);
-  verb.add_flag("--conforming", arguments->conforming,
-                "Leaves of the octree, with pyramids and tetrahedra between their sizes")
-      ->excludes(uniform)
-      ->excludes(octree);
-  verb.add_option("--level", arguments->level, "0 is the scan, coarser levels have fewer voxels")
-      ->type_name("N")
-      ->capture_default_str();
-  add_label_option(verb, arguments->labels, "A label whose voxels become elements");
-  verb.add_flag("--keep-largest", arguments->keep_largest,
+  auto [verb, arguments] = add_verb(app, context, kHexahedraText, run_hexahedra);
+  HexahedraOptions& options = arguments.options;
+  verb.add_input(options.input);
+  verb.add_output(options.output, "The .vtu, .inp, .msh or .mesh file to write");
+  Option uniform = verb.add_flag_of("--uniform", options.method, HexMethod::uniform,
+                                    "Every voxel an element; the default");
+  Option octree = verb.add_flag_of("--octree", options.method, HexMethod::octree,
+                                   "Leaves of the octree; nodes hang, but not in .msh")
+                      .excludes(uniform);
+  verb.add_flag_of("--conforming", options.method, HexMethod::conforming,
+                   "Leaves of the octree, with pyramids and tetrahedra between their sizes")
+      .excludes(uniform)
+      .excludes(octree);
+  add_level(verb, options.level);
+  add_label_option(verb, options.labels, "A label whose voxels become elements");
+  verb.add_flag("--keep-largest", options.keep_largest,
                 "Only the largest part that is connected over faces");
-  add_materials(verb, *arguments);
-  verb.add_flag("--quality", arguments->quality,
+  add_materials(verb, arguments);
+  verb.add_flag("--quality", options.has_quality,
                 "Scaled Jacobians and volumes of the elements as well");
 }
 

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "common/failure.h"
@@ -44,9 +43,8 @@ constexpr VerbText kInfoText = {
     "  octavo info https://example.org/head.8vo --json"};
 
 struct InfoArguments {
-  std::string input;
-  bool show_metadata = false;
-  std::string thumbnail;
+  InfoOptions options;
+  bool shows_metadata = false;
 };
 
 std::string row(const char* name, const std::string& text) {
@@ -255,23 +253,20 @@ std::string screen(const InfoResult& info, bool show_metadata) {
 }
 
 int run_info(const InfoArguments& arguments, Context& context) {
-  const InfoResult result = info({arguments.input, {arguments.thumbnail, context.force}},
-                                 brief_task(context));
+  const InfoResult result = info(arguments.options, brief_task(context));
   if (context.json) print_json(file_json(result));
-  else print(screen(result, arguments.show_metadata));
+  else print(screen(result, arguments.shows_metadata));
   return kExitDone;
 }
 
 }  // namespace
 
 void add_info(CLI::App& app, Context& context) {
-  const auto arguments = std::make_shared<InfoArguments>();
-  Verb verb = add_verb(app, context, kInfoText,
-                            [arguments, &context] { return run_info(*arguments, context); });
-  verb.add_input(arguments->input);
-  verb.add_flag("--metadata", arguments->show_metadata, "Show all metadata as well");
-  verb.add_option("--thumbnail", arguments->thumbnail, "Write the thumbnail to a PNG file")
-      ->type_name("FILE");
+  auto [verb, arguments] = add_verb(app, context, kInfoText, run_info);
+  verb.add_input(arguments.options.input);
+  verb.add_flag("--metadata", arguments.shows_metadata, "Show all metadata as well");
+  verb.add_output_option("--thumbnail FILE", arguments.options.thumbnail,
+                         "Write the thumbnail to a PNG file");
 }
 
 }  // namespace octavo::cli

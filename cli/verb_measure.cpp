@@ -2,14 +2,13 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "common/failure.h"
-#include "common/label_option.h"
 #include "common/options.h"
 #include "common/part_options.h"
 #include "common/task_run.h"
+#include "common/volume_options.h"
 #include "octavo/tasks/measure.h"
 #include "text/label_words.h"
 #include "text/quantities.h"
@@ -37,12 +36,9 @@ constexpr VerbText kMeasureText = {
     "  octavo measure organs.8vo --of ct.8vo --percentile 1 --percentile 99 --json"};
 
 struct MeasureArguments {
-  std::string input;
-  std::string grey;
-  std::vector<std::string> labels;
-  std::vector<double> percentiles;
-  bool no_percentiles = false;
-  bool csv = false;
+  MeasureOptions options;
+  std::vector<double> percentiles;  ///< in place of the usual ones, and in the table
+  bool is_csv = false;
   PartArguments parts;
 };
 
@@ -185,18 +181,14 @@ std::string table_text(const MeasureResult& result, bool shows_percentiles) {
 }
 
 MeasureOptions options_of(const MeasureArguments& arguments) {
-  MeasureOptions options;
-  options.labels = arguments.input;
-  options.grey = arguments.grey;
-  options.asked = parse_labels(arguments.labels);
+  MeasureOptions options = arguments.options;
   if (!arguments.percentiles.empty()) options.percentiles = arguments.percentiles;
-  if (arguments.no_percentiles) options.percentiles.clear();
   return options;
 }
 
 int run_measure_part(const MeasureArguments& arguments, Context& context) {
-  const MeasurePartOptions options = {options_of(arguments), part_of(arguments.parts),
-                                      part_output(arguments.parts, context)};
+  const MeasurePartOptions options = {options_of(arguments), *arguments.parts.part,
+                                      arguments.parts.output_of_part()};
   const std::size_t regions = run_task(measure_volume_part, options, context);
   print_part_result(context, options.output, options.part, {{"regions", regions}},
                     count_of(regions, "region"));
@@ -211,27 +203,26 @@ MeasureResult measured(const MeasureArguments& arguments, Context& context) {
 
 int run_measure(const MeasureArguments& arguments, Context& context) {
   check_part_options(arguments.parts);
-  if (arguments.csv && !arguments.parts.part.empty()) {
+  if (arguments.is_csv && arguments.parts.part) {
     throw Error(ErrorKind::invalid_argument, "--csv goes with --join, not with --part");
   }
-  if (!arguments.parts.part.empty()) return run_measure_part(arguments, context);
+  if (arguments.parts.part) return run_measure_part(arguments, context);
   const MeasureResult result = measured(arguments, context);
   nlohmann::ordered_json objects = nlohmann::ordered_json::array();
-  if (context.json || arguments.csv) {
+  if (context.json || arguments.is_csv) {
     for (const MeasuredRegion& row : result.regions) {
       objects.push_back(row_json(row, result));
     }
   }
-  if (context.json) {
-    print_json({{"objects", objects}, {"unit", result.unit}, {"warnings", context.warnings}});
-  } else if (arguments.csv) {
+  if (arguments.is_csv && !context.json) {
     MeasuredRegion none;
-    if (!arguments.grey.empty()) {
+    if (!arguments.options.grey.empty()) {
       none.region.grey.emplace().percentiles.resize(result.percentiles.size());
     }
     print(csv_text(row_json(none, result), objects));
-  } else if (!context.quiet) {
-    print(table_text(result, !arguments.percentiles.empty()));
+  } else {
+    print_result(context, {{"objects", objects}, {"unit", result.unit}},
+                 table_text(result, !arguments.percentiles.empty()));
   }
   return kExitDone;
 }
@@ -239,20 +230,18 @@ int run_measure(const MeasureArguments& arguments, Context& context) {
 }  // namespace
 
 void add_measure(CLI::App& app, Context& context) {
-  const auto arguments = std::make_shared<MeasureArguments>();
-  Verb verb = add_verb(app, context, kMeasureText,
-                            [arguments, &context] { return run_measure(*arguments, context); });
-  verb.add_option("labels", arguments->input, "A label map, .8vo")->type_name("FILE")->required();
-  verb.add_option("--of", arguments->grey, "The grey volume to measure under the labels, .8vo")
-      ->type_name("GREY");
-  add_label_option(verb, arguments->labels, "Measure this label alone");
-  const Option percentile = verb.add_option("--percentile", arguments->percentiles,
-                                            "A percentile, 0 to 100 (default 5, 25, 50, 75, 95)");
-  Option(percentile).type_name("P").allow_extra_args(false).check(number_within(0, 100));
-  verb.add_flag("--no-percentiles", arguments->no_percentiles, "Leave percentiles out")
-      ->excludes(percentile);
-  verb.add_flag("--csv", arguments->csv, "One line per region, comma-separated");
-  add_part_options(verb, arguments->parts);
+  auto [verb, arguments] = add_verb(app, context, kMeasureText, run_measure);
+  MeasureOptions& options = arguments.options;
+  verb.add_option("labels FILE", options.labels, "A label map, .8vo").required();
+  verb.add_option("--of GREY", options.grey, "The grey volume to measure under the labels, .8vo");
+  add_label_option(verb, options.asked, "Measure this label alone");
+  Option percentile = verb.add_list("--percentile P", arguments.percentiles,
+                                    "A percentile, 0 to 100 (default 5, 25, 50, 75, 95)")
+                          .check(number_within(0, 100));
+  verb.add_flag_of("--no-percentiles", options.percentiles, {}, "Leave percentiles out")
+      .excludes(percentile);
+  verb.add_flag("--csv", arguments.is_csv, "One line per region, comma-separated");
+  add_part_options(verb, arguments.parts);
 }
 
 }  // namespace octavo::cli

@@ -1,7 +1,6 @@
 // octavo dilate, erode, open, close: masks grown and shrunk.
 #include <fmt/format.h>
 
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -9,6 +8,7 @@
 #include "common/failure.h"
 #include "common/options.h"
 #include "common/task_run.h"
+#include "common/volume_options.h"
 #include "octavo/tasks/morph.h"
 #include "octavo/tasks/volume_facts.h"
 #include "text/quantities.h"
@@ -55,72 +55,59 @@ constexpr VerbText kCloseText = {
     "  octavo close skull.8vo --mm 4 -o sealed.8vo"};
 
 struct MorphArguments {
-  std::string input;
-  std::string output;
-  std::optional<std::string> mm;
-  std::optional<std::string> voxels;
-  std::optional<int> connectivity;
+  MorphOptions options;
+  std::optional<Connectivity> connectivity;
 };
 
-void require_length(bool is_length, const char* option, const std::string& text) {
-  if (is_length) return;
+template <class Number>
+Number not_below_zero(Number number, const std::string& text, const std::string& option) {
+  if (number >= 0) return number;
   throw Error(ErrorKind::invalid_argument,
               fmt::format("{}: '{}'; must be 0 or more", option, escaped(text)));
 }
 
-MorphOptions options_of(Morphology morphology, const MorphArguments& arguments,
-                        const Context& context) {
-  MorphOptions options;
-  options.morphology = morphology;
-  options.input = arguments.input;
-  options.output = {arguments.output, context.force};
-  options.connectivity = static_cast<Connectivity>(arguments.connectivity.value_or(6));
-  if (!arguments.mm) {
-    options.steps = parse_integer(*arguments.voxels, "--voxels");
-    require_length(options.steps >= 0, "--voxels", *arguments.voxels);
-    return options;
-  }
-  if (arguments.connectivity) {
+std::int64_t parse_steps(const std::string& text, const std::string& option) {
+  return not_below_zero(parse_integer(text, option), text, option);
+}
+
+double parse_radius(const std::string& text, const std::string& option) {
+  return not_below_zero(parse_number(text, option), text, option);
+}
+
+int run_morph(const MorphArguments& arguments, Context& context) {
+  MorphOptions options = arguments.options;
+  if (arguments.connectivity && options.mm) {
     throw Error(ErrorKind::invalid_argument,
                 "--connectivity says how --voxels counts; with --mm it says nothing");
   }
-  options.mm = parse_number(*arguments.mm, "--mm");
-  require_length(*options.mm >= 0, "--mm", *arguments.mm);
-  return options;
-}
-
-int run_morph(Morphology morphology, const MorphArguments& arguments, Context& context) {
-  const MorphOptions options = options_of(morphology, arguments, context);
+  options.connectivity = arguments.connectivity.value_or(Connectivity::faces);
   const MorphResult result = run_task(morph, options, context);
   print_result(context,
-               {{"output", arguments.output},
-                {"operation", morphology_name(morphology)},
+               {{"output", options.output.path},
+                {"operation", morphology_name(options.morphology)},
                 {"voxels", result.voxels},
                 {"mm3", optional_json(mm3_of(result.voxels, result.volume))},
                 {"voxels_before", result.voxels_before},
                 {"file_bytes", result.file_bytes}},
-               fmt::format("{}: {} (before: {})\n", escaped(arguments.output),
+               fmt::format("{}: {} (before: {})\n", escaped(options.output.path),
                            volume_text(result.voxels, result.volume),
                            volume_text(result.voxels_before, result.volume)));
   return kExitDone;
 }
 
 void add_morph(CLI::App& app, Context& context, const VerbText& text, Morphology morphology) {
-  const auto arguments = std::make_shared<MorphArguments>();
-  Verb verb = add_verb(app, context, text, [arguments, morphology, &context] {
-    return run_morph(morphology, *arguments, context);
-  });
-  verb.add_option("mask", arguments->input, "A label map, .8vo")->type_name("FILE")->required();
-  verb.add_output(arguments->output, "The .8vo mask to write");
+  auto [verb, arguments] = add_verb(app, context, text, run_morph);
+  MorphOptions& options = arguments.options;
+  options.morphology = morphology;
+  add_mask_input(verb, options.input);
+  verb.add_output(options.output, "The .8vo mask to write");
   Verb distance = verb.add_choice("Distance");
-  distance.add_option("--mm", arguments->mm, "Radius of the ball, mm, between voxel centers")
-      ->type_name("R");
-  distance.add_option("--voxels", arguments->voxels, "Steps from voxel to neighbor")
-      ->type_name("N");
-  verb.add_option("--connectivity", arguments->connectivity,
-                  "Neighbors share a face (6, the default), an edge (18) or a corner (26) as well")
-      ->type_name("C")
-      ->check(one_of({6, 18, 26}));
+  distance.add_parsed("--mm R", options.mm, parse_radius,
+                      "Radius of the ball, mm, between voxel centers");
+  distance.add_parsed("--voxels N", options.steps, parse_steps, "Steps from voxel to neighbor");
+  add_connectivity(
+      verb, arguments.connectivity,
+      "Neighbors share a face (6, the default), an edge (18) or a corner (26) as well");
 }
 
 }  // namespace

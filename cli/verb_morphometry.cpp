@@ -1,7 +1,6 @@
 // octavo morphometry: what labs of bone, rock and foam measure of a mask.
 #include <fmt/format.h>
 
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -9,6 +8,7 @@
 #include "common/failure.h"
 #include "common/options.h"
 #include "common/task_run.h"
+#include "common/volume_options.h"
 #include "octavo/tasks/structure/morphometry.h"
 #include "octavo/tasks/structure/morphometry_rows.h"
 #include "text/quantities.h"
@@ -36,18 +36,16 @@ constexpr VerbText kMorphometryText = {
     "  octavo morphometry cortex.8vo --slices --csv"};
 
 struct MorphometryArguments {
-  std::string input;
-  std::string region;
-  std::string grey;
-  std::string calibration;
-  std::string thickness_map;
-  std::string spacing_map;
-  std::string histogram;
-  bool tortuosity = false;
-  bool no_thickness = false;
-  bool slices = false;
-  bool csv = false;
+  MorphometryOptions options;
+  std::optional<Rescale> calibration;
+  bool has_slices = false;
+  bool is_csv = false;
 };
+
+Rescale parse_calibration(const std::string& text, const std::string& option) {
+  const std::vector<double> numbers = parse_numbers(text, option, 2, "SLOPE,INTERCEPT");
+  return {numbers[0], numbers[1]};
+}
 
 nlohmann::ordered_json summary_json(const std::optional<ThicknessSummary>& summary) {
   if (!summary) return nullptr;
@@ -59,8 +57,8 @@ nlohmann::ordered_json summary_json(const std::optional<ThicknessSummary>& summa
 
 nlohmann::ordered_json report_json(const MorphometryArguments& arguments,
                                    const MorphometryResult& result) {
-  nlohmann::ordered_json report = {{"mask", arguments.input}};
-  for (const MorphometryRow& row : morphometry_rows(result, arguments.tortuosity)) {
+  nlohmann::ordered_json report = {{"mask", arguments.options.input}};
+  for (const MorphometryRow& row : morphometry_rows(result, arguments.options.has_tortuosity)) {
     report[row.key] = optional_json(row.value);
   }
   report["thickness"] = summary_json(result.thickness);
@@ -79,7 +77,7 @@ nlohmann::ordered_json report_json(const MorphometryArguments& arguments,
   }
   report["boxes"] = boxes;
   report["touches_border"] = result.touches;
-  if (!arguments.slices) return report;
+  if (!arguments.has_slices) return report;
   nlohmann::ordered_json slices = nlohmann::ordered_json::array();
   const auto& spacing = result.volume.geometry.spacing_mm;
   for (const SliceMeasure& slice : result.slices) {
@@ -105,10 +103,10 @@ std::string slices_csv(const MorphometryResult& result) {
 }
 
 std::string report_text(const MorphometryArguments& arguments, const MorphometryResult& result) {
-  if (arguments.slices) return slices_csv(result);
-  std::string text = arguments.csv ? "name,value,unit\n" : "";
-  for (const MorphometryRow& row : morphometry_rows(result, arguments.tortuosity)) {
-    if (arguments.csv) {
+  if (arguments.has_slices) return slices_csv(result);
+  std::string text = arguments.is_csv ? "name,value,unit\n" : "";
+  for (const MorphometryRow& row : morphometry_rows(result, arguments.options.has_tortuosity)) {
+    if (arguments.is_csv) {
       const std::string value = row.value ? fmt::format("{:.9g}", *row.value) : "";
       text += fmt::format("{},{},{}\n", row.key, value, row.unit);
       continue;
@@ -119,35 +117,24 @@ std::string report_text(const MorphometryArguments& arguments, const Morphometry
   return text;
 }
 
-MorphometryOptions options_of(const MorphometryArguments& arguments, const Context& context) {
-  MorphometryOptions options;
-  options.input = arguments.input;
-  options.region = arguments.region;
-  options.grey = arguments.grey;
-  options.has_thickness = !arguments.no_thickness;
-  options.has_tortuosity = arguments.tortuosity;
-  options.histogram = {arguments.histogram, context.force};
-  options.thickness_map = {arguments.thickness_map, context.force};
-  options.spacing_map = {arguments.spacing_map, context.force};
-  if (arguments.calibration.empty()) return options;
-  const std::vector<std::string> parts = split(arguments.calibration, ',');
-  if (parts.size() != 2 || arguments.grey.empty()) {
+MorphometryOptions checked_options(const MorphometryArguments& arguments) {
+  MorphometryOptions options = arguments.options;
+  if (arguments.calibration && options.grey.empty()) {
     throw Error(ErrorKind::invalid_argument,
                 "--calibration takes SLOPE,INTERCEPT, for the scan that --of gives");
   }
-  options.calibration = {parse_number(parts[0], "--calibration"),
-                         parse_number(parts[1], "--calibration")};
+  options.calibration = arguments.calibration.value_or(options.calibration);
+  const bool shows_thickness = arguments.has_slices || !options.thickness_map.path.empty() ||
+                               !options.spacing_map.path.empty() || !options.histogram.path.empty();
+  if (shows_thickness && !options.has_thickness) {
+    throw Error(ErrorKind::invalid_argument,
+                "--no-thickness leaves out what --slices, --histogram and the maps show");
+  }
   return options;
 }
 
 int run_morphometry(const MorphometryArguments& arguments, Context& context) {
-  if (arguments.no_thickness &&
-      (arguments.slices || !arguments.thickness_map.empty() || !arguments.spacing_map.empty() ||
-       !arguments.histogram.empty())) {
-    throw Error(ErrorKind::invalid_argument,
-                "--no-thickness leaves out what --slices, --histogram and the maps show");
-  }
-  const MorphometryResult result = run_task(morphometry, options_of(arguments, context), context);
+  const MorphometryResult result = run_task(morphometry, checked_options(arguments), context);
   print_result(context, report_json(arguments, result), report_text(arguments, result));
   return kExitDone;
 }
@@ -155,31 +142,25 @@ int run_morphometry(const MorphometryArguments& arguments, Context& context) {
 }  // namespace
 
 void add_morphometry(CLI::App& app, Context& context) {
-  const auto arguments = std::make_shared<MorphometryArguments>();
-  Verb verb = add_verb(app, context, kMorphometryText, [arguments, &context] {
-    return run_morphometry(*arguments, context);
-  });
-  verb.add_option("mask", arguments->input, "A label map, .8vo")->type_name("FILE")->required();
-  verb.add_option("--region", arguments->region, "A label map to measure within")
-      ->type_name("FILE");
-  verb.add_option("--of", arguments->grey, "The scan on the same grid, for densities")
-      ->type_name("GREY");
-  verb.add_option("--calibration", arguments->calibration,
-                  "Density = SLOPE * value + INTERCEPT, of the scan's real values")
-      ->type_name("SLOPE,INTERCEPT");
-  verb.add_option("--thickness-map", arguments->thickness_map, "An .8vo file of local thickness")
-      ->type_name("FILE");
-  verb.add_option("--spacing-map", arguments->spacing_map, "An .8vo file of local separation")
-      ->type_name("FILE");
-  verb.add_option("--histogram", arguments->histogram,
-                  "A PNG of the histograms of thickness and separation")
-      ->type_name("FILE");
-  verb.add_flag("--tortuosity", arguments->tortuosity,
+  auto [verb, arguments] = add_verb(app, context, kMorphometryText, run_morphometry);
+  MorphometryOptions& options = arguments.options;
+  add_mask_input(verb, options.input);
+  verb.add_option("--region FILE", options.region, "A label map to measure within");
+  verb.add_option("--of GREY", options.grey, "The scan on the same grid, for densities");
+  verb.add_parsed("--calibration SLOPE,INTERCEPT", arguments.calibration, parse_calibration,
+                  "Density = SLOPE * value + INTERCEPT, of the scan's real values");
+  verb.add_output_option("--thickness-map FILE", options.thickness_map,
+                         "An .8vo file of local thickness");
+  verb.add_output_option("--spacing-map FILE", options.spacing_map,
+                         "An .8vo file of local separation");
+  verb.add_output_option("--histogram FILE", options.histogram,
+                         "A PNG of the histograms of thickness and separation");
+  verb.add_flag("--tortuosity", options.has_tortuosity,
                 "Geodesic tortuosity of what is not in the mask, along x, y and z");
-  verb.add_flag("--no-thickness", arguments->no_thickness, "Leave out Tb.Th, Tb.Sp, Tb.N and EF");
-  verb.add_flag("--slices", arguments->slices,
+  verb.add_off_flag("--no-thickness", options.has_thickness, "Leave out Tb.Th, Tb.Sp, Tb.N and EF");
+  verb.add_flag("--slices", arguments.has_slices,
                 "Area and mean thickness of each slice, as CSV or in --json");
-  verb.add_flag("--csv", arguments->csv, "name,value,unit in place of a table");
+  verb.add_flag("--csv", arguments.is_csv, "name,value,unit in place of a table");
 }
 
 }  // namespace octavo::cli

@@ -56,15 +56,6 @@ VoxelType parse_type(const std::string& text) {
               "--type: '" + escaped(text) + "'; expected int8, uint8, int16 or uint16");
 }
 
-std::vector<double> parse_list(const std::string& text, std::size_t count, const char* what,
-                               const char* form) {
-  std::vector<double> numbers;
-  for (const std::string& part : split(text, ',')) numbers.push_back(parse_number(part, what));
-  if (numbers.size() == count) return numbers;
-  throw Error(ErrorKind::invalid_argument,
-              fmt::format("{}: '{}'; expected {}", what, escaped(text), form));
-}
-
 PhantomOptions phantom_options(const PhantomArguments& arguments) {
   PhantomOptions options = phantom_options_for(parse_type(arguments.type));
   options.size = parse_size(arguments.size);
@@ -72,13 +63,13 @@ PhantomOptions phantom_options(const PhantomArguments& arguments) {
   options.noise_sigma = arguments.noise;
   options.seed = arguments.seed;
   if (!arguments.radii.empty()) {
-    const auto radii = parse_list(arguments.radii, 2, "--radii", "OUTER,INNER");
+    const auto radii = parse_numbers(arguments.radii, "--radii", 2, "OUTER,INNER");
     options.outer_radius = radii[0];
     options.inner_radius = radii[1];
   }
   if (!arguments.densities.empty()) {
-    const auto d = parse_list(arguments.densities, 5, "--densities",
-                              "BACKGROUND,SHELL,INSIDE,CYLINDER1,CYLINDER2");
+    const auto d = parse_numbers(arguments.densities, "--densities", 5,
+                                 "BACKGROUND,SHELL,INSIDE,CYLINDER1,CYLINDER2");
     options.background = d[0];
     options.shell = d[1];
     options.inside = d[2];
@@ -114,25 +105,19 @@ void add_phantom(CLI::App& app, Context& context) {
   Verb verb = add_verb(app, context, kPhantomText,
                             [arguments, &context] { return run_phantom(*arguments, context); });
   verb.add_output(arguments->output, "The .8vo, .raw or .mhd file to write");
-  verb.add_option("--size", arguments->size, "Voxels, x,y,z or one side for a cube")
-      ->type_name("N")
-      ->capture_default_str();
-  verb.add_option("--type", arguments->type, "int8, uint8, int16 or uint16")
-      ->type_name("TYPE")
-      ->capture_default_str();
-  verb.add_option("--spacing", arguments->spacing, "Voxel distances in mm, x,y,z or one for all")
-      ->type_name("MM")
-      ->capture_default_str();
-  verb.add_option("--noise", arguments->noise, "Standard deviation of Gaussian noise")
-      ->type_name("SIGMA")
-      ->capture_default_str();
-  verb.add_option("--seed", arguments->seed, "Of the noise")->type_name("N")->capture_default_str();
-  verb.add_option("--radii", arguments->radii,
-                  "Of the shell, OUTER,INNER in 0 .. 1 (default 0.9,0.8)")
-      ->type_name("R,R");
-  verb.add_option("--densities", arguments->densities,
-                  "BACKGROUND,SHELL,INSIDE,CYLINDER1,CYLINDER2 (default fits the type)")
-      ->type_name("D,D,D,D,D");
+  verb.add_option("--size N", arguments->size, "Voxels, x,y,z or one side for a cube")
+      .capture_default_str();
+  verb.add_option("--type TYPE", arguments->type, "int8, uint8, int16 or uint16")
+      .capture_default_str();
+  verb.add_option("--spacing MM", arguments->spacing, "Voxel distances in mm, x,y,z or one for all")
+      .capture_default_str();
+  verb.add_option("--noise SIGMA", arguments->noise, "Standard deviation of Gaussian noise")
+      .capture_default_str();
+  verb.add_option("--seed N", arguments->seed, "Of the noise").capture_default_str();
+  verb.add_option("--radii R,R", arguments->radii,
+                  "Of the shell, OUTER,INNER in 0 .. 1 (default 0.9,0.8)");
+  verb.add_option("--densities D,D,D,D,D", arguments->densities,
+                  "BACKGROUND,SHELL,INSIDE,CYLINDER1,CYLINDER2 (default fits the type)");
 }
 
 }  // namespace octavo::cli

@@ -1,12 +1,12 @@
 // octavo probe: the value, the place and the o-code of single voxels.
 #include <fmt/format.h>
 
-#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "common/failure.h"
 #include "common/options.h"
 #include "common/task_run.h"
+#include "common/volume_options.h"
 #include "octavo/tasks/files/probe.h"
 #include "octavo/tasks/volume_facts.h"
 #include "text/label_words.h"
@@ -26,13 +26,6 @@ constexpr VerbText kProbeText = {
     "  octavo probe head.8vo --at 128,100,54\n"
     "  octavo probe head.8vo --at 128,100,54 30,40,54\n"
     "  octavo probe head.8vo --mm 12.5,-30,81 --level 2 --json"};
-
-struct ProbeArguments {
-  std::string input;
-  std::vector<std::string> at;
-  std::vector<std::string> mm;
-  int level = 0;
-};
 
 nlohmann::ordered_json probe_json(const ProbedVoxel& p, const VolumeDescription& d) {
   nlohmann::ordered_json name;
@@ -93,24 +86,11 @@ std::string probe_text(const ProbedVoxel& p, const VolumeDescription& d) {
       b.max_error > 0 ? ", within " + distance_text(d, b.max_error) + " of the source" : "");
 }
 
-ProbeOptions options_of(const ProbeArguments& arguments) {
-  if (arguments.at.empty() && arguments.mm.empty()) {
+int run_probe(const ProbeOptions& options, Context& context) {
+  if (options.indices.empty() && options.positions_mm.empty()) {
     throw Error(ErrorKind::invalid_argument, "probe needs a position: --at x,y,z or --mm x,y,z");
   }
-  ProbeOptions options;
-  options.input = arguments.input;
-  options.level = arguments.level;
-  for (const std::string& text : arguments.at) {
-    options.indices.push_back(parse_index(text, "--at"));
-  }
-  for (const std::string& text : arguments.mm) {
-    options.positions_mm.push_back(parse_point(text, "--mm"));
-  }
-  return options;
-}
-
-int run_probe(const ProbeArguments& arguments, Context& context) {
-  const ProbeResult result = probe(options_of(arguments), brief_task(context));
+  const ProbeResult result = probe(options, brief_task(context));
   nlohmann::ordered_json points = nlohmann::ordered_json::array();
   for (const ProbedVoxel& voxel : result.voxels) {
     if (context.json) points.push_back(probe_json(voxel, result.volume));
@@ -123,17 +103,11 @@ int run_probe(const ProbeArguments& arguments, Context& context) {
 }  // namespace
 
 void add_probe(CLI::App& app, Context& context) {
-  const auto arguments = std::make_shared<ProbeArguments>();
-  Verb verb = add_verb(app, context, kProbeText,
-                            [arguments, &context] { return run_probe(*arguments, context); });
-  verb.add_input(arguments->input);
-  verb.add_option("--at", arguments->at, "x,y,z in voxels of the level")
-      ->type_name("INDEX")
-      ->allow_extra_args(false);
-  verb.add_option("--mm", arguments->mm, "x,y,z in mm")->type_name("MM")->allow_extra_args(false);
-  verb.add_option("--level", arguments->level, "Level of detail")
-      ->type_name("K")
-      ->capture_default_str();
+  auto [verb, options] = add_verb(app, context, kProbeText, run_probe);
+  verb.add_input(options.input);
+  verb.add_list("--at INDEX", options.indices, parse_index, "x,y,z in voxels of the level");
+  verb.add_list("--mm MM", options.positions_mm, parse_point, "x,y,z in mm");
+  add_level(verb, options.level);
 }
 
 }  // namespace octavo::cli

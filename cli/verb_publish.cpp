@@ -1,7 +1,6 @@
 // octavo publish: a folder for any web server.
 #include <fmt/format.h>
 
-#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "common/failure.h"
@@ -25,11 +24,6 @@ constexpr VerbText kPublishText = {
     "  octavo publish head.8vo -o site\n"
     "  octavo publish head.8vo organs.8vo -o site --force"};
 
-struct PublishArguments {
-  std::vector<std::string> inputs;
-  std::string output;
-};
-
 nlohmann::ordered_json published_json(const std::vector<PublishedFile>& files) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (const PublishedFile& file : files) {
@@ -38,7 +32,7 @@ nlohmann::ordered_json published_json(const std::vector<PublishedFile>& files) {
   return list;
 }
 
-std::string published_text(const PublishArguments& arguments, const PublishResult& result) {
+std::string published_text(const PublishOptions& options, const PublishResult& result) {
   std::string text;
   std::uint64_t page_bytes = 0;
   bool is_told_how = false;
@@ -47,37 +41,30 @@ std::string published_text(const PublishArguments& arguments, const PublishResul
     is_told_how = is_told_how || file.name == "HOSTING.md";
   }
   for (const PublishedFile& file : result.volumes) {
-    text += fmt::format("{}/{}: {}\n", arguments.output, file.name, bytes_text(file.bytes));
+    text += fmt::format("{}/{}: {}\n", options.output.path, file.name, bytes_text(file.bytes));
   }
-  return text + fmt::format("{}: the page, {} files of {}{}\n", arguments.output,
+  return text + fmt::format("{}: the page, {} files of {}{}\n", options.output.path,
                             result.page.size(), bytes_text(page_bytes),
                             is_told_how ? "; HOSTING.md says how to serve it" : "");
 }
 
-int run_publish(const PublishArguments& arguments, Context& context) {
-  PublishOptions options;
-  options.inputs = arguments.inputs;
-  options.page_folder = web_page_folder();
-  options.output = {arguments.output, context.force};
+int run_publish(const PublishOptions& options, Context& context) {
   const PublishResult result = run_task(publish, options, context);
   print_result(context,
-               {{"output", arguments.output},
+               {{"output", options.output.path},
                 {"volumes", published_json(result.volumes)},
                 {"page", published_json(result.page)}},
-               published_text(arguments, result));
+               published_text(options, result));
   return kExitDone;
 }
 
 }  // namespace
 
 void add_publish(CLI::App& app, Context& context) {
-  const auto arguments = std::make_shared<PublishArguments>();
-  Verb verb = add_verb(app, context, kPublishText,
-                       [arguments, &context] { return run_publish(*arguments, context); });
-  verb.add_option("files", arguments->inputs, "The .8vo files or URLs of them")
-      ->type_name("FILE")
-      ->required();
-  verb.add_output(arguments->output, "The folder to write");
+  auto [verb, options] = add_verb(app, context, kPublishText, run_publish);
+  options.page_folder = web_page_folder();
+  verb.add_option("files FILE", options.inputs, "The .8vo files or URLs of them").required();
+  verb.add_output(options.output, "The folder to write");
 }
 
 }  // namespace octavo::cli

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <iterator>
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -11,7 +10,7 @@
 
 #include "common/failure.h"
 #include "common/options.h"
-#include "common/render_arguments.h"
+#include "common/render_options.h"
 #include "common/task_run.h"
 #include "octavo/tasks/pictures/color_names.h"
 #include "octavo/tasks/pictures/render.h"
@@ -109,8 +108,7 @@ nlohmann::ordered_json line_counts_json(const RenderCounts& counts, bool is_aver
   return json;
 }
 
-nlohmann::ordered_json ray_counts_json(const RenderArguments& arguments,
-                                       const RenderResult& result) {
+nlohmann::ordered_json ray_counts_json(const RenderOptions& options, const RenderResult& result) {
   const RenderCounts& counts = result.counts;
   nlohmann::ordered_json json = {{"samples", counts.rays.samples},
                                  {"bricks_decoded", counts.decoded_bricks},
@@ -121,7 +119,7 @@ nlohmann::ordered_json ray_counts_json(const RenderArguments& arguments,
   if (counts.window) {
     json["window"] = {{"center", counts.window->center}, {"width", counts.window->width}};
   }
-  if (arguments.isovalue) json["isovalue"] = *arguments.isovalue;
+  if (options.isovalue) json["isovalue"] = *options.isovalue;
   if (!result.passes.empty()) {
     json["is_complete"] = result.is_complete;
     json["passes"] = nlohmann::ordered_json::array();
@@ -133,27 +131,25 @@ nlohmann::ordered_json ray_counts_json(const RenderArguments& arguments,
   return json;
 }
 
-nlohmann::ordered_json report_json(const RenderArguments& arguments, const RenderResult& result,
-                                   const Context& context) {
+nlohmann::ordered_json report_json(const RenderOptions& options, const RenderResult& result) {
   nlohmann::ordered_json json = {
-      {"outputs", result.outputs}, {"mode", arguments.mode},
+      {"outputs", result.outputs}, {"mode", mode_name(options.mode)},
       {"level", result.level},     {"size", {result.width, result.height}},
       {"pixel_mm", nullptr},       {"toward", result.toward}};
   if (is_spacing_known(result.volume)) json["pixel_mm"] = result.pixel_mm;
-  if (is_of_rays(arguments.mode)) {
-    json.update(ray_counts_json(arguments, result));
-  } else if (arguments.mode == "transparency") {
-    json.update(line_counts_json(result.counts, arguments.is_average));
+  if (is_of_rays(options.mode)) {
+    json.update(ray_counts_json(options, result));
+  } else if (options.mode == RenderMode::transparency) {
+    json.update(line_counts_json(result.counts, options.is_average));
   } else {
     json["shade"] = result.shade == RenderShade::flat ? "flat" : "smooth";
     json.update(cube_counts_json(result.counts));
   }
   json["seconds"] = result.seconds;
-  json["warnings"] = context.warnings;
   return json;
 }
 
-std::string counts_text(const std::string& mode, const RenderResult& result) {
+std::string counts_text(RenderMode mode, const RenderResult& result) {
   const RenderCounts& counts = result.counts;
   if (is_of_rays(mode)) {
     return fmt::format("level {}, {}, {} decoded", result.level,
@@ -161,8 +157,8 @@ std::string counts_text(const std::string& mode, const RenderResult& result) {
                        counted_text(counts.decoded_bricks, "brick"));
   }
   const std::string leaves = counted_text(counts.leaves, "leaf", "leaves");
-  if (mode == "cubes") return leaves;
-  if (mode == "transparency") {
+  if (mode == RenderMode::cubes) return leaves;
+  if (mode == RenderMode::transparency) {
     const std::string text =
         leaves + ", " + counted_text(counts.decoded_bricks, "brick") + " decoded";
     if (!counts.window) return text;
@@ -177,31 +173,27 @@ std::string counts_text(const std::string& mode, const RenderResult& result) {
                      count_text(counts.leaves), count_text(removed), share);
 }
 
-std::string report_text(const RenderArguments& arguments, const RenderResult& result) {
+std::string report_text(const RenderOptions& options, const RenderResult& result) {
   const std::vector<std::string>& paths = result.outputs;
   const std::string names =
       paths.size() == 1 ? paths.front() : fmt::format("{} to {}", paths.front(), paths.back());
   const std::string pixel =
       is_spacing_known(result.volume) ? fmt::format(" of {} mm", number_text(result.pixel_mm)) : "";
   return fmt::format("{}: {} x {} pixels{}, {}; drawn in {}\n", names, result.width, result.height,
-                     pixel, counts_text(arguments.mode, result),
-                     duration_text(result.seconds));
+                     pixel, counts_text(options.mode, result), duration_text(result.seconds));
 }
 
-int run_render(const RenderArguments& arguments, Context& context) {
-  const RenderResult result = run_task(render, render_options(arguments, context), context);
-  if (context.json) print_json(report_json(arguments, result, context));
-  else if (!context.quiet) print(report_text(arguments, result));
+int run_render(const RenderOptions& options, Context& context) {
+  const RenderResult result = run_task(render, options, context);
+  print_result(context, report_json(options, result), report_text(options, result));
   return kExitDone;
 }
 
 }  // namespace
 
 void add_render(CLI::App& app, Context& context) {
-  const auto arguments = std::make_shared<RenderArguments>();
-  Verb verb = add_verb(app, context, kRenderText,
-                       [arguments, &context] { return run_render(*arguments, context); });
-  add_render_options(verb, *arguments);
+  auto [verb, options] = add_verb(app, context, kRenderText, run_render);
+  add_render_options(verb, options);
 }
 
 }  // namespace octavo::cli

@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "common/failure.h"
@@ -31,14 +30,9 @@ constexpr VerbText kRepairText = {
     "  octavo repair scan.8vo -o rescued.8vo\n"
     "  octavo repair .scan.8vo.tmp-4711 -o rescued.8vo"};
 
-struct RepairArguments {
-  std::string input;
-  std::string output;
-};
-
-nlohmann::ordered_json seal_json(const RepairArguments& arguments, const SealResult& result) {
+nlohmann::ordered_json seal_json(const RepairOptions& options, const SealResult& result) {
   nlohmann::ordered_json object = {{"input", result.input},
-                                   {"output", arguments.output},
+                                   {"output", options.output.path},
                                    {"how", "sealed"},
                                    {"file_bytes", result.file_bytes},
                                    {"planes", result.plane_count},
@@ -52,21 +46,20 @@ nlohmann::ordered_json seal_json(const RepairArguments& arguments, const SealRes
   return object;
 }
 
-std::string seal_text(const RepairArguments& arguments, const SealResult& result) {
+std::string seal_text(const RepairOptions& options, const SealResult& result) {
   if (result.whole_planes == result.plane_count) {
-    return fmt::format("{}: all {} planes of the interrupted build are whole\n", arguments.output,
-                       count_text(result.plane_count));
+    return fmt::format("{}: all {} planes of the interrupted build are whole\n",
+                       options.output.path, count_text(result.plane_count));
   }
   return fmt::format(
       "{}: planes 0 to {} of {} are whole; planes {} to {} are missing and hold {}\n",
-      arguments.output, result.whole_planes - 1, result.plane_count, result.whole_planes,
+      options.output.path, result.whole_planes - 1, result.plane_count, result.whole_planes,
       result.plane_count - 1, number_text(result.fill));
 }
 
-nlohmann::ordered_json repair_json(const RepairArguments& arguments,
-                                   const BitRepairResult& result) {
-  nlohmann::ordered_json object = {{"input", arguments.input},
-                                   {"output", arguments.output},
+nlohmann::ordered_json repair_json(const RepairOptions& options, const BitRepairResult& result) {
+  nlohmann::ordered_json object = {{"input", options.input},
+                                   {"output", options.output.path},
                                    {"how", "repaired"},
                                    {"file_bytes", result.file_bytes},
                                    {"flipped_bits", nlohmann::ordered_json::array()},
@@ -91,8 +84,8 @@ std::string flips_text(const BitRepairResult& result) {
                      places);
 }
 
-std::string repair_text(const RepairArguments& arguments, const BitRepairResult& result) {
-  std::string text = arguments.output + ": " + flips_text(result);
+std::string repair_text(const RepairOptions& options, const BitRepairResult& result) {
+  std::string text = options.output.path + ": " + flips_text(result);
   if (result.has_new_trailer) text += "trailer made anew; ";
   if (result.dropped_bytes > 0) {
     text += fmt::format("{} behind its end left out; ", count_of(result.dropped_bytes, "byte"));
@@ -100,16 +93,14 @@ std::string repair_text(const RepairArguments& arguments, const BitRepairResult&
   return text + "every checksum matches\n";
 }
 
-int run_repair(const RepairArguments& arguments, Context& context) {
-  const RepairOptions options = {arguments.input, {arguments.output, context.force}};
+int run_repair(const RepairOptions& options, Context& context) {
   const RepairResult result = run_task(repair, options, context);
   const auto* sealed = std::get_if<SealResult>(&result);
   const auto* repaired = std::get_if<BitRepairResult>(&result);
   if (context.json) {
-    print_json(sealed != nullptr ? seal_json(arguments, *sealed)
-                                 : repair_json(arguments, *repaired));
+    print_json(sealed != nullptr ? seal_json(options, *sealed) : repair_json(options, *repaired));
   } else if (!context.quiet) {
-    print(sealed != nullptr ? seal_text(arguments, *sealed) : repair_text(arguments, *repaired));
+    print(sealed != nullptr ? seal_text(options, *sealed) : repair_text(options, *repaired));
   }
   return kExitDone;
 }
@@ -117,14 +108,11 @@ int run_repair(const RepairArguments& arguments, Context& context) {
 }  // namespace
 
 void add_repair(CLI::App& app, Context& context) {
-  const auto arguments = std::make_shared<RepairArguments>();
-  Verb verb = add_verb(app, context, kRepairText,
-                            [arguments, &context] { return run_repair(*arguments, context); });
-  verb.add_option("file", arguments->input, "What was being built, what is left of it, or a "
-                                            "damaged .8vo file")
-      ->type_name("FILE")
-      ->required();
-  verb.add_output(arguments->output, "The file to write");
+  auto [verb, options] = add_verb(app, context, kRepairText, run_repair);
+  verb.add_option("file FILE", options.input,
+                  "What was being built, what is left of it, or a damaged .8vo file")
+      .required();
+  verb.add_output(options.output, "The file to write");
 }
 
 }  // namespace octavo::cli

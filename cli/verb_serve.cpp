@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <cstdint>
-#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "common/failure.h"
@@ -47,16 +46,6 @@ constexpr VerbText kViewText = {
     "  octavo view head.8vo\n"
     "  octavo view https://example.org/head.8vo"};
 
-struct ServeArguments {
-  std::vector<std::string> inputs;
-  std::string input;
-  std::string address = ServeOptions{}.address;
-  int port = 0;
-  std::string token;
-  std::vector<std::string> origins;
-  std::string as;
-};
-
 nlohmann::ordered_json site_json(const ServedSite& site) {
   nlohmann::ordered_json said = {
       {"url", site.url}, {"port", site.port}, {"files", site.urls}, {"page", site.has_page}};
@@ -77,25 +66,19 @@ void say_where(const ServedSite& site, Context& context) {
   context.note("serving; Ctrl-C ends it");
 }
 
-int run_serve(const ServeArguments& arguments, Context& context) {
-  ServeOptions options;
-  options.inputs = arguments.inputs;
-  options.page_folder = web_page_folder();
-  options.address = arguments.address;
-  options.port = arguments.port;
-  options.token = arguments.token;
-  options.allowed_origins = arguments.origins;
-  options.is_zarr = !arguments.as.empty();
+int run_serve(const ServeOptions& asked, Context& context) {
+  ServeOptions options = asked;
   options.on_ready = [&](const ServedSite& site) { say_where(site, context); };
   run_task(serve, options, context);
   return kExitDone;
 }
 
-int run_view(const ServeArguments& arguments, Context& context) {
-  ServeOptions options;
-  if (is_url(arguments.input)) options.shown_url = arguments.input;
-  else options.inputs = {arguments.input};
-  options.page_folder = web_page_folder();
+int run_view(const ServeOptions& asked, Context& context) {
+  ServeOptions options = asked;
+  if (is_url(asked.inputs.front())) {
+    options.shown_url = asked.inputs.front();
+    options.inputs.clear();
+  }
   options.needs_page = true;
   options.on_ready = [&](const ServedSite& site) {
     say_where(site, context);
@@ -108,33 +91,27 @@ int run_view(const ServeArguments& arguments, Context& context) {
 }  // namespace
 
 void add_serve(CLI::App& app, Context& context) {
-  const auto arguments = std::make_shared<ServeArguments>();
-  Verb verb = add_verb(app, context, kServeText,
-                       [arguments, &context] { return run_serve(*arguments, context); });
-  verb.add_option("files", arguments->inputs, "The .8vo files")->type_name("FILE")->required();
-  verb.add_option("--port", arguments->port, "The port (default: a free one)")
-      ->type_name("N")
-      ->check(whole_within(1, 65535));
-  verb.add_option("--bind", arguments->address, "The address to listen at")
-      ->type_name("ADDRESS")
-      ->capture_default_str();
-  verb.add_option("--token", arguments->token,
-                  "The first part of every address: auto, or 22 letters, digits, - and _ or more")
-      ->type_name("TOKEN");
-  verb.add_option("--allow-origin", arguments->origins,
-                  "A site of which pages may read the files, or * for all; can be repeated")
-      ->type_name("ORIGIN")
-      ->allow_extra_args(false);
-  verb.add_option("--as", arguments->as, "Also as another format: zarr3")
-      ->type_name("FORMAT")
-      ->check(one_of({"zarr3"}));
+  auto [verb, options] = add_verb(app, context, kServeText, run_serve);
+  options.page_folder = web_page_folder();
+  verb.add_option("files FILE", options.inputs, "The .8vo files").required();
+  verb.add_option("--port N", options.port, "The port (default: a free one)")
+      .check(whole_within(1, 65535));
+  verb.add_option("--bind ADDRESS", options.address, "The address to listen at")
+      .capture_default_str();
+  verb.add_option("--token TOKEN", options.token,
+                  "The first part of every address: auto, or 22 letters, digits, - and _ or more");
+  verb.add_list("--allow-origin ORIGIN", options.allowed_origins,
+                "A site of which pages may read the files, or * for all; can be repeated");
+  verb.add_text("--as FORMAT", "Also as another format: zarr3",
+                [&made = options](const auto&, const auto&) { made.is_zarr = true; })
+      .check(one_of({"zarr3"}));
 }
 
 void add_view(CLI::App& app, Context& context) {
-  const auto arguments = std::make_shared<ServeArguments>();
-  Verb verb = add_verb(app, context, kViewText,
-                       [arguments, &context] { return run_view(*arguments, context); });
-  verb.add_input(arguments->input);
+  auto [verb, options] = add_verb(app, context, kViewText, run_view);
+  options.page_folder = web_page_folder();
+  options.inputs.resize(1);
+  verb.add_input(options.inputs.front());
 }
 
 }  // namespace octavo::cli

@@ -2,15 +2,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 
 #include "common/failure.h"
-#include "common/label_option.h"
 #include "common/options.h"
 #include "common/salvage_option.h"
 #include "common/task_run.h"
+#include "common/volume_options.h"
 #include "octavo/tasks/pictures/color_names.h"
 #include "octavo/tasks/pictures/slice.h"
 #include "octavo/tasks/volume_facts.h"
@@ -48,28 +47,14 @@ constexpr VerbText kSliceText = {
     "  octavo slice plan.8vo --overlay dose.8vo --overlay-levels 20,40,60 -o dose.png"};
 
 struct SliceArguments {
-  std::string input;
-  std::string output;
-  std::string axis = "z";
-  std::string window = "auto";
-  std::string mm;
-  std::string plane;
+  SliceOptions options;
   std::string montage;
   std::optional<std::int64_t> every;
-  std::optional<std::int64_t> index;
-  int level = 0;
-  std::int64_t minimum_side = SliceOptions{}.minimum_side;
   std::vector<std::string> overlays;
-  std::vector<std::string> overlay_kinds;
-  std::vector<std::string> overlay_levels;
-  std::vector<std::string> overlay_colors;
+  std::vector<OverlayKind> overlay_kinds;
+  std::vector<std::vector<double>> overlay_levels;
+  std::vector<Color> overlay_colors;
   std::vector<double> overlay_opacities;
-  std::vector<std::string> labels;
-  bool no_scale_bar = false;
-  bool no_sides = false;
-  bool no_notes = false;
-  bool no_legend = false;
-  SalvageArguments salvage;
 };
 
 std::string preset_names() {
@@ -78,34 +63,41 @@ std::string preset_names() {
   return names + "auto";
 }
 
-void take_window(const std::string& text, SliceOptions& options) {
+void take_window(const std::string& text, const std::string& option, SliceOptions& options) {
   if (text == "auto") return;
   if (find_window_preset(text)) {
     options.window_preset = text;
     return;
   }
-  const std::vector<std::string> parts = split(text, ',');
-  if (parts.size() != 2) {
-    throw Error(ErrorKind::invalid_argument,
-                fmt::format("--window: '{}'; expected CENTER,WIDTH or one of {}", escaped(text),
-                            preset_names()));
-  }
-  options.window = Window{parse_number(parts[0], "--window"), parse_number(parts[1], "--window")};
+  const auto numbers =
+      parse_numbers(text, option, 2, ("CENTER,WIDTH or one of " + preset_names()).c_str());
+  options.window = Window{numbers[0], numbers[1]};
   if (options.window->width > 0) return;
-  throw Error(ErrorKind::invalid_argument, "--window: the width must be positive");
+  throw Error(ErrorKind::invalid_argument, option + ": the width must be positive");
 }
 
-AskedPlane parse_plane(const std::string& text) {
-  std::vector<double> numbers;
-  for (const std::string& part : split(text, ',')) {
-    numbers.push_back(parse_number(part, "--plane"));
-  }
-  if (numbers.size() == 3) return {std::nullopt, {numbers[0], numbers[1], numbers[2]}};
-  if (numbers.size() == 6) {
-    return {Point3{numbers[0], numbers[1], numbers[2]}, {numbers[3], numbers[4], numbers[5]}};
-  }
-  throw Error(ErrorKind::invalid_argument,
-              fmt::format("--plane: '{}'; expected X,Y,Z,NX,NY,NZ or NX,NY,NZ", escaped(text)));
+AskedPlane parse_plane(const std::string& text, const std::string& option) {
+  const bool has_point = split(text, ',').size() != 3;
+  const auto n = parse_numbers(text, option, has_point ? 6 : 3, "X,Y,Z,NX,NY,NZ or NX,NY,NZ");
+  if (!has_point) return {std::nullopt, {n[0], n[1], n[2]}};
+  return {Point3{n[0], n[1], n[2]}, {n[3], n[4], n[5]}};
+}
+
+std::vector<int> parse_axes(const std::string& text) {
+  if (text == "all") return {0, 1, 2};
+  return {static_cast<int>(std::string("xyz").find(text))};
+}
+
+std::vector<double> parse_levels(const std::string& text, const std::string& option) {
+  std::vector<double> levels;
+  for (const std::string& level : split(text, ',')) levels.push_back(parse_number(level, option));
+  return levels;
+}
+
+OverlayKind parse_overlay_kind(const std::string& word) {
+  return word == "outline" ? OverlayKind::outline
+         : word == "wash"  ? OverlayKind::wash
+                           : OverlayKind::isolines;
 }
 
 std::optional<AskedMontage> asked_montage(const SliceArguments& arguments) {
@@ -124,11 +116,10 @@ std::optional<AskedMontage> asked_montage(const SliceArguments& arguments) {
   return montage;
 }
 
-/// The value of an overlay's option: its own, the one for all, or nothing.
-template <class T>
-const T* of_overlay(const std::vector<T>& values, std::size_t number) {
-  if (values.empty()) return nullptr;
-  return &values[values.size() == 1 ? 0 : number];
+/// Takes the value of an overlay's option, its own or the one for all, where there is one.
+template <class T, class Value>
+void take_of_overlay(const std::vector<T>& values, std::size_t number, Value& value) {
+  if (!values.empty()) value = values[values.size() == 1 ? 0 : number];
 }
 
 void require_count(std::size_t count, const SliceArguments& arguments, const char* option) {
@@ -149,53 +140,18 @@ std::vector<AskedOverlay> asked_overlays(const SliceArguments& arguments) {
   for (std::size_t i = 0; i < arguments.overlays.size(); ++i) {
     AskedOverlay& overlay = overlays.emplace_back();
     overlay.path = arguments.overlays[i];
-    if (const std::string* kind = of_overlay(arguments.overlay_kinds, i)) {
-      overlay.look.kind = *kind == "outline" ? OverlayKind::outline
-                          : *kind == "wash"  ? OverlayKind::wash
-                                             : OverlayKind::isolines;
-    }
-    if (const std::string* levels = of_overlay(arguments.overlay_levels, i)) {
-      for (const std::string& level : split(*levels, ',')) {
-        overlay.look.levels.push_back(parse_number(level, "--overlay-levels"));
-      }
-    }
-    if (const std::string* color = of_overlay(arguments.overlay_colors, i)) {
-      overlay.look.color = find_color(*color);
-      if (!overlay.look.color) {
-        throw Error(ErrorKind::invalid_argument,
-                    fmt::format("--overlay-color: '{}'; expected #rrggbb or one of {}",
-                                escaped(*color), color_names()));
-      }
-    }
-    if (const double* opacity = of_overlay(arguments.overlay_opacities, i)) {
-      overlay.look.opacity = *opacity;
-    }
+    take_of_overlay(arguments.overlay_kinds, i, overlay.look.kind);
+    take_of_overlay(arguments.overlay_levels, i, overlay.look.levels);
+    take_of_overlay(arguments.overlay_colors, i, overlay.look.color);
+    take_of_overlay(arguments.overlay_opacities, i, overlay.look.opacity);
   }
   return overlays;
 }
 
-SliceOptions options_of(const SliceArguments& arguments, const Context& context) {
-  SliceOptions options;
-  options.input = arguments.input;
-  options.output = {arguments.output, context.force};
-  options.axes = {0, 1, 2};
-  if (arguments.axis != "all") {
-    options.axes = {static_cast<int>(std::string("xyz").find(arguments.axis))};
-  }
-  options.level = arguments.level;
-  options.index = arguments.index;
-  if (!arguments.mm.empty()) options.position_mm = parse_number(arguments.mm, "--mm");
-  if (!arguments.plane.empty()) options.plane = parse_plane(arguments.plane);
+SliceOptions options_of(const SliceArguments& arguments) {
+  SliceOptions options = arguments.options;
   options.montage = asked_montage(arguments);
-  take_window(arguments.window, options);
-  options.minimum_side = arguments.minimum_side;
   options.overlays = asked_overlays(arguments);
-  options.labels = parse_labels(arguments.labels);
-  options.has_scale_bar = !arguments.no_scale_bar;
-  options.has_sides = !arguments.no_sides;
-  options.has_notes = !arguments.no_notes;
-  options.has_legend = !arguments.no_legend;
-  options.salvage = salvage_filling(arguments.salvage);
   return options;
 }
 
@@ -253,94 +209,74 @@ std::string slice_text(const DrawnSlice& slice, const SliceResult& result) {
 }
 
 int run_slice(const SliceArguments& arguments, Context& context) {
-  const SliceResult result = run_task(slice, options_of(arguments, context), context);
+  const SliceResult result = run_task(slice, options_of(arguments), context);
   nlohmann::ordered_json slices = nlohmann::ordered_json::array();
+  std::string text;
   for (const DrawnSlice& one : result.pictures) {
-    if (context.json) slices.push_back(slice_json(one, result));
-    else if (!context.quiet) print(slice_text(one, result));
+    slices.push_back(slice_json(one, result));
+    text += slice_text(one, result);
   }
-  if (context.json) {
-    print_json({{"slices", slices},
-                {"salvaged", salvaged_json(result.salvaged)},
-                {"warnings", context.warnings}});
-  }
+  print_result(context, {{"slices", slices}, {"salvaged", salvaged_json(result.salvaged)}}, text);
   return kExitDone;
 }
 
 void add_overlay_options(Verb verb, SliceArguments& arguments) {
-  verb.add_option("--overlay", arguments.overlays, "A mask, labels or grey values to draw above")
-      ->type_name("FILE")
-      ->allow_extra_args(false);
-  verb.add_option("--overlay-as", arguments.overlay_kinds,
-                  "outline, wash or isolines (default: outline of labels, isolines of grey values)")
-      ->type_name("KIND")
-      ->allow_extra_args(false)
-      ->check(one_of({"outline", "wash", "isolines"}));
-  verb.add_option("--overlay-levels", arguments.overlay_levels,
-                  "Values of isolines, or ends of a wash (default: round ones)")
-      ->type_name("V,V,...")
-      ->allow_extra_args(false);
-  verb.add_option("--overlay-color", arguments.overlay_colors, "A name, or #rrggbb")
-      ->type_name("COLOR")
-      ->allow_extra_args(false);
-  verb.add_option("--overlay-opacity", arguments.overlay_opacities,
-                  "0 to 1 (default: 1, of a wash 0.4)")
-      ->type_name("F")
-      ->allow_extra_args(false)
-      ->check(number_within(0, 1));
+  verb.add_list("--overlay FILE", arguments.overlays,
+                "A mask, labels or grey values to draw above");
+  verb.add_list("--overlay-as KIND", arguments.overlay_kinds, parse_overlay_kind,
+                "outline, wash or isolines (default: outline of labels, isolines of grey values)")
+      .check(one_of({"outline", "wash", "isolines"}));
+  verb.add_list("--overlay-levels V,V,...", arguments.overlay_levels, parse_levels,
+                "Values of isolines, or ends of a wash (default: round ones)");
+  verb.add_list("--overlay-color COLOR", arguments.overlay_colors, parse_color,
+                "A name, or #rrggbb");
+  verb.add_list("--overlay-opacity F", arguments.overlay_opacities,
+                "0 to 1 (default: 1, of a wash 0.4)")
+      .check(number_within(0, 1));
 }
 
 void add_place_options(Verb verb, SliceArguments& arguments) {
-  Option axis =
-      verb.add_option("--axis", arguments.axis, "The axis the slice lies across: x, y, z or all");
-  axis->type_name("AXIS")
-      ->check(one_of({"x", "y", "z", "all"}))
-      ->capture_default_str();
-  Option index = verb.add_option("--index", arguments.index,
+  SliceOptions& options = arguments.options;
+  Option axis = verb.add_parsed("--axis AXIS", options.axes, parse_axes,
+                                "The axis the slice lies across: x, y, z or all")
+                    .check(one_of({"x", "y", "z", "all"}))
+                    .default_str("z");
+  Option index = verb.add_option("--index N", options.index,
                                  "Slice number on the level (default: the middle)");
-  index->type_name("N");
-  Option mm = verb.add_option("--mm", arguments.mm, "Slice position in mm (LPS)");
-  mm->type_name("MM")->excludes(index);
-  Option montage = verb.add_option("--montage", arguments.montage, "Slices in one picture");
-  montage->type_name("CxR");
-  Option every = verb.add_option("--every", arguments.every, "Each N-th slice in one picture");
-  every->type_name("N")->check(whole_within(1));
-  verb.add_option("--plane", arguments.plane, "An oblique plane in mm (LPS)")
-      ->type_name("POINT,NORMAL")
-      ->excludes(axis)
-      ->excludes(index)
-      ->excludes(mm)
-      ->excludes(montage)
-      ->excludes(every);
-  verb.add_option("--level", arguments.level, "Level of detail")
-      ->type_name("K")
-      ->capture_default_str();
+  Option mm =
+      verb.add_parsed("--mm MM", options.position_mm, parse_number, "Slice position in mm (LPS)")
+          .excludes(index);
+  Option montage = verb.add_option("--montage CxR", arguments.montage, "Slices in one picture");
+  Option every = verb.add_option("--every N", arguments.every, "Each N-th slice in one picture")
+                     .check(whole_within(1));
+  Option plane = verb.add_parsed("--plane POINT,NORMAL", options.plane, parse_plane,
+                                 "An oblique plane in mm (LPS)");
+  for (const Option& other : {axis, index, mm, montage, every}) plane.excludes(other);
+  add_level(verb, options.level);
 }
 
 }  // namespace
 
 void add_slice(CLI::App& app, Context& context) {
-  const auto arguments = std::make_shared<SliceArguments>();
-  Verb verb = add_verb(app, context, kSliceText,
-                       [arguments, &context] { return run_slice(*arguments, context); });
-  verb.add_input(arguments->input);
-  verb.add_output(arguments->output, "The .png file to write");
-  add_place_options(verb, *arguments);
-  verb.add_option("--window", arguments->window, "CENTER,WIDTH, a preset or auto")
-      ->type_name("WINDOW")
-      ->capture_default_str();
-  verb.add_option("--size", arguments->minimum_side,
+  auto [verb, arguments] = add_verb(app, context, kSliceText, run_slice);
+  SliceOptions& options = arguments.options;
+  verb.add_input(options.input);
+  verb.add_output(options.output, "The .png file to write");
+  add_place_options(verb, arguments);
+  verb.add_text("--window WINDOW", "CENTER,WIDTH, a preset or auto",
+                [&made = options](const std::string& text, const std::string& option) {
+                  take_window(text, option, made);
+                })
+      .default_str("auto");
+  verb.add_option("--size N", options.minimum_side,
                   "Enlarge pictures smaller than this many pixels")
-      ->type_name("N")
-      ->check(whole_within(1, 8192))
-      ->capture_default_str();
-  add_label_option(verb, arguments->labels, "Draw this label alone");
-  add_overlay_options(verb, *arguments);
-  verb.add_flag("--no-scale-bar", arguments->no_scale_bar, "Leave the scale bar out");
-  verb.add_flag("--no-sides", arguments->no_sides, "Leave the letters R L A P S I out");
-  verb.add_flag("--no-notes", arguments->no_notes, "Leave position, window and spacing out");
-  verb.add_flag("--no-legend", arguments->no_legend, "Leave the legend out");
-  add_salvage_option(verb, arguments->salvage);
+      .check(whole_within(1, 8192))
+      .capture_default_str();
+  add_label_option(verb, options.labels, "Draw this label alone");
+  add_overlay_options(verb, arguments);
+  add_lettering_flags(verb, options, "R L A P S I");
+  verb.add_off_flag("--no-notes", options.has_notes, "Leave position, window and spacing out");
+  add_salvage_option(verb, options.salvage);
 }
 
 }  // namespace octavo::cli

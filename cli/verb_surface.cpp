@@ -3,13 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "common/failure.h"
-#include "common/label_option.h"
 #include "common/options.h"
 #include "common/task_run.h"
+#include "common/volume_options.h"
 #include "octavo/tasks/surface.h"
 #include "octavo/tasks/surfaces/label_surfaces.h"
 #include "octavo/tasks/surfaces/surface_report.h"
@@ -74,62 +73,42 @@ constexpr VerbText kSurfaceText = {
     "  octavo surface organs.8vo --parts --smooth off --label liver --label spleen -o two.3mf\n"
     "  octavo surface organs.8vo --interfaces -o organs.vtp"};
 
-constexpr int kSmoothingSteps = 20;
-
 struct SurfaceArguments {
-  std::string input;
-  std::string output;
-  std::string report;
-  std::optional<double> isovalue;
-  std::vector<std::string> labels;
-  std::string seed;
-  std::string space = "lps";
-  std::string max_deviation = "0.5voxel";
-  std::optional<std::string> triangles;
-  std::optional<std::string> method;
-  int level = 0;
-  bool stored = false;
-  bool plain = false;
-  bool allow_open = false;
-  bool parts = false;
-  bool interfaces = false;
-  std::optional<std::string> part_format;
-  std::optional<std::string> smooth;
+  SurfaceOptions options;
+  std::optional<DecimationMethod> method;
+  // Of surfaces between labels, which take some of the options above as well.
+  bool are_parts = false;
+  bool are_interfaces = false;
+  std::optional<MeshFormat> part_format;
+  std::optional<int> smoothing_steps;
 };
 
 /// "0.3" in mm, "0.5voxel".
-AskedDeviation parse_deviation(const std::string& text) {
+AskedDeviation parse_deviation(const std::string& text, const std::string& option) {
   constexpr std::string_view kVoxel = "voxel";
   const bool is_in_voxels = text.ends_with(kVoxel);
   const std::string number = is_in_voxels ? text.substr(0, text.size() - kVoxel.size()) : text;
-  return {parse_number(number, "--max-deviation"), is_in_voxels};
+  return {parse_number(number, option), is_in_voxels};
 }
 
 /// "20000", "5%".
-AskedTriangles parse_triangles(const std::string& text) {
+AskedTriangles parse_triangles(const std::string& text, const std::string& option) {
   const bool is_percent = text.ends_with('%');
   const std::string number = is_percent ? text.substr(0, text.size() - 1) : text;
-  return {parse_number(number, "--triangles"), is_percent};
+  return {parse_number(number, option), is_percent};
 }
 
-SurfaceOptions options_of(const SurfaceArguments& arguments, const Context& context) {
-  SurfaceOptions options;
-  options.input = arguments.input;
-  options.output = {arguments.output, context.force};
-  options.report_path = arguments.report;
-  options.isovalue = arguments.isovalue;
-  options.is_stored = arguments.stored;
-  options.labels = parse_labels(arguments.labels);
-  options.level = arguments.level;
-  if (!arguments.seed.empty()) options.seed = parse_point(arguments.seed, "--seed");
-  options.max_deviation = parse_deviation(arguments.max_deviation);
-  if (arguments.triangles) options.triangles = parse_triangles(*arguments.triangles);
-  if (arguments.method == "octree") options.method = DecimationMethod::cells;
-  options.space = arguments.space == "ras" ? MeshSpace::ras : MeshSpace::lps;
-  options.is_plain = arguments.plain;
-  options.allows_faults = arguments.allow_open;
-  return options;
+/// "off", "20".
+int parse_smoothing(const std::string& text, const std::string& option) {
+  constexpr std::int64_t kMostSteps = 1000;
+  const std::int64_t steps = text == "off" ? 0 : parse_integer(text, option);
+  if (steps < 0 || steps > kMostSteps) {
+    throw Error(ErrorKind::invalid_argument, option + " takes off, or 1 to 1000 steps");
+  }
+  return static_cast<int>(steps);
 }
+
+MeshFormat parse_format(const std::string& ending) { return *mesh_format_of("part." + ending); }
 
 [[noreturn]] void reject_option(const std::string& option, const std::string& advice) {
   throw Error(ErrorKind::invalid_argument, option + " does not go with these: " + advice);
@@ -137,49 +116,42 @@ SurfaceOptions options_of(const SurfaceArguments& arguments, const Context& cont
 
 /// Proves that none is given that the other kind of surface takes.
 void check_label_options(const SurfaceArguments& arguments) {
+  const SurfaceOptions& options = arguments.options;
   const std::string of_labels = "leave it out, or give --parts";
   const std::string of_all = "leave it out, or --parts and --interfaces";
-  const bool is_of_labels = arguments.parts || arguments.interfaces;
-  if (!is_of_labels) {
-    if (arguments.method && parse_deviation(arguments.max_deviation).amount == 0) {
+  if (!arguments.are_parts && !arguments.are_interfaces) {
+    if (arguments.method && options.max_deviation.amount == 0) {
       reject_option("--method", "leave it out, or --max-deviation 0, which keeps all triangles");
     }
-    if (arguments.smooth) reject_option("--smooth", of_labels);
+    if (arguments.smoothing_steps) reject_option("--smooth", of_labels);
     if (arguments.part_format) reject_option("--part-format", of_labels);
     return;
   }
-  if (arguments.isovalue) reject_option("--isovalue", of_all);
-  if (arguments.stored) reject_option("--stored", of_all);
-  if (arguments.plain) reject_option("--plain", of_all);
-  if (arguments.allow_open) reject_option("--allow-open", of_all);
-  if (!arguments.report.empty()) reject_option("--report", of_all);
-  if (!arguments.seed.empty()) reject_option("--seed", of_all);
+  if (options.isovalue) reject_option("--isovalue", of_all);
+  if (options.is_stored) reject_option("--stored", of_all);
+  if (options.is_plain) reject_option("--plain", of_all);
+  if (options.allows_faults) reject_option("--allow-open", of_all);
+  if (!options.report_path.empty()) reject_option("--report", of_all);
+  if (options.seed) reject_option("--seed", of_all);
   if (arguments.method) reject_option("--method", of_all);
-  if (arguments.part_format && (arguments.interfaces || mesh_format_of(arguments.output))) {
+  if (arguments.part_format && (arguments.are_interfaces || mesh_format_of(options.output.path))) {
     reject_option("--part-format", "it is of files in a folder, which -o names");
   }
 }
 
-LabelSurfacesOptions label_options_of(const SurfaceArguments& arguments, const Context& context) {
+LabelSurfacesOptions label_options_of(const SurfaceArguments& arguments) {
+  const SurfaceOptions& shared = arguments.options;
   LabelSurfacesOptions options;
-  options.input = arguments.input;
-  options.output = {arguments.output, context.force};
-  if (arguments.interfaces) options.form = LabelSurfaceForm::interfaces;
-  if (arguments.part_format) {
-    options.part_format = *mesh_format_of("part." + *arguments.part_format);
-  }
-  options.labels = parse_labels(arguments.labels);
-  options.level = arguments.level;
-  const std::string smooth = arguments.smooth.value_or(std::to_string(kSmoothingSteps));
-  constexpr std::int64_t kMostSteps = 1000;
-  const std::int64_t steps = smooth == "off" ? 0 : parse_integer(smooth, "--smooth");
-  if (steps < 0 || steps > kMostSteps) {
-    throw Error(ErrorKind::invalid_argument, "--smooth takes off, or 1 to 1000 steps");
-  }
-  options.smoothing_steps = static_cast<int>(steps);
-  options.max_deviation = parse_deviation(arguments.max_deviation);
-  if (arguments.triangles) options.triangles = parse_triangles(*arguments.triangles);
-  options.space = arguments.space == "ras" ? MeshSpace::ras : MeshSpace::lps;
+  options.input = shared.input;
+  options.output = shared.output;
+  if (arguments.are_interfaces) options.form = LabelSurfaceForm::interfaces;
+  options.part_format = arguments.part_format.value_or(options.part_format);
+  options.labels = shared.labels;
+  options.level = shared.level;
+  options.smoothing_steps = arguments.smoothing_steps.value_or(options.smoothing_steps);
+  options.max_deviation = shared.max_deviation;
+  options.triangles = shared.triangles;
+  options.space = shared.space;
   return options;
 }
 
@@ -210,15 +182,15 @@ std::string advice_words(const SurfaceResult& result) {
       step, farthest);
 }
 
-std::string report_text(const SurfaceArguments& arguments, const SurfaceResult& result) {
+std::string report_text(const SurfaceOptions& options, const SurfaceResult& result) {
   if (!result.is_written) {
     return fmt::format("{}: not written, the surface has {}; --allow-open writes it\n",
-                       arguments.output, fault_words(result)) +
+                       options.output.path, fault_words(result)) +
            advice_words(result);
   }
-  std::string text = fmt::format("{}: {}, {}\n", arguments.output,
-                                 count_of(result.triangle_count, "triangle"),
-                                 count_of(result.check.components, "piece"));
+  std::string text =
+      fmt::format("{}: {}, {}\n", options.output.path, count_of(result.triangle_count, "triangle"),
+                  count_of(result.check.components, "piece"));
   text += result.is_sound ? "closed, manifold\n" : fault_words(result) + "\n";
   if (result.max_deviation_mm > 0) {
     text += fmt::format("{:.3g} % of {}, proven within {:.4g} mm\n",
@@ -238,97 +210,88 @@ std::string report_text(const SurfaceArguments& arguments, const SurfaceResult& 
   return text;
 }
 
-nlohmann::ordered_json report_json(const SurfaceOptions& options, const SurfaceResult& result,
-                                   const Context& context) {
+nlohmann::ordered_json report_json(const SurfaceOptions& options, const SurfaceResult& result) {
   nlohmann::ordered_json json = {{"output", options.output.path},
                                  {"is_written", result.is_written},
                                  {"file_bytes", result.file_bytes}};
   json.update(json_of(surface_report(options, result)));
   if (result.decoded_bricks) json["decoded_bricks"] = *result.decoded_bricks;
-  json["warnings"] = context.warnings;
   return json;
 }
 
 int run_label_surfaces(const SurfaceArguments& arguments, Context& context) {
-  const LabelSurfacesOptions options = label_options_of(arguments, context);
+  const LabelSurfacesOptions options = label_options_of(arguments);
   const LabelSurfacesResult result = run_task(label_surfaces, options, context);
-  if (context.json) {
-    nlohmann::ordered_json report = label_surfaces_json(options, result);
-    report["warnings"] = context.warnings;
-    print_json(report);
-  } else if (!context.quiet || !result.is_written) {
-    print(label_surfaces_text(options, result));
-  }
+  print_finding(context, result.is_written, label_surfaces_json(options, result),
+                label_surfaces_text(options, result));
   return result.is_written ? kExitDone : kExitDifferent;
 }
 
 int run_surface(const SurfaceArguments& arguments, Context& context) {
   check_label_options(arguments);
-  if (arguments.parts || arguments.interfaces) return run_label_surfaces(arguments, context);
-  const SurfaceOptions options = options_of(arguments, context);
+  if (arguments.are_parts || arguments.are_interfaces) {
+    return run_label_surfaces(arguments, context);
+  }
+  SurfaceOptions options = arguments.options;
+  options.method = arguments.method.value_or(options.method);
   const SurfaceResult result = run_task(surface, options, context);
-  if (context.json) print_json(report_json(options, result, context));
-  else if (!context.quiet || !result.is_written) print(report_text(arguments, result));
+  print_finding(context, result.is_written, report_json(options, result),
+                report_text(options, result));
   return result.is_written ? kExitDone : kExitDifferent;
+}
+
+void add_label_surface_options(Verb verb, SurfaceArguments& arguments) {
+  Option parts = verb.add_flag("--parts", arguments.are_parts,
+                               "Of a label map a closed part for each label, that fit each other");
+  verb.add_flag("--interfaces", arguments.are_interfaces,
+                "Of a label map all surfaces between labels, with the labels on both sides")
+      .excludes(parts);
+  verb.add_parsed("--part-format FORMAT", arguments.part_format, parse_format,
+                  "With --parts: the format of files in a folder (default: stl)")
+      .check(one_of({"stl", "ply", "obj", "glb", "vtp", "3mf"}));
+  verb.add_parsed("--smooth N|off", arguments.smoothing_steps, parse_smoothing,
+                  "With --parts or --interfaces: steps of smoothing, or off (default: 20)");
 }
 
 }  // namespace
 
 void add_surface(CLI::App& app, Context& context) {
-  const auto arguments = std::make_shared<SurfaceArguments>();
-  Verb verb = add_verb(app, context, kSurfaceText,
-                       [arguments, &context] { return run_surface(*arguments, context); });
-  verb.add_input(arguments->input);
-  verb.add_output(arguments->output,
+  auto [verb, arguments] = add_verb(app, context, kSurfaceText, run_surface);
+  SurfaceOptions& options = arguments.options;
+  options.max_deviation = {0.5, true};
+  verb.add_input(options.input);
+  verb.add_output(options.output,
                   "The .stl, .ply, .obj, .glb, .vtp or .3mf file to write; with --parts a folder");
-  Option isovalue = verb.add_option("--isovalue", arguments->isovalue,
+  Option isovalue = verb.add_option("--isovalue VALUE", options.isovalue,
                                     "Of grey values: what is at or above lies inside");
-  isovalue->type_name("VALUE");
-  add_label_option(verb, arguments->labels, "A label that lies inside")->excludes(isovalue);
-  verb.add_option("--level", arguments->level, "0 is the scan, coarser levels have fewer voxels")
-      ->type_name("N")
-      ->capture_default_str();
-  verb.add_option("--seed", arguments->seed,
-                  "x,y,z in voxels of the level: only the piece of the surface there")
-      ->type_name("X,Y,Z");
+  add_label_option(verb, options.labels, "A label that lies inside").excludes(isovalue);
+  add_level(verb, options.level);
+  verb.add_parsed("--seed X,Y,Z", options.seed, parse_point,
+                  "x,y,z in voxels of the level: only the piece of the surface there");
   Option deviation =
-      verb.add_option("--max-deviation", arguments->max_deviation,
-                      "How far fewer triangles may lie from all: mm, or 0.5voxel; 0 keeps all");
-  deviation->type_name("DISTANCE")->capture_default_str();
-  Option triangles = verb.add_option(
-      "--triangles", arguments->triangles,
-      "So many at most: a number, or 5% of all; the deviation is proven and printed");
-  triangles->type_name("N|P%")->excludes(deviation);
-  verb.add_option("--method", arguments->method,
-                  "How triangles become fewer: edges collapse, or cells merge\n"
-                  "(default: collapse); not with --parts or --interfaces")
-      ->type_name("METHOD")
-      ->check(one_of({"collapse", "octree"}))
-      ->excludes(triangles);
-  verb.add_option("--report", arguments->report,
-                  "A file for what is known of the surface, as JSON")
-      ->type_name("FILE");
-  verb.add_option("--space", arguments->space, "Axes of the coordinates")
-      ->type_name("SPACE")
-      ->check(one_of({"lps", "ras"}))
-      ->capture_default_str();
-  verb.add_flag("--stored", arguments->stored, "The isovalue is a stored value, not a real one");
-  verb.add_flag("--plain", arguments->plain,
+      verb.add_parsed("--max-deviation DISTANCE", options.max_deviation, parse_deviation,
+                      "How far fewer triangles may lie from all: mm, or 0.5voxel; 0 keeps all")
+          .default_str("0.5voxel");
+  Option triangles =
+      verb.add_parsed(
+              "--triangles N|P%", options.triangles, parse_triangles,
+              "So many at most: a number, or 5% of all; the deviation is proven and printed")
+          .excludes(deviation);
+  verb.add_word("--method METHOD", arguments.method,
+                {{"collapse", DecimationMethod::collapse}, {"octree", DecimationMethod::cells}},
+                "How triangles become fewer: edges collapse, or cells merge\n"
+                "(default: collapse); not with --parts or --interfaces")
+      .excludes(triangles);
+  verb.add_option("--report FILE", options.report_path,
+                  "A file for what is known of the surface, as JSON");
+  verb.add_word("--space SPACE", options.space, {{"lps", MeshSpace::lps}, {"ras", MeshSpace::ras}},
+                "Axes of the coordinates");
+  verb.add_flag("--stored", options.is_stored, "The isovalue is a stored value, not a real one");
+  verb.add_flag("--plain", options.is_plain,
                 "A .glb file without compression and extensions, for programs that lack them");
-  verb.add_flag("--allow-open", arguments->allow_open,
+  verb.add_flag("--allow-open", options.allows_faults,
                 "Write a surface with faults as well, with exit code 0");
-  Option parts = verb.add_flag("--parts", arguments->parts,
-                               "Of a label map a closed part for each label, that fit each other");
-  verb.add_flag("--interfaces", arguments->interfaces,
-                "Of a label map all surfaces between labels, with the labels on both sides")
-      ->excludes(parts);
-  verb.add_option("--part-format", arguments->part_format,
-                  "With --parts: the format of files in a folder (default: stl)")
-      ->type_name("FORMAT")
-      ->check(one_of({"stl", "ply", "obj", "glb", "vtp", "3mf"}));
-  verb.add_option("--smooth", arguments->smooth,
-                  "With --parts or --interfaces: steps of smoothing, or off (default: 20)")
-      ->type_name("N|off");
+  add_label_surface_options(verb, arguments);
 }
 
 }  // namespace octavo::cli

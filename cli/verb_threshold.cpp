@@ -1,13 +1,12 @@
 // octavo threshold: a mask, or classes, from the values of a volume.
 #include <fmt/format.h>
 
-#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "common/failure.h"
-#include "common/label_option.h"
 #include "common/options.h"
 #include "common/task_run.h"
+#include "common/volume_options.h"
 #include "octavo/tasks/threshold.h"
 #include "octavo/tasks/volume_facts.h"
 #include "text/quantities.h"
@@ -32,16 +31,6 @@ constexpr VerbText kThresholdText = {
     "  octavo threshold head.8vo --class 1=:-300 --class 2=-300:225 --class 3=226: -o classes.8vo\n"
     "  octavo threshold atlas.8vo --label 17 --label Thalamus_L -o regions.8vo"};
 
-struct ThresholdArguments {
-  std::string input;
-  std::string output;
-  std::vector<std::string> ranges;
-  std::vector<std::string> tissues;
-  std::vector<std::string> labels;
-  std::vector<std::string> classes;
-  bool stored = false;
-};
-
 ValueClass parse_class(const std::string& text) {
   const std::size_t equals = text.find('=');
   const std::int64_t label =
@@ -54,77 +43,61 @@ ValueClass parse_class(const std::string& text) {
   return {label, parse_range(text.substr(equals + 1), "--class")};
 }
 
-ThresholdOptions options_of(const ThresholdArguments& arguments, const Context& context) {
-  if (arguments.ranges.empty() && arguments.tissues.empty() && arguments.labels.empty() &&
-      arguments.classes.empty()) {
-    throw Error(ErrorKind::invalid_argument,
-                "threshold needs --range LOW:HIGH, --tissue, --label or --class");
+void require_values(const ThresholdOptions& options) {
+  if (!options.ranges.empty() || !options.tissues.empty() || !options.labels.is_empty() ||
+      !options.classes.empty()) {
+    return;
   }
-  ThresholdOptions options;
-  options.input = arguments.input;
-  options.output = {arguments.output, context.force};
-  for (const std::string& text : arguments.ranges) {
-    options.ranges.push_back(parse_range(text, "--range"));
-  }
-  options.tissues = arguments.tissues;
-  options.labels = parse_labels(arguments.labels);
-  for (const std::string& text : arguments.classes) options.classes.push_back(parse_class(text));
-  options.is_stored = arguments.stored;
-  return options;
+  throw Error(ErrorKind::invalid_argument,
+              "threshold needs --range LOW:HIGH, --tissue, --label or --class");
 }
 
-std::string report_text(const ThresholdArguments& arguments, const ThresholdResult& result) {
+std::string report_text(const ThresholdOptions& options, const ThresholdResult& result) {
   const auto all = static_cast<double>(result.volume.size.voxel_count());
   std::string text;
   for (const LabelVolume& object : result.objects) {
-    text += fmt::format("{}: {}{} ({:.3g} % of the volume)\n", arguments.output,
-                        arguments.classes.empty() ? "" : fmt::format("label {}: ", object.label),
+    text += fmt::format("{}: {}{} ({:.3g} % of the volume)\n", options.output.path,
+                        options.classes.empty() ? "" : fmt::format("label {}: ", object.label),
                         volume_text(object.voxels, result.volume),
                         100 * static_cast<double>(object.voxels) / all);
   }
-  return text.empty() ? arguments.output + ": no voxel is in any class\n" : text;
+  return text.empty() ? options.output.path + ": no voxel is in any class\n" : text;
 }
 
-nlohmann::ordered_json report_json(const ThresholdArguments& arguments,
-                                   const ThresholdResult& result) {
+nlohmann::ordered_json report_json(const ThresholdOptions& options, const ThresholdResult& result) {
   nlohmann::ordered_json objects = nlohmann::ordered_json::array();
   for (const LabelVolume& object : result.objects) {
     objects.push_back({{"label", object.label},
                        {"voxels", object.voxels},
                        {"mm3", optional_json(mm3_of(object.voxels, result.volume))}});
   }
-  return {{"output", arguments.output},
-          {"file_bytes", result.file_bytes},
-          {"objects", objects}};
+  return {{"output", options.output.path}, {"file_bytes", result.file_bytes}, {"objects", objects}};
 }
 
-int run_threshold(const ThresholdArguments& arguments, Context& context) {
-  const ThresholdResult result = run_task(threshold, options_of(arguments, context), context);
-  print_result(context, report_json(arguments, result), report_text(arguments, result));
+int run_threshold(const ThresholdOptions& options, Context& context) {
+  require_values(options);
+  const ThresholdResult result = run_task(threshold, options, context);
+  print_result(context, report_json(options, result), report_text(options, result));
   return kExitDone;
 }
 
 }  // namespace
 
 void add_threshold(CLI::App& app, Context& context) {
-  const auto arguments = std::make_shared<ThresholdArguments>();
-  Verb verb = add_verb(app, context, kThresholdText,
-                            [arguments, &context] { return run_threshold(*arguments, context); });
-  verb.add_input(arguments->input);
-  verb.add_output(arguments->output, "The .8vo mask to write");
-  Option range = verb.add_option("--range", arguments->ranges, "Values LOW:HIGH to take");
-  range->type_name("LOW:HIGH")->allow_extra_args(false);
-  Option tissue = verb.add_option("--tissue", arguments->tissues, "A range by name");
-  tissue->type_name("NAME")->allow_extra_args(false)->check(one_of(tissue_names()));
-  Option label = add_label_option(verb, arguments->labels, "A label of a label map");
-  verb.add_option("--class", arguments->classes, "Values that get a label: LABEL=LOW:HIGH")
-      ->type_name("N=LOW:HIGH")
-      ->allow_extra_args(false)
-      ->excludes(range)
-      ->excludes(tissue)
-      ->excludes(label);
-  verb.add_flag("--stored", arguments->stored, "Ranges are stored values instead of real ones")
-      ->excludes(tissue);
+  auto [verb, options] = add_verb(app, context, kThresholdText, run_threshold);
+  verb.add_input(options.input);
+  verb.add_output(options.output, "The .8vo mask to write");
+  Option range =
+      verb.add_list("--range LOW:HIGH", options.ranges, parse_range, "Values LOW:HIGH to take");
+  Option tissue = add_tissues(verb, options.tissues);
+  Option label = add_label_option(verb, options.labels, "A label of a label map");
+  verb.add_list("--class N=LOW:HIGH", options.classes, parse_class,
+                "Values that get a label: LABEL=LOW:HIGH")
+      .excludes(range)
+      .excludes(tissue)
+      .excludes(label);
+  verb.add_flag("--stored", options.is_stored, "Ranges are stored values instead of real ones")
+      .excludes(tissue);
 }
 
 }  // namespace octavo::cli

@@ -1,7 +1,6 @@
 // octavo touch: do two objects overlap or touch, and which labels of a label map lie side by side.
 #include <fmt/format.h>
 
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -9,6 +8,7 @@
 #include "common/failure.h"
 #include "common/options.h"
 #include "common/task_run.h"
+#include "common/volume_options.h"
 #include "octavo/core/text.h"
 #include "octavo/core/url_text.h"
 #include "octavo/tasks/geometry_words.h"
@@ -39,7 +39,9 @@ constexpr VerbText kTouchText = {
 
 struct TouchArguments {
   std::vector<std::string> inputs;
-  int connectivity = 6;
+  Connectivity connectivity = Connectivity::faces;
+
+  int neighbors() const { return static_cast<int>(connectivity); }
 };
 
 std::uint64_t face_count(const std::array<std::uint64_t, 3>& faces) {
@@ -110,7 +112,7 @@ nlohmann::ordered_json masks_json(const TouchArguments& arguments,
   const Interference& found = result.found;
   return {{"masks", {public_name(arguments.inputs[0]), public_name(arguments.inputs[1])}},
           {"relation", relation_of(found)},
-          {"connectivity", arguments.connectivity},
+          {"connectivity", arguments.neighbors()},
           {"overlap", extent_json(found.overlap, result.volume)},
           {"contact_a", extent_json(found.contact_a, result.volume)},
           {"contact_b", extent_json(found.contact_b, result.volume)},
@@ -133,7 +135,7 @@ std::string labels_text(const TouchArguments& arguments, const TouchLabelsResult
       counted_text(static_cast<std::int64_t>(result.contacts.size()), "pair of labels touches",
                    "pairs of labels touch"));
   if (result.contacts.empty()) return text;
-  const bool is_faces = arguments.connectivity == 6;
+  const bool is_faces = arguments.connectivity == Connectivity::faces;
   const NameColumn first = names_of(result, &LabelContact::first);
   const NameColumn second = names_of(result, &LabelContact::second);
   text += fmt::format("{:>10}{} {:>10}{} {:>14} {:>14}{}\n", "label", first.head(), "label",
@@ -164,18 +166,18 @@ nlohmann::ordered_json labels_json(const TouchArguments& arguments,
          {"voxel_pairs", contact.voxel_pairs}});
   }
   return {{"labels", public_name(arguments.inputs[0])},
-          {"connectivity", arguments.connectivity},
+          {"connectivity", arguments.neighbors()},
           {"pairs", pairs}};
 }
 
 int run_touch(const TouchArguments& arguments, Context& context) {
-  const auto connectivity = static_cast<Connectivity>(arguments.connectivity);
   if (arguments.inputs.size() == 1) {
-    const TouchLabelsOptions options = {arguments.inputs[0], connectivity};
+    const TouchLabelsOptions options = {arguments.inputs[0], arguments.connectivity};
     const TouchLabelsResult result = run_task(touch_labels, options, context);
     print_result(context, labels_json(arguments, result), labels_text(arguments, result));
   } else {
-    const TouchMasksOptions options = {arguments.inputs[0], arguments.inputs[1], connectivity};
+    const TouchMasksOptions options = {arguments.inputs[0], arguments.inputs[1],
+                                       arguments.connectivity};
     const TouchMasksResult result = run_task(touch_masks, options, context);
     print_result(context, masks_json(arguments, result), masks_text(arguments, result));
   }
@@ -185,18 +187,12 @@ int run_touch(const TouchArguments& arguments, Context& context) {
 }  // namespace
 
 void add_touch(CLI::App& app, Context& context) {
-  const auto arguments = std::make_shared<TouchArguments>();
-  Verb verb = add_verb(app, context, kTouchText,
-                            [arguments, &context] { return run_touch(*arguments, context); });
-  verb.add_option("inputs", arguments->inputs, "Two masks, or one label map, .8vo")
-      ->type_name("FILE")
-      ->required()
-      ->expected(1, 2);
-  verb.add_option("--connectivity", arguments->connectivity,
-                  "Neighbors share a face (6), a face or an edge (18), a corner as well (26)")
-      ->type_name("N")
-      ->check(one_of({6, 18, 26}))
-      ->capture_default_str();
+  auto [verb, arguments] = add_verb(app, context, kTouchText, run_touch);
+  verb.add_option("inputs FILE", arguments.inputs, "Two masks, or one label map, .8vo")
+      .required()
+      .expected(1, 2);
+  add_connectivity(verb, arguments.connectivity,
+                   "Neighbors share a face (6), a face or an edge (18), a corner as well (26)");
 }
 
 }  // namespace octavo::cli

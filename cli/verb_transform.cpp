@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
+#include <cstring>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <variant>
@@ -12,6 +12,7 @@
 #include "common/failure.h"
 #include "common/options.h"
 #include "common/task_run.h"
+#include "common/volume_options.h"
 #include "octavo/tasks/affine_file.h"
 #include "octavo/tasks/transform.h"
 #include "octavo/tasks/volume_facts.h"
@@ -59,16 +60,10 @@ struct TypedStep {
 };
 
 struct TransformArguments {
-  std::string input;
-  std::string output;
+  TransformOptions options;      ///< with the steps once they are parsed
   std::vector<TypedStep> steps;  ///< in the order of the command line
-  std::string grid_of;
   bool is_inverse = false;
   bool is_in_place = false;
-  std::string interpolation;
-  std::string fill;
-  std::string preset = "small";
-  std::string max_error = "0";
 };
 
 TransformStep parse_step(const TypedStep& typed, const TransformArguments& arguments) {
@@ -82,12 +77,6 @@ TransformStep parse_step(const TypedStep& typed, const TransformArguments& argum
   ScaleStep scale = parse_scale(text);
   scale.is_in_place = arguments.is_in_place;
   return scale;
-}
-
-std::vector<TransformStep> steps_of(const TransformArguments& arguments) {
-  std::vector<TransformStep> steps;
-  for (const TypedStep& typed : arguments.steps) add_step(parse_step(typed, arguments), steps);
-  return steps;
 }
 
 /// A rotation that may have to interpolate.
@@ -107,8 +96,10 @@ void require_use(bool is_given, const char* option, bool is_of_use, const char* 
 }
 
 /// Rejects options that none of the steps heeds.
-void check_options(const TransformArguments& arguments, const std::vector<TransformStep>& steps) {
-  const bool has_grid = !arguments.grid_of.empty();
+void check_options(const TransformArguments& arguments) {
+  const TransformOptions& options = arguments.options;
+  const std::vector<TransformStep>& steps = options.steps;
+  const bool has_grid = !options.grid_of.empty();
   if (steps.empty() && !has_grid) {
     throw Error(ErrorKind::invalid_argument,
                 "transform needs one of --translate, --translate-mm, --shift, --rotate, --mirror, "
@@ -130,40 +121,16 @@ void check_options(const TransformArguments& arguments, const std::vector<Transf
   require_use(arguments.is_in_place, "--in-place",
               has_one(is_a.operator()<RotateStep, MirrorStep, ScaleStep>()),
               "--rotate, --mirror and --scale");
-  require_use(!arguments.fill.empty(), "--fill",
+  require_use(options.fill.has_value(), "--fill",
               is_resampled || has_one(is_a.operator()<ShiftStep>()),
               "--shift, --affine, --grid-of and --rotate by other angles than quarter turns");
-  require_use(!arguments.interpolation.empty(), "--interpolation", is_resampled || has_scale_up,
+  require_use(options.interpolation.has_value(), "--interpolation", is_resampled || has_scale_up,
               "--affine, --grid-of, --scale N and --rotate by other angles than quarter turns");
   const bool is_copy =
       !has_grid && std::all_of(steps.begin(), steps.end(),
                                is_a.operator()<TranslateStep, TranslateMmStep>());
-  require_use(arguments.preset != "small", "--preset", !is_copy, "what makes new voxels");
-  require_use(arguments.max_error != "0", "--max-error", !is_copy, "what makes new voxels");
-}
-
-std::optional<Interpolation> parse_interpolation(const std::string& name) {
-  if (name.empty()) return std::nullopt;
-  if (name == "nearest") return Interpolation::nearest;
-  return name == "linear" ? Interpolation::linear : Interpolation::cubic;
-}
-
-std::optional<double> parse_fill(const std::string& text) {
-  return text.empty() ? std::nullopt : std::optional(parse_number(text, "--fill"));
-}
-
-TransformOptions options_of(const TransformArguments& arguments, const Context& context) {
-  TransformOptions options;
-  options.steps = steps_of(arguments);
-  check_options(arguments, options.steps);
-  options.input = arguments.input;
-  options.output = {arguments.output, context.force};
-  options.grid_of = arguments.grid_of;
-  options.interpolation = parse_interpolation(arguments.interpolation);
-  options.fill = parse_fill(arguments.fill);
-  options.preset = arguments.preset == "fast" ? Preset::fast : Preset::small;
-  options.max_error = parse_max_error(arguments.max_error);
-  return options;
+  require_use(options.preset != Preset::small, "--preset", !is_copy, "what makes new voxels");
+  require_use(options.max_error != 0, "--max-error", !is_copy, "what makes new voxels");
 }
 
 /// " of 1 x 1 x 2 mm, origin 0, 0, 0 mm"
@@ -173,10 +140,9 @@ std::string grid_text(const VolumeDescription& volume) {
                      point_text(volume.geometry.origin_mm, ", "));
 }
 
-nlohmann::ordered_json report_json(const TransformArguments& arguments,
-                                   const TransformResult& result) {
+nlohmann::ordered_json report_json(const TransformOptions& options, const TransformResult& result) {
   const VolumeDescription& volume = result.volume;
-  return {{"output", arguments.output},
+  return {{"output", options.output.path},
           {"operation", result.operation},
           {"bricks", result.is_copied ? "copied" : "made"},
           {"size", size_json(volume.size)},
@@ -187,57 +153,62 @@ nlohmann::ordered_json report_json(const TransformArguments& arguments,
 }
 
 int run_transform(const TransformArguments& arguments, Context& context) {
-  const TransformResult result = run_task(transform, options_of(arguments, context), context);
-  print_result(context, report_json(arguments, result),
-               fmt::format("{}: {} voxels{}; {}\n", arguments.output,
-                           size_text(result.volume.size), grid_text(result.volume),
-                           result.summary));
+  check_options(arguments);
+  const TransformOptions& options = arguments.options;
+  const TransformResult result = run_task(transform, options, context);
+  print_result(
+      context, report_json(options, result),
+      fmt::format("{}: {} voxels{}; {}\n", options.output.path, size_text(result.volume.size),
+                  grid_text(result.volume), result.summary));
   return kExitDone;
 }
 
 }  // namespace
 
 void add_transform(CLI::App& app, Context& context) {
-  const auto arguments = std::make_shared<TransformArguments>();
-  Verb verb = add_verb(app, context, kTransformText,
-                            [arguments, &context] { return run_transform(*arguments, context); });
-  const auto add = [&](const char* name, std::string& value, const char* text, const char* type) {
-    return verb.add_option(name, value, text)->type_name(type);
+  auto [verb, arguments] = add_verb(app, context, kTransformText, run_transform);
+  TransformOptions& options = arguments.options;
+  verb.add_input(options.input);
+  verb.add_output(options.output, "The .8vo file to write");
+  auto add = [verb = verb, &arguments = arguments](const char* name,
+                                                         const char* help) mutable {
+    verb.add_option_in_order(
+            name,
+            [&arguments,
+             option = std::string(name, std::strcspn(name, " "))](const std::string& value) {
+              arguments.steps.push_back({option, value});
+            },
+            help)
+        .group("Steps, in the order in which they are typed");
   };
-  add("file", arguments->input, "An .8vo file or a URL of one", "FILE")->required();
-  add("-o,--output", arguments->output, "The .8vo file to write", "FILE")->required();
-  const char* const kSteps = "Steps, in the order in which they are typed";
-  const auto add_step = [&](const char* name, const char* text, const char* type) {
-    verb.add_option_in_order(name,
-                             [arguments, option = std::string(name)](const std::string& value) {
-                               arguments->steps.push_back({option, value});
-                             },
-                             text)
-        ->type_name(type)
-        ->group(kSteps);
-  };
-  add_step("--translate", "Move the volume by x,y,z voxels: its origin", "X,Y,Z");
-  add_step("--translate-mm", "Move the volume by x,y,z mm (LPS): its origin", "X,Y,Z");
-  add_step("--shift", "Move the voxels by x,y,z within the grid", "X,Y,Z");
-  add_step("--rotate", "Turn about an axis of the grid, or X,Y,Z: z:90, x:-12.5, 1,1,0:30",
-           "AXIS:DEGREES");
-  add_step("--mirror", "Reverse an index axis: x, y or z", "AXIS");
-  add_step("--scale", "A grid N times as fine, or 1/N: a coarser level", "N");
-  add_step("--affine", "Move the object by a 4 x 4 matrix in a text file (mm, LPS)", "FILE");
-  add("--grid-of", arguments->grid_of, "Resample onto the grid of this .8vo file", "FILE");
-  verb.add_flag("--inverse", arguments->is_inverse, "Take the inverse of the matrices");
-  verb.add_flag("--in-place", arguments->is_in_place,
+  add("--translate X,Y,Z", "Move the volume by x,y,z voxels: its origin");
+  add("--translate-mm X,Y,Z", "Move the volume by x,y,z mm (LPS): its origin");
+  add("--shift X,Y,Z", "Move the voxels by x,y,z within the grid");
+  add("--rotate AXIS:DEGREES", "Turn about an axis of the grid, or X,Y,Z: z:90, x:-12.5, 1,1,0:30");
+  add("--mirror AXIS", "Reverse an index axis: x, y or z");
+  add("--scale N", "A grid N times as fine, or 1/N: a coarser level");
+  add("--affine FILE", "Move the object by a 4 x 4 matrix in a text file (mm, LPS)");
+  verb.before_run([&arguments = arguments] {
+    for (const TypedStep& typed : arguments.steps) {
+      add_step(parse_step(typed, arguments), arguments.options.steps);
+    }
+  });
+  verb.add_option("--grid-of FILE", options.grid_of, "Resample onto the grid of this .8vo file");
+  verb.add_flag("--inverse", arguments.is_inverse, "Take the inverse of the matrices");
+  verb.add_flag("--in-place", arguments.is_in_place,
                 "Keep direction and center of the grid: the object turns or grows");
-  add("--interpolation", arguments->interpolation,
-      "nearest, linear or cubic: Keys, a = -0.5 (default: linear; labels: nearest)", "NAME")
-      ->check(one_of({"nearest", "linear", "cubic"}));
-  add("--fill", arguments->fill,
-      "Real value from outside (default: the minimum, of lossless floats near it; labels: 0)", "V");
-  add("--preset", arguments->preset, "small: fewest bytes; fast: several times faster", "NAME")
-      ->check(one_of({"small", "fast"}))
-      ->capture_default_str();
-  add("--max-error", arguments->max_error, "Every new voxel within E of what was computed", "E")
-      ->capture_default_str();
+  verb.add_word("--interpolation NAME", options.interpolation,
+                {{"nearest", Interpolation::nearest},
+                 {"linear", Interpolation::linear},
+                 {"cubic", Interpolation::cubic}},
+                "nearest, linear or cubic: Keys, a = -0.5 (default: linear; labels: nearest)");
+  verb.add_parsed(
+      "--fill V", options.fill, parse_number,
+      "Real value from outside (default: the minimum, of lossless floats near it; labels: 0)");
+  add_preset(verb, options.preset);
+  verb.add_parsed("--max-error E", options.max_error, parse_max_error,
+                  "Every new voxel within E of what was computed")
+      .default_str("0");
 }
 
 }  // namespace octavo::cli

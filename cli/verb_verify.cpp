@@ -1,13 +1,12 @@
 // octavo verify: is a file sound, and does it hold what its source holds?
 #include <fmt/format.h>
 
-#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "common/failure.h"
 #include "common/options.h"
 #include "common/part_options.h"
-#include "common/scan_arguments.h"
+#include "common/scan_options.h"
 #include "common/task_run.h"
 #include "octavo/core/url_text.h"
 #include "octavo/tasks/files/verify_parts.h"
@@ -46,9 +45,8 @@ constexpr const char* kHidingAdvice =
     "; repair restores it, unless what it hides is damaged as well";
 
 struct VerifyArguments {
-  std::string input;
-  std::vector<std::string> against;
-  ScanArguments scan;
+  VerifyVolumeOptions options;
+  std::function<bool()> is_scan_told;  ///< by options of a source
   PartArguments parts;
 };
 
@@ -113,13 +111,13 @@ std::string extent_text(const VerifyReport& report) {
                                 const Context& context) {
   const VerifyReport& report = result.report;
   const Damage& first = report.damages.front();
-  if (context.json) print_json(result_json(arguments.input, result));
+  if (context.json) print_json(result_json(arguments.options.input, result));
   if (report.damage_count == 1) {
-    throw Error(ErrorKind::corrupt, first.detail + extent_text(report), arguments.input,
+    throw Error(ErrorKind::corrupt, first.detail + extent_text(report), arguments.options.input,
                 first.offset);
   }
   for (const Damage& damage : report.damages) {
-    context.note(escaped(public_name(arguments.input)) + ": " + damage.detail);
+    context.note(escaped(public_name(arguments.options.input)) + ": " + damage.detail);
   }
   const auto listed = static_cast<std::int64_t>(report.damages.size());
   const std::string named =
@@ -128,14 +126,15 @@ std::string extent_text(const VerifyReport& report) {
   throw Error(ErrorKind::corrupt,
               fmt::format("{} damaged places{}{}", count_text(report.damage_count), named,
                           extent_text(report)),
-              arguments.input, first.offset);
+              arguments.options.input, first.offset);
 }
 
 std::string difference_text(const VerifyArguments& arguments, const VerifyVolumeResult& result) {
   const VolumeDescription& source = result.against->source;
   const Comparison& c = result.against->comparison;
-  std::string text = fmt::format("{}: sound, but differs from {}\n", public_name(arguments.input),
-                                 public_name(arguments.against.front()));
+  std::string text =
+      fmt::format("{}: sound, but differs from {}\n", public_name(arguments.options.input),
+                  public_name(arguments.options.against.front()));
   for (const std::string& line : comparison_lines(c, result.volume, source)) {
     text += "  " + line + "\n";
   }
@@ -148,7 +147,7 @@ std::string difference_text(const VerifyArguments& arguments, const VerifyVolume
 
 std::string sound_text(const VerifyArguments& arguments, const VerifyVolumeResult& result) {
   const std::string missing = missing_words(result.volume.metadata);
-  return fmt::format("{}: sound; {}, {} read and decoded{}\n", public_name(arguments.input),
+  return fmt::format("{}: sound; {}, {} read and decoded{}\n", public_name(arguments.options.input),
                      counted_text(result.report.brick_count, "brick"),
                      bytes_text(result.report.file_bytes),
                      missing.empty() ? "" : "; but " + missing);
@@ -159,25 +158,26 @@ std::string faithful_text(const VerifyArguments& arguments, const VerifyVolumeRe
   const std::string within = distance_text(result.volume, check.allowed_error);
   const bool is_exact = check.allowed_error == 0;
   return fmt::format(
-      "{}: sound; {} {} of {}{}, {}; {} checked\n", public_name(arguments.input),
+      "{}: sound; {} {} of {}{}, {}; {} checked\n", public_name(arguments.options.input),
       is_exact ? "equal to all" : "within " + within + " of all",
-      counted_text(check.comparison.voxels, "voxel"), public_name(arguments.against.front()),
+      counted_text(check.comparison.voxels, "voxel"),
+      public_name(arguments.options.against.front()),
       check.has_planes_between ? " with planes in between" : "",
       check.comparison.is_place_known ? "and in geometry" : "whose spacing is not known",
       counted_text(result.report.brick_count, "brick"));
 }
 
 int run_verify_part(const VerifyArguments& arguments, Context& context) {
-  const VerifyPartOptions options = {arguments.input, part_of(arguments.parts),
-                                     part_output(arguments.parts, context)};
+  const VerifyPartOptions options = {arguments.options.input, *arguments.parts.part,
+                                     arguments.parts.output_of_part()};
   const VerifiedPart found = run_task(verify_volume_part, options, context);
   if (context.json) {
-    nlohmann::ordered_json object = result_json(arguments.input, {found.report, {}, {}});
+    nlohmann::ordered_json object = result_json(arguments.options.input, {found.report, {}, {}});
     object.erase("sound");  // that all parts together say
     print_json(object);
   } else if (!context.quiet) {
     print(fmt::format("{}: part {} of {} of {}: {}, {}\n", options.output.path, found.part.number,
-                      found.part.count, public_name(arguments.input),
+                      found.part.count, public_name(arguments.options.input),
                       counted_text(found.report.brick_count, "brick"),
                       counted_text(found.report.damage_count, "damaged place")));
   }
@@ -186,12 +186,10 @@ int run_verify_part(const VerifyArguments& arguments, Context& context) {
 
 VerifyVolumeResult verified(const VerifyArguments& arguments, Context& context) {
   if (!arguments.parts.join.empty()) {
-    const JoinVerifiedOptions options = {arguments.input, arguments.parts.join};
+    const JoinVerifiedOptions options = {arguments.options.input, arguments.parts.join};
     return run_task(join_verified, options, context);
   }
-  const VerifyVolumeOptions options = {arguments.input, arguments.against,
-                                       scan_options(arguments.scan)};
-  return run_task(verify_volume, options, context);
+  return run_task(verify_volume, arguments.options, context);
 }
 
 /// Where that fails, as of what cannot be opened, the error is in the JSON object.
@@ -200,7 +198,7 @@ VerifyVolumeResult verified_or_error(const VerifyArguments& arguments, Context& 
     return verified(arguments, context);
   } catch (const Error& error) {
     if (context.json) {
-      print_json({{"file", public_name(arguments.input)},
+      print_json({{"file", public_name(arguments.options.input)},
                   {"sound", nullptr},
                   {"error", error_json(error)}});
     }
@@ -210,20 +208,20 @@ VerifyVolumeResult verified_or_error(const VerifyArguments& arguments, Context& 
 
 int run_verify(const VerifyArguments& arguments, Context& context) {
   check_part_options(arguments.parts);
-  const bool is_in_parts = !arguments.parts.part.empty() || !arguments.parts.join.empty();
-  if (is_in_parts && !arguments.against.empty()) {
+  const bool is_in_parts = arguments.parts.part.has_value() || !arguments.parts.join.empty();
+  if (is_in_parts && !arguments.options.against.empty()) {
     throw Error(ErrorKind::invalid_argument, "--against goes without --part and --join");
   }
-  if (is_in_parts && arguments.scan != ScanArguments()) {
+  if (is_in_parts && arguments.is_scan_told()) {
     throw Error(ErrorKind::invalid_argument,
                 "options of a source go with --against, not with --part and --join");
   }
-  if (!arguments.parts.part.empty()) return run_verify_part(arguments, context);
+  if (arguments.parts.part) return run_verify_part(arguments, context);
   const VerifyVolumeResult result = verified_or_error(arguments, context);
   if (!result.report.is_sound()) report_damage(arguments, result, context);
   const bool is_good = !result.against || result.against->is_faithful();
   if (context.json) {
-    print_json(result_json(arguments.input, result));
+    print_json(result_json(arguments.options.input, result));
   } else if (!is_good) {
     print(difference_text(arguments, result));
   } else if (!context.quiet) {
@@ -235,14 +233,12 @@ int run_verify(const VerifyArguments& arguments, Context& context) {
 }  // namespace
 
 void add_verify(CLI::App& app, Context& context) {
-  const auto arguments = std::make_shared<VerifyArguments>();
-  Verb verb = add_verb(app, context, kVerifyText,
-                            [arguments, &context] { return run_verify(*arguments, context); });
-  verb.add_input(arguments->input);
-  verb.add_option("--against", arguments->against, "The source it was built from")
-      ->type_name("SOURCE");
-  add_scan_options(verb, arguments->scan);
-  add_part_options(verb, arguments->parts);
+  auto [verb, arguments] = add_verb(app, context, kVerifyText, run_verify);
+  verb.add_input(arguments.options.input);
+  verb.add_option("--against SOURCE", arguments.options.against, "The source it was built from");
+  arguments.is_scan_told =
+      verb.add_together([verb, &scan = arguments.options.scan] { add_scan_options(verb, scan); });
+  add_part_options(verb, arguments.parts);
 }
 
 }  // namespace octavo::cli

@@ -6,32 +6,17 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "common/label_option.h"
+#include "common/volume_options.h"
 #include "octavo/core/url_text.h"
 #include "text/label_words.h"
 #include "text/quantities.h"
+#include "text/value_range_words.h"
 
 namespace octavo::cli {
 
 namespace {
 
 constexpr std::size_t kPrintBytes = std::size_t{1} << 16;
-
-AskedRange range_of_codes(const std::string& text) {
-  const std::vector<std::string> ends = split(text, ':');
-  if (ends.size() != 2) {
-    throw Error(ErrorKind::invalid_argument, "--range: '" + escaped(text) + "'; expected LO:HI");
-  }
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  const AskedRange range = {
-      ends[0].empty() ? -kInfinity : parse_number(ends[0], "--range"),
-      ends[1].empty() ? kInfinity : parse_number(ends[1], "--range")};
-  if (range.lowest > range.highest) {
-    throw Error(ErrorKind::invalid_argument,
-                "--range: '" + escaped(text) + "' is empty; expected LO <= HI");
-  }
-  return range;
-}
 
 std::string summary_text(const LinearOctree& octree, const VolumeDescription& d,
                          const std::string& path) {
@@ -79,6 +64,14 @@ std::string counts_text(const LinearOctree& octree, const LabelNames& label_name
                         count_text(static_cast<std::int64_t>(voxels_under(row))), levels);
   }
   return text;
+}
+
+bool is_mixed(const CodesArguments& arguments) {
+  return arguments.options.notation == CodeNotation::mixed_octal;
+}
+
+const char* notation_name(const CodesArguments& arguments) {
+  return is_mixed(arguments) ? "mixed" : "linear";
 }
 
 /// Calls `take(code text, leaf)` for every leaf in the order of the notation.
@@ -184,12 +177,9 @@ nlohmann::ordered_json neighbors_json(const CubeSurroundings& around, const Cube
     row.update(words.found(around.neighbors[i]));
     rows.push_back(row);
   }
-  return {{"root_level", words.root_level},
-          {"notation", arguments.notation},
-          {"code", words.code(around.cube)},
-          {"level", around.cube.level},
-          {"cube", words.found(around.filling)},
-          {"neighbors", rows}};
+  return {{"root_level", words.root_level},      {"notation", notation_name(arguments)},
+          {"code", words.code(around.cube)},     {"level", around.cube.level},
+          {"cube", words.found(around.filling)}, {"neighbors", rows}};
 }
 
 nlohmann::ordered_json result_json(const LinearOctree& octree, const LabelNames& names,
@@ -206,7 +196,7 @@ nlohmann::ordered_json result_json(const LinearOctree& octree, const LabelNames&
                                    {"leaves", leaf_count(octree)},
                                    {"voxels", leaf_volume(octree)},
                                    {"levels", levels}};
-  if (arguments.counts) {
+  if (arguments.is_counts) {
     nlohmann::ordered_json labels = nlohmann::ordered_json::array();
     for (const auto& [label, row] : leaves_by_label(octree)) {
       labels.push_back({{"label", label},
@@ -216,13 +206,12 @@ nlohmann::ordered_json result_json(const LinearOctree& octree, const LabelNames&
     }
     object["labels"] = labels;
   }
-  if (arguments.list) {
+  if (arguments.is_list) {
     nlohmann::ordered_json codes = nlohmann::ordered_json::array();
-    for_each_leaf(
-        octree, arguments.notation == "mixed", [&](const std::string& code, const Leaf& leaf) {
-          codes.push_back({{"level", leaf.cube.level}, {"code", code}, {"value", leaf.value}});
-        });
-    object["notation"] = arguments.notation;
+    for_each_leaf(octree, is_mixed(arguments), [&](const std::string& code, const Leaf& leaf) {
+      codes.push_back({{"level", leaf.cube.level}, {"code", code}, {"value", leaf.value}});
+    });
+    object["notation"] = notation_name(arguments);
     object["codes"] = codes;
   }
   return object;
@@ -232,45 +221,35 @@ nlohmann::ordered_json result_json(const LinearOctree& octree, const LabelNames&
 std::uint64_t printed_bytes_per_leaf(const CodesArguments& arguments, const Context& context) {
   constexpr std::uint64_t kOrderedBytes = 24;
   constexpr std::uint64_t kJsonBytes = 512;
-  if (!arguments.list) return 0;
-  return (arguments.notation == "mixed" ? kOrderedBytes : 0) + (context.json ? kJsonBytes : 0);
+  if (!arguments.is_list) return 0;
+  return (is_mixed(arguments) ? kOrderedBytes : 0) + (context.json ? kJsonBytes : 0);
 }
 
 }  // namespace
 
 void add_codes_options(Verb verb, CodesArguments& arguments) {
-  verb.add_input(arguments.input);
-  const Option label = add_label_option(verb, arguments.labels, "Only this label");
-  verb.add_option("--range", arguments.range, "A mask: real values from LO to HI, both included")
-      ->type_name("LO:HI")
-      ->excludes(label);
-  verb.add_option("--level", arguments.level, "Level of detail whose samples are condensed")
-      ->type_name("K")
-      ->capture_default_str();
-  Option list = verb.add_flag("--list", arguments.list, "Print every leaf");
-  Option counts =
-      verb.add_flag("--counts", arguments.counts, "Count leaves by label and level");
-  verb.add_option("--neighbors", arguments.neighbors, "Print what lies beside this cube")
-      ->type_name("CODE")
-      ->excludes(list)
-      ->excludes(counts);
-  verb.add_option("--notation", arguments.notation, "Of codes: mixed (mixed-octal) or linear")
-      ->type_name("NAME")
-      ->check(one_of({"mixed", "linear"}))
-      ->capture_default_str();
+  CodesOptions& options = arguments.options;
+  verb.add_input(options.input);
+  const Option label = add_label_option(verb, options.labels, "Only this label");
+  verb.add_parsed("--range LO:HI", options.range, parse_range,
+                  "A mask: real values from LO to HI, both included")
+      .excludes(label);
+  add_level(verb, options.level, "Level of detail whose samples are condensed");
+  Option list = verb.add_flag("--list", arguments.is_list, "Print every leaf");
+  Option counts = verb.add_flag("--counts", arguments.is_counts, "Count leaves by label and level");
+  verb.add_option("--neighbors CODE", options.neighbors_of, "Print what lies beside this cube")
+      .excludes(list)
+      .excludes(counts);
+  verb.add_word("--notation NAME", options.notation,
+                {{"mixed", CodeNotation::mixed_octal}, {"linear", CodeNotation::hierarchical}},
+                "Of codes: mixed (mixed-octal) or linear");
 }
 
 CodesOptions codes_options(const CodesArguments& arguments, const Context& context) {
-  if (arguments.list && arguments.counts && !context.json) {
+  if (arguments.is_list && arguments.is_counts && !context.json) {
     throw Error(ErrorKind::invalid_argument, "--list goes with --counts under --json alone");
   }
-  CodesOptions options;
-  options.input = arguments.input;
-  options.level = arguments.level;
-  options.labels = parse_labels(arguments.labels);
-  if (!arguments.range.empty()) options.range = range_of_codes(arguments.range);
-  if (arguments.notation == "linear") options.notation = CodeNotation::hierarchical;
-  if (!arguments.neighbors.empty()) options.neighbors_of = arguments.neighbors;
+  CodesOptions options = arguments.options;
   options.bytes_per_leaf = printed_bytes_per_leaf(arguments, context);
   return options;
 }
@@ -279,20 +258,18 @@ void print_codes(const CodesResult& result, const CodesArguments& arguments,
                  const Context& context) {
   const LinearOctree& octree = result.octree;
   const LabelNames& names = result.volume.metadata.facts().labels;
-  const CodeNotation notation =
-      arguments.notation == "linear" ? CodeNotation::hierarchical : CodeNotation::mixed_octal;
   if (result.surroundings) {
-    const CubeWords words = {octree.root_level, notation, names};
+    const CubeWords words = {octree.root_level, arguments.options.notation, names};
     if (context.json) print_json(neighbors_json(*result.surroundings, words, arguments));
     else print(neighbors_text(*result.surroundings, words));
   } else if (context.json) {
     print_json(result_json(octree, names, arguments));
-  } else if (arguments.list) {
-    print_list(octree, arguments.notation == "mixed");
-  } else if (arguments.counts) {
+  } else if (arguments.is_list) {
+    print_list(octree, is_mixed(arguments));
+  } else if (arguments.is_counts) {
     print(counts_text(octree, names));
   } else {
-    print(summary_text(octree, result.volume, public_name(arguments.input)));
+    print(summary_text(octree, result.volume, public_name(arguments.options.input)));
   }
 }
 

@@ -1,9 +1,6 @@
 // The options of `codes` and what it prints, for every program that has the verb.
 #pragma once
 
-#include <string>
-#include <vector>
-
 #include "common/context.h"
 #include "common/options.h"
 #include "octavo/tasks/files/codes.h"
@@ -11,19 +8,14 @@
 namespace octavo::cli {
 
 struct CodesArguments {
-  std::string input;
-  int level = 0;
-  std::vector<std::string> labels;
-  std::string range;
-  std::string notation = "mixed";
-  std::string neighbors;
-  bool list = false;
-  bool counts = false;
+  CodesOptions options;
+  bool is_list = false;
+  bool is_counts = false;
 };
 
 void add_codes_options(Verb verb, CodesArguments& arguments);
 
-/// Throws Error{invalid_argument} naming the option that cannot be understood
+/// Throws Error{invalid_argument} where options do not go together
 CodesOptions codes_options(const CodesArguments& arguments, const Context& context);
 
 void print_codes(const CodesResult& result, const CodesArguments& arguments,

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 #include <thread>
+#include <utility>
 
 #include "common/options.h"
 #include "octavo/core/error.h"
@@ -69,10 +70,15 @@ void print_json(const nlohmann::ordered_json& object) {
 }
 
 void print_result(const Context& context, nlohmann::ordered_json object, const std::string& text) {
+  print_finding(context, true, std::move(object), text);
+}
+
+void print_finding(const Context& context, bool is_success, nlohmann::ordered_json object,
+                   const std::string& text) {
   if (context.json) {
     object["warnings"] = context.warnings;
     print_json(object);
-  } else if (!context.quiet) {
+  } else if (!context.quiet || !is_success) {
     print(text);
   }
 }

@@ -60,6 +60,10 @@ void print_json(const nlohmann::ordered_json& object);
 /// unless --quiet.
 void print_result(const Context& context, nlohmann::ordered_json object, const std::string& text);
 
+/// The same, but that --quiet leaves out a text alone that is of success.
+void print_finding(const Context& context, bool is_success, nlohmann::ordered_json object,
+                   const std::string& text);
+
 /// `text` for one line of a message: control characters escaped, UTF-8 and length left alone.
 std::string one_line(const std::string& text);
 

@@ -16,16 +16,11 @@ bool is_method(const std::string& word) {
 
 }  // namespace
 
-void add_isotropic_option(Verb verb, std::string& method) {
-  verb.add_option(kOption, method,
-                  "Make planes between thick slices until voxels are cubes; labels by their shapes")
-      ->type_name("[METHOD]")
-      ->check(one_of(std::vector<std::string>(kMethods.begin(), kMethods.end())));
-}
-
-std::optional<PlaneInterpolation> isotropic_method(const std::string& method) {
-  if (method.empty()) return std::nullopt;
-  return method == "cubic" ? PlaneInterpolation::cubic : PlaneInterpolation::linear;
+void add_isotropic_option(Verb verb, std::optional<PlaneInterpolation>& method) {
+  verb.add_word(
+      kOption + std::string(" [METHOD]"), method,
+      {{kMethods[0], PlaneInterpolation::linear}, {kMethods[1], PlaneInterpolation::cubic}},
+      "Make planes between thick slices until voxels are cubes; labels by their shapes");
 }
 
 std::vector<std::string> with_isotropic_method(std::vector<std::string> words) {

@@ -10,11 +10,8 @@
 
 namespace octavo::cli {
 
-/// method  "linear" or "cubic"; empty when it is not given
-void add_isotropic_option(Verb verb, std::string& method);
-
-/// The method that add_isotropic_option took, if any.
-std::optional<PlaneInterpolation> isotropic_method(const std::string& method);
+/// --isotropic [METHOD]: linear or cubic.
+void add_isotropic_option(Verb verb, std::optional<PlaneInterpolation>& method);
 
 /// The words of a command line, where an --isotropic without a method gets the one it means, so
 /// that the name behind it is not taken for one.

@@ -8,10 +8,15 @@
 #include <cstdint>
 #include <functional>
 #include <initializer_list>
+#include <memory>
+#include <optional>
 #include <string>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "common/context.h"
+#include "octavo/tasks/outputs.h"
 
 namespace CLI {
 class App;
@@ -42,10 +47,8 @@ Check whole_within(std::int64_t minimum, std::int64_t maximum = INT64_MAX);
 class Option {
  public:
   explicit Option(CLI::Option* option) : option_(option) {}
-  Option* operator->() { return this; }
 
   Option required();
-  Option type_name(const std::string& name);
   Option group(const std::string& name);
   Option check(Check check);
   /// Not together with `other`.
@@ -62,15 +65,38 @@ class Option {
   CLI::Option* option_;
 };
 
+/// What a text of the command line stands for: parse(text, "--option") or parse(text).
+template <class Parse>
+auto parsed(const Parse& parse, const std::string& text, const std::string& option) {
+  if constexpr (std::is_invocable_v<Parse, const std::string&, const std::string&>) {
+    return parse(text, option);
+  } else {
+    return parse(text);
+  }
+}
+
+/// The words that an option takes, and what each means.
+template <class T>
+using NamedValues = std::vector<std::pair<const char*, T>>;
+
+struct VerbText {
+  const char* name;
+  const char* summary;   ///< one sentence
+  const char* examples;  ///< shown below the options
+};
+
 /// A verb, or the program itself, to which options are added.
+///
+/// Options are named as they are typed: "-o,--output FILE", "--csv" for a flag, "mask FILE" for a
+/// word without dashes. Variables outlive the parsing. What parse functions and outputs make of
+/// texts is there when the verb runs, and what is wrong with them is said then.
 class Verb {
  public:
-  explicit Verb(CLI::App& app) : app_(&app) {}
+  Verb(CLI::App& app, Context& context);
 
-  /// names     "-o,--output", or a name without dashes for a positional
-  /// variable  std::string, int, std::int64_t, std::uint64_t or double, an optional of the first
-  ///           three or double, or a vector of std::string, std::int64_t or double. It outlives the
-  ///           parsing
+  /// variable  std::string, int, std::int64_t, std::uint64_t, std::size_t or double, an optional of
+  ///           std::string, int, std::int64_t or double, or a vector of std::string, std::int64_t
+  ///           or double
   template <class T>
   Option add_option(const std::string& names, T& variable, const std::string& help);
   /// T is std::string or int.
@@ -81,29 +107,116 @@ class Verb {
   /// as it is read.
   Option add_option_in_order(const std::string& names,
                              std::function<void(const std::string&)> take, const std::string& help);
+  /// Of which `value` becomes what `parse` makes, where it is given.
+  template <class T, class Parse>
+  Option add_parsed(const std::string& names, T& value, Parse parse, const std::string& help) {
+    return add_text(names, help, [&value, parse](const std::string& text, const std::string& name) {
+      value = parsed(parse, text, name);
+    });
+  }
+  /// An option that may be repeated, with one value each time.
+  template <class T>
+  Option add_list(const std::string& names, std::vector<T>& values, const std::string& help) {
+    return add_option(names, values, help).allow_extra_args(false);
+  }
+  template <class T, class Parse>
+  Option add_list(const std::string& names, std::vector<T>& values, Parse parse,
+                  const std::string& help) {
+    return add_texts(names, help,
+                     [&values, parse](const std::string& text, const std::string& name) {
+                       values.push_back(parsed(parse, text, name));
+                     });
+  }
+  /// One of some words. The help shows which of them is the value now, of an optional none.
+  template <class T>
+  Option add_word(const std::string& names, T& value,
+                  const NamedValues<std::type_identity_t<T>>& words, const std::string& help) {
+    Option option = add_word_of(names, value, words, help);
+    for (const auto& [word, meaning] : words) {
+      if (meaning == value) option.default_str(word);
+    }
+    return option;
+  }
+  template <class T>
+  Option add_word(const std::string& names, std::optional<T>& value,
+                  const NamedValues<std::type_identity_t<T>>& words, const std::string& help) {
+    return add_word_of(names, value, words, help);
+  }
+  using TakeText = std::function<void(const std::string& text, const std::string& name)>;
+  /// `take` gets the text that is given, or each of them.
+  Option add_text(const std::string& names, const std::string& help, TakeText take);
+  Option add_texts(const std::string& names, const std::string& help, TakeText take);
   Option add_flag(const std::string& names, bool& variable, const std::string& help);
+  /// A flag that makes `value` what it means.
+  template <class T>
+  Option add_flag_of(const std::string& names, T& value, std::type_identity_t<T> meaning,
+                     const std::string& help) {
+    return add_switch(names, help, [&value, meaning] { value = meaning; });
+  }
+  /// A flag that makes `variable` false.
+  Option add_off_flag(const std::string& names, bool& variable, const std::string& help);
 
   /// The positional "file": an .8vo file or a URL of one.
   Option add_input(std::string& path);
-  /// "-o,--output", which has to be given.
+  /// "-o,--output", which has to be given. --force lets it be replaced.
+  Option add_output(Output& output, const std::string& help);
   Option add_output(std::string& path, const std::string& help);
+  /// A file that is written besides, or instead of nothing.
+  Option add_output_option(const std::string& names, Output& output, const std::string& help);
+  Option add_output_option(const std::string& names, std::optional<Output>& output,
+                           const std::string& help);
+
+  /// Whether one of the options is given that `add` adds; to be asked when the verb runs.
+  std::function<bool()> add_together(const std::function<void()>& add);
 
   /// A group of flags of which exactly one has to be given.
   Verb add_choice(const std::string& name);
 
- private:
-  CLI::App* app_;
-};
+  /// Has `step` done before the verb runs, after the steps that were added before.
+  void before_run(std::function<void()> step) { steps_->push_back(std::move(step)); }
+  /// Does them all, those that are added later as well.
+  std::function<void()> all_before_run() const;
 
-struct VerbText {
-  const char* name;
-  const char* summary;   ///< one sentence
-  const char* examples;  ///< shown below the options
+ private:
+  Option add_switch(const std::string& names, const std::string& help, std::function<void()> take);
+  template <class T, class Value>
+  Option add_word_of(const std::string& names, T& value, const NamedValues<Value>& words,
+                     const std::string& help) {
+    std::vector<std::string> all;
+    for (const auto& [word, meaning] : words) all.emplace_back(word);
+    return add_text(names, help,
+                    [&value, words](const std::string& text, const std::string&) {
+                      for (const auto& [word, meaning] : words) {
+                        if (text == word) value = meaning;
+                      }
+                    })
+        .check(one_of(std::move(all)));
+  }
+
+  CLI::App* app_;
+  Context* context_;
+  std::shared_ptr<std::vector<std::function<void()>>> steps_;
 };
 
 /// Adds a verb whose work is `run`, with the global options; the caller adds its own. `run` returns
 /// the exit code.
 Verb add_verb(CLI::App& app, Context& context, const VerbText& text, std::function<int()> run);
+
+template <class Arguments>
+struct VerbWith {
+  Verb verb;
+  Arguments& arguments;  ///< of the work: options are added to them
+};
+
+/// Adds a verb whose work is run(arguments, context).
+template <class Arguments>
+VerbWith<Arguments> add_verb(CLI::App& app, Context& context, const VerbText& text,
+                             int (*run)(const Arguments&, Context&)) {
+  const auto arguments = std::make_shared<Arguments>();
+  return {
+      add_verb(app, context, text, [run, arguments, &context] { return run(*arguments, context); }),
+      *arguments};
+}
 
 /// Parses words of a verb that `add` declares, apart from those of the program.
 /// Throws Error{invalid_argument} where they are not understood

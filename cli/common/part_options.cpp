@@ -10,41 +10,45 @@
 
 namespace octavo::cli {
 
-void add_part_options(Verb verb, PartArguments& arguments) {
-  add_part_and_join(verb, arguments);
-  verb.add_option("-o,--output", arguments.output, "Where --part puts what it found")
-      ->type_name("FILE")
-      ->group(kPartGroup);
-}
+namespace {
 
-std::pair<Option, Option> add_part_and_join(Verb verb, PartArguments& arguments) {
-  Option part = verb.add_option("--part", arguments.part, "Do part I of N alone, from 0");
-  part->type_name("I/N")->group(kPartGroup);
-  Option join = verb.add_option("--join", arguments.join, "Say what these parts found together");
-  join->type_name("FILE")->group(kPartGroup)->excludes(part);
-  return {part, join};
-}
-
-WorkPart part_of(const PartArguments& arguments) {
-  const std::vector<std::string> numbers = split(arguments.part, '/');
+WorkPart parse_part(const std::string& text, const std::string& option) {
+  const std::vector<std::string> numbers = split(text, '/');
   if (numbers.size() != 2) {
     throw Error(ErrorKind::invalid_argument,
-                "--part: '" + escaped(arguments.part) + "'; expected I/N, as in 0/8");
+                option + ": '" + escaped(text) + "'; expected I/N, as in 0/8");
   }
-  const WorkPart part = {parse_integer(numbers[0], "--part"), parse_integer(numbers[1], "--part")};
+  const WorkPart part = {parse_integer(numbers[0], option), parse_integer(numbers[1], option)};
   require_part(part);
   return part;
 }
 
-Output part_output(const PartArguments& arguments, const Context& context) {
-  if (arguments.output.empty()) {
-    throw Error(ErrorKind::invalid_argument, "--part needs -o FILE for what it finds");
-  }
-  return {arguments.output, context.force};
+}  // namespace
+
+void add_part_options(Verb verb, PartArguments& arguments) {
+  add_part_and_join(verb, arguments);
+  verb.add_output_option("-o,--output FILE", arguments.output, "Where --part puts what it found")
+      .group(kPartGroup);
+}
+
+std::pair<Option, Option> add_part_and_join(Verb verb, PartArguments& arguments) {
+  Option part =
+      verb.add_parsed("--part I/N", arguments.part, parse_part, "Do part I of N alone, from 0")
+          .group(kPartGroup);
+  Option join =
+      verb.add_option("--join FILE", arguments.join, "Say what these parts found together")
+          .group(kPartGroup)
+          .excludes(part);
+  return {part, join};
+}
+
+const Output& PartArguments::output_of_part() const {
+  if (output) return *output;
+  throw Error(ErrorKind::invalid_argument, "--part needs -o FILE for what it finds");
 }
 
 void check_part_options(const PartArguments& arguments) {
-  if (arguments.output.empty() || !arguments.part.empty()) return;
+  if (!arguments.output || arguments.part) return;
   throw Error(ErrorKind::invalid_argument, "-o goes with --part");
 }
 

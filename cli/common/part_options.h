@@ -1,6 +1,7 @@
 // Work in parts: --part I/N -o FILE does one of them, --join FILE... says what all of them found.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -15,9 +16,12 @@ namespace octavo::cli {
 inline constexpr const char* kPartGroup = "Parts, done on many machines or one after another";
 
 struct PartArguments {
-  std::string part;
-  std::string output;
+  std::optional<WorkPart> part;  ///< that is asked for
+  std::optional<Output> output;  ///< where to put what it finds
   std::vector<std::string> join;
+
+  /// Throws Error{invalid_argument} without one.
+  const Output& output_of_part() const;
 };
 
 /// Adds --part, -o and --join.
@@ -25,11 +29,6 @@ void add_part_options(Verb verb, PartArguments& arguments);
 
 /// Adds --part and --join to a verb that has an -o of its own, and returns them in this order.
 std::pair<Option, Option> add_part_and_join(Verb verb, PartArguments& arguments);
-
-/// The part that is asked for, and where to put what it finds. Requires a --part.
-/// Throws Error{invalid_argument}
-WorkPart part_of(const PartArguments& arguments);
-Output part_output(const PartArguments& arguments, const Context& context);
 
 /// Throws Error{invalid_argument} for -o without --part.
 void check_part_options(const PartArguments& arguments);

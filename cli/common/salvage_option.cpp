@@ -38,29 +38,18 @@ const char* fill_name(SalvageFill fill) {
 
 }  // namespace
 
-void add_salvage_option(Verb verb, SalvageArguments& arguments) {
+void add_salvage_option(Verb verb, std::optional<SalvageFilling>& filling) {
   verb.add_option_function<std::string>(
-          "--salvage",
-          [&arguments](const std::string& fill) {
-            arguments.is_asked = true;
-            arguments.fill = fill;
+          "--salvage [FILL]",
+          [&filling](const std::string& fill) {
+            filling.emplace().is_from_coarser = fill == "coarse";
+            if (is_finite_number(fill)) filling->real_value = parse_number(fill, "--salvage");
           },
           "Fill damaged bricks and name them in warnings instead of refusing: with their lowest "
           "value, with a value in real units, or 'coarse': from the next level that is whole")
-      ->expected(0, 1)
-      ->default_str("lowest")
-      ->check({fill_problem, ""})
-      ->type_name("[FILL]");
-}
-
-std::optional<SalvageFilling> salvage_filling(const SalvageArguments& arguments) {
-  if (!arguments.is_asked) return std::nullopt;
-  SalvageFilling filling;
-  filling.is_from_coarser = arguments.fill == "coarse";
-  if (is_finite_number(arguments.fill)) {
-    filling.real_value = parse_number(arguments.fill, "--salvage");
-  }
-  return filling;
+      .expected(0, 1)
+      .default_str("lowest")
+      .check({fill_problem, ""});
 }
 
 nlohmann::ordered_json salvaged_json(const std::optional<SalvageReport>& report) {

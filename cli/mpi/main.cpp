@@ -61,7 +61,7 @@ int run_mpi_program(std::vector<std::string> words) {
   app.get_formatter()->label("SUBCOMMAND", "VERB");
   app.footer(kMpiExitCodes);
   app.require_subcommand(1);
-  add_global_options(Verb(app), context);
+  add_global_options(Verb(app, context), context);
   try {
     add_mpi_build(app, context);
     add_mpi_codes(app, context);

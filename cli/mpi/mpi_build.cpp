@@ -1,8 +1,7 @@
 // octavo-mpi build: a scan in, one .8vo file out, by all ranks.
-#include <memory>
 #include <nlohmann/json.hpp>
 
-#include "common/build_arguments.h"
+#include "common/build_options.h"
 #include "common/failure.h"
 #include "common/options.h"
 #include "mpi/mpi_verbs.h"
@@ -33,8 +32,7 @@ constexpr VerbText kMpiBuildText = {
     "  mpirun -n 4 octavo-mpi build scans/head/ -o head.8vo --gather mesh --report"};
 
 struct MpiBuildArguments {
-  BuildArguments build;
-  std::string output;
+  BuildScanOptions scan;
   RankArguments ranks;
 };
 
@@ -44,7 +42,7 @@ void print_result(const BuiltByRanks& result, const MpiBuildArguments& arguments
   const ReportUnits units{"bytes", "groups", static_cast<double>(build.file_bytes)};
   const bool has_json = arguments.ranks.report == "json" || context.json;
   if (!arguments.ranks.report.empty() && has_json) {
-    print_json({{"output", arguments.output},
+    print_json({{"output", arguments.scan.output.path},
                 {"file_bytes", build.file_bytes},
                 {"raw_bytes", build.raw_bytes},
                 {"seconds", build.total_seconds},
@@ -52,13 +50,12 @@ void print_result(const BuiltByRanks& result, const MpiBuildArguments& arguments
                 {"report", report_json(result.report, units)}});
     return;
   }
-  print_built(result.built, arguments.output, context);
+  print_built(result.built, arguments.scan.output.path, context);
   if (!arguments.ranks.report.empty()) print(report_text(result.report, units));
 }
 
 int run_mpi_build(const MpiBuildArguments& arguments, Context& context) {
-  const ScanByRanksOptions options{build_scan_options(arguments.build, arguments.output, context),
-                                   gather_plan(arguments.ranks)};
+  const ScanByRanksOptions options{arguments.scan, arguments.ranks.gather};
   return run_at_ranks(arguments.ranks, context,
                       [&](Communicator& ranks, const TaskContext& task) {
                         const BuiltByRanks result = scan_by_ranks(options, ranks, task);
@@ -70,12 +67,10 @@ int run_mpi_build(const MpiBuildArguments& arguments, Context& context) {
 }  // namespace
 
 void add_mpi_build(CLI::App& app, Context& context) {
-  const auto arguments = std::make_shared<MpiBuildArguments>();
-  Verb verb = add_verb(app, context, kMpiBuildText,
-                       [arguments, &context] { return run_mpi_build(*arguments, context); });
-  add_build_options(verb, arguments->build)->required();
-  verb.add_output(arguments->output, "The file to write");
-  add_rank_options(verb, arguments->ranks);
+  auto [verb, arguments] = add_verb(app, context, kMpiBuildText, run_mpi_build);
+  add_build_options(verb, arguments.scan).required();
+  verb.add_output(arguments.scan.output, "The file to write");
+  add_rank_options(verb, arguments.ranks);
 }
 
 }  // namespace octavo::cli

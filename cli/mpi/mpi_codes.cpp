@@ -1,5 +1,4 @@
 // octavo-mpi codes: the o-codes of what a file holds, condensed by all ranks.
-#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "common/codes_arguments.h"
@@ -31,7 +30,7 @@ void print_codes_of_ranks(const CodesResult& result, const RankReport& report,
                           const MpiCodesArguments& arguments, const Context& context) {
   const ReportUnits units{"codes", "planes", static_cast<double>(report.codes())};
   if (arguments.ranks.report == "json") {
-    print_json({{"input", arguments.codes.input}, {"report", report_json(report, units)}});
+    print_json({{"input", arguments.codes.options.input}, {"report", report_json(report, units)}});
     return;
   }
   print_codes(result, arguments.codes, context);
@@ -44,7 +43,7 @@ int run_mpi_codes(const MpiCodesArguments& arguments, Context& context) {
                       [&](Communicator& ranks, const TaskContext& task) {
                         RankReport report;
                         const CodesResult result = codes_by_ranks(
-                            options, ranks, gather_plan(arguments.ranks), task, &report);
+                            options, ranks, arguments.ranks.gather, task, &report);
                         if (ranks.is_first()) {
                           print_codes_of_ranks(result, report, arguments, context);
                         }
@@ -55,11 +54,9 @@ int run_mpi_codes(const MpiCodesArguments& arguments, Context& context) {
 }  // namespace
 
 void add_mpi_codes(CLI::App& app, Context& context) {
-  const auto arguments = std::make_shared<MpiCodesArguments>();
-  Verb verb = add_verb(app, context, kMpiCodesText,
-                       [arguments, &context] { return run_mpi_codes(*arguments, context); });
-  add_codes_options(verb, arguments->codes);
-  add_rank_options(verb, arguments->ranks);
+  auto [verb, arguments] = add_verb(app, context, kMpiCodesText, run_mpi_codes);
+  add_codes_options(verb, arguments.codes);
+  add_rank_options(verb, arguments.ranks);
 }
 
 }  // namespace octavo::cli

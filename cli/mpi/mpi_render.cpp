@@ -2,12 +2,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "common/failure.h"
 #include "common/options.h"
-#include "common/render_arguments.h"
+#include "common/render_options.h"
 #include "mpi/mpi_verbs.h"
 
 namespace octavo::cli {
@@ -27,7 +26,7 @@ constexpr VerbText kMpiRenderText = {
     "-o turn.apng"};
 
 struct MpiRenderArguments {
-  RenderArguments render;
+  RenderOptions render;
   RankArguments ranks;
 };
 
@@ -55,24 +54,20 @@ void print_render_of_ranks(const RenderResult& result, const Communicator& ranks
 }
 
 int run_mpi_render(const MpiRenderArguments& arguments, Context& context) {
-  const RenderOptions options = render_options(arguments.render, context);
-  return run_at_ranks(arguments.ranks, context,
-                      [&](Communicator& ranks, const TaskContext& task) {
-                        const RenderResult result = render_by_ranks(options, ranks, task);
-                        if (ranks.is_first()) print_render_of_ranks(result, ranks, context);
-                        return kExitDone;
-                      });
+  return run_at_ranks(arguments.ranks, context, [&](Communicator& ranks, const TaskContext& task) {
+    const RenderResult result = render_by_ranks(arguments.render, ranks, task);
+    if (ranks.is_first()) print_render_of_ranks(result, ranks, context);
+    return kExitDone;
+  });
 }
 
 }  // namespace
 
 void add_mpi_render(CLI::App& app, Context& context) {
-  const auto arguments = std::make_shared<MpiRenderArguments>();
-  arguments->render.mode = "volume";
-  Verb verb = add_verb(app, context, kMpiRenderText,
-                       [arguments, &context] { return run_mpi_render(*arguments, context); });
-  add_render_options(verb, arguments->render);
-  add_waiting_options(verb, arguments->ranks);
+  auto [verb, arguments] = add_verb(app, context, kMpiRenderText, run_mpi_render);
+  arguments.render.mode = RenderMode::volume;
+  add_render_options(verb, arguments.render);
+  add_waiting_options(verb, arguments.ranks);
 }
 
 }  // namespace octavo::cli

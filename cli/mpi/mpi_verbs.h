@@ -18,7 +18,7 @@ using RankWork = std::function<int(Communicator&, const TaskContext&)>;
 
 /// The options that every verb has.
 struct RankArguments {
-  std::string gather = "tree";
+  GatherPlan gather = GatherPlan::tree;
   std::string report;  ///< "text", "json" or empty
   double silent_s = 8;
   double stalled_s = 300;
@@ -27,7 +27,6 @@ struct RankArguments {
 void add_rank_options(Verb verb, RankArguments& arguments);
 /// Those alone that say when a job ends whose ranks are not heard of.
 void add_waiting_options(Verb verb, RankArguments& arguments);
-GatherPlan gather_plan(const RankArguments& arguments);
 
 /// Starts MPI, runs `work` at this rank, and ends all of them where it fails: the sentence of the
 /// failure names the rank.

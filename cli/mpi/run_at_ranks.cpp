@@ -159,34 +159,25 @@ int run_at_ranks(const RankArguments& arguments, Context& context, const RankWor
 }
 
 void add_rank_options(Verb verb, RankArguments& arguments) {
-  verb.add_option("--gather", arguments.gather,
-                  "How top codes come to the first rank: tree, or mesh with pairwise exchange")
-      ->type_name("PLAN")
-      ->check(one_of({"tree", "mesh"}))
-      ->capture_default_str();
-  verb.add_option("--report", arguments.report,
+  verb.add_word("--gather PLAN", arguments.gather,
+                {{"tree", GatherPlan::tree}, {"mesh", GatherPlan::mesh}},
+                "How top codes come to the first rank: tree, or mesh with pairwise exchange");
+  verb.add_option("--report [FORMAT]", arguments.report,
                   "Print what ranks sent, held and did beside the model of the thesis: text "
                   "(default) or json")
-      ->type_name("[FORMAT]")
-      ->check(one_of({"text", "json"}));
+      .check(one_of({"text", "json"}));
   add_waiting_options(verb, arguments);
 }
 
 void add_waiting_options(Verb verb, RankArguments& arguments) {
-  verb.add_option("--silent-limit", arguments.silent_s,
+  verb.add_option("--silent-limit SECONDS", arguments.silent_s,
                   "End the job where a rank has not been heard of for so many seconds")
-      ->type_name("SECONDS")
-      ->check(above_zero())
-      ->capture_default_str();
-  verb.add_option("--stall-limit", arguments.stalled_s,
+      .check(above_zero())
+      .capture_default_str();
+  verb.add_option("--stall-limit SECONDS", arguments.stalled_s,
                   "End the job where the work of a rank stands still for so many seconds; 0: never")
-      ->type_name("SECONDS")
-      ->check(not_negative())
-      ->capture_default_str();
-}
-
-GatherPlan gather_plan(const RankArguments& arguments) {
-  return arguments.gather == "mesh" ? GatherPlan::mesh : GatherPlan::tree;
+      .check(not_negative())
+      .capture_default_str();
 }
 
 std::vector<std::string> with_report_format(std::vector<std::string> words) {

@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <cstdlib>
-#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "common/failure.h"
@@ -157,38 +156,29 @@ int run_join(const JoinArguments& arguments, Context& context) {
 }  // namespace
 
 void add_join(CLI::App& app, Context& context) {
-  const auto arguments = std::make_shared<JoinArguments>();
-  Verb verb = add_verb(app, context, kJoinText,
-                       [arguments, &context] { return run_join(*arguments, context); });
-  verb.add_option("plan", arguments->options.plan, "The plan of the parts")
-      ->type_name("PLAN")
-      ->required();
-  verb.add_option("parts", arguments->options.parts,
-                  "Parts, or the folder in which they are; default: that of the plan")
-      ->type_name("PART");
-  verb.add_option("-o,--output", arguments->options.output.path, "The .8vo file to write")
-      ->type_name("FILE");
-  Option missing = verb.add_flag("--missing", arguments->is_missing,
-                                 "Print the numbers of parts to be made");
-  Option consume = verb.add_flag("--consume", arguments->options.consumes_parts,
+  auto [verb, arguments] = add_verb(app, context, kJoinText, run_join);
+  verb.add_option("plan PLAN", arguments.options.plan, "The plan of the parts").required();
+  verb.add_option("parts PART", arguments.options.parts,
+                  "Parts, or the folder in which they are; default: that of the plan");
+  verb.add_option("-o,--output FILE", arguments.options.output.path, "The .8vo file to write");
+  Option missing =
+      verb.add_flag("--missing", arguments.is_missing, "Print the numbers of parts to be made");
+  Option consume = verb.add_flag("--consume", arguments.options.consumes_parts,
                                  "Remove each part once it is in the file")
-                       ->excludes(missing);
-  Option step = verb.add_option("--step", arguments->step, "One step of a join that many share")
-                    ->type_name("STEP")
-                    ->check(one_of({"layout", "copy", "seal"}))
-                    ->excludes(missing);
-  Option part = verb.add_option("--part", arguments->part, "The part that is copied")
-                    ->type_name("I")
-                    ->check(whole_within(0))
-                    ->excludes(missing);
-  verb.add_option("--parts", arguments->parts, "Parts that are copied: 3,17-19")
-      ->type_name("LIST")
-      ->excludes(missing)
-      ->excludes(part);
-  verb.add_flag("--runs", arguments->is_runs, "List the bytes that the file consists of")
-      ->excludes(missing)
-      ->excludes(step)
-      ->excludes(consume);
+                       .excludes(missing);
+  Option step = verb.add_option("--step STEP", arguments.step, "One step of a join that many share")
+                    .check(one_of({"layout", "copy", "seal"}))
+                    .excludes(missing);
+  Option part = verb.add_option("--part I", arguments.part, "The part that is copied")
+                    .check(whole_within(0))
+                    .excludes(missing);
+  verb.add_option("--parts LIST", arguments.parts, "Parts that are copied: 3,17-19")
+      .excludes(missing)
+      .excludes(part);
+  verb.add_flag("--runs", arguments.is_runs, "List the bytes that the file consists of")
+      .excludes(missing)
+      .excludes(step)
+      .excludes(consume);
 }
 
 }  // namespace octavo::cli

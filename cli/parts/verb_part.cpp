@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <cstdlib>
-#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "common/failure.h"
@@ -78,25 +77,17 @@ int run_part(const PartVerbArguments& arguments, Context& context) {
 }  // namespace
 
 void add_part(CLI::App& app, Context& context) {
-  const auto arguments = std::make_shared<PartVerbArguments>();
-  Verb verb = add_verb(app, context, kPartText,
-                       [arguments, &context] { return run_part(*arguments, context); });
-  verb.add_option("plan", arguments->options.plan, "A plan that octavo plan has written")
-      ->type_name("PLAN")
-      ->required();
-  Option part = verb.add_option("--part", arguments->part, "The number of one part")
-                    ->type_name("I")
-                    ->check(whole_within(0));
-  verb.add_option("--parts", arguments->options.parts, "Several parts: 3,17-19")
-      ->type_name("LIST")
-      ->excludes(part);
-  verb.add_option("-o,--output", arguments->options.folder,
-                  "The folder for the parts; default: that of the plan")
-      ->type_name("FOLDER");
-  verb.add_option("--source-root", arguments->options.source_root,
+  auto [verb, arguments] = add_verb(app, context, kPartText, run_part);
+  verb.add_option("plan PLAN", arguments.options.plan, "A plan that octavo plan has written")
+      .required();
+  Option part =
+      verb.add_option("--part I", arguments.part, "The number of one part").check(whole_within(0));
+  verb.add_option("--parts LIST", arguments.options.parts, "Several parts: 3,17-19").excludes(part);
+  verb.add_option("-o,--output FOLDER", arguments.options.folder,
+                  "The folder for the parts; default: that of the plan");
+  verb.add_option("--source-root FOLDER", arguments.options.source_root,
                   "Where relative paths of the plan begin on this machine; of a plan "
-                  "without any, the folder of all files of the source")
-      ->type_name("FOLDER");
+                  "without any, the folder of all files of the source");
 }
 
 }  // namespace octavo::cli

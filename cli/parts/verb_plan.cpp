@@ -1,11 +1,10 @@
 // octavo plan: what has to be known before a scan is built in parts.
 #include <fmt/format.h>
 
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "common/build_arguments.h"
+#include "common/build_options.h"
 #include "common/failure.h"
 #include "common/options.h"
 #include "common/task_run.h"
@@ -58,40 +57,29 @@ constexpr VerbText kPlanText = {
     "  octavo plan --parts 64 -o turned.plan -- transform bone.8vo --rotate z:30"};
 
 struct PlanArguments {
-  BuildArguments build;
-  std::string output;
-  std::optional<std::int64_t> parts;
-  std::string part_size;
-  std::optional<std::int64_t> bands;
-  std::string source_root;
-  std::string check = "times";
+  PlanScanOptions options;
+  std::function<bool()> is_scan_told;  ///< by a source, or options of a build
 };
 
 /// A source, or a verb behind two dashes.
 void require_one_source(const PlanArguments& arguments, const Context& context) {
   if (context.planned.empty()) {
-    if (!arguments.build.inputs.empty()) return;
+    if (!arguments.options.scan.inputs.empty()) return;
     throw Error(ErrorKind::invalid_argument, "a source is required; see octavo plan --help");
   }
-  if (arguments.build == BuildArguments()) return;
+  if (!arguments.is_scan_told()) return;
   throw Error(ErrorKind::invalid_argument,
               "what is computed has its sources and options behind --, those of a build do not go "
               "with it");
 }
 
 PlanScanOptions options_of(const PlanArguments& arguments, const Context& context) {
-  PlanScanOptions options;
   require_one_source(arguments, context);
+  PlanScanOptions options = arguments.options;
   if (!context.planned.empty()) {
     options.words.assign(context.planned.begin() + 1, context.planned.end());
     options.work = parse_work(options.words);
   }
-  options.scan = build_scan_options(arguments.build, arguments.output, context);
-  options.parts = arguments.parts;
-  if (!arguments.part_size.empty()) options.part_bytes = parse_bytes(arguments.part_size);
-  options.bands = arguments.bands;
-  options.source_root = arguments.source_root;
-  options.check = arguments.check == "content" ? FileCheck::content : FileCheck::times;
   return options;
 }
 
@@ -129,60 +117,54 @@ std::string plan_words(const PlanResult& plan, const std::string& path) {
   return text;
 }
 
+nlohmann::ordered_json plan_json(const PlanResult& plan, const std::string& path) {
+  return {{"output", path},
+          {"size", size_json(plan.volume.size)},
+          {"type", voxel_type_name(plan.volume.type)},
+          {"kind", kind_name(plan.kind)},
+          {"raw_bytes", plan.raw_bytes},
+          {"groups", plan.group_count},
+          {"planes_per_group", plan.planes_per_group},
+          {"group_bytes", plan.group_bytes},
+          {"parts", plan.part_count},
+          {"groups_per_part", plan.groups_per_part},
+          {"bands", plan.bands},
+          {"part_memory_bytes", plan.part_memory_bytes},
+          {"in_bands", plan.is_in_bands},
+          {"thread_bytes", plan.thread_bytes},
+          {"files", plan.file_count},
+          {"reads_from_start", !plan.can_seek}};
+}
+
 int run_plan(const PlanArguments& arguments, Context& context) {
   const PlanResult plan = run_task(plan_scan, options_of(arguments, context), context);
-  if (context.json) {
-    print_json({{"output", arguments.output},
-                {"size", {plan.volume.size.x, plan.volume.size.y, plan.volume.size.z}},
-                {"type", voxel_type_name(plan.volume.type)},
-                {"kind", kind_name(plan.kind)},
-                {"raw_bytes", plan.raw_bytes},
-                {"groups", plan.group_count},
-                {"planes_per_group", plan.planes_per_group},
-                {"group_bytes", plan.group_bytes},
-                {"parts", plan.part_count},
-                {"groups_per_part", plan.groups_per_part},
-                {"bands", plan.bands},
-                {"part_memory_bytes", plan.part_memory_bytes},
-                {"in_bands", plan.is_in_bands},
-                {"thread_bytes", plan.thread_bytes},
-                {"files", plan.file_count},
-                {"reads_from_start", !plan.can_seek},
-                {"warnings", context.warnings}});
-  } else if (!context.quiet) {
-    print(plan_words(plan, arguments.output));
-  }
+  const std::string& path = arguments.options.scan.output.path;
+  print_result(context, plan_json(plan, path), plan_words(plan, path));
   return kExitDone;
 }
 
 }  // namespace
 
 void add_plan(CLI::App& app, Context& context) {
-  const auto arguments = std::make_shared<PlanArguments>();
-  Verb verb = add_verb(app, context, kPlanText,
-                       [arguments, &context] { return run_plan(*arguments, context); });
-  add_build_options(verb, arguments->build);
-  verb.add_output(arguments->output, "The plan to write, NAME.plan");
-  Option parts = verb.add_option("--parts", arguments->parts, "Into how many parts")
-                     ->type_name("N")
-                     ->check(whole_within(1));
-  Option part_size = verb.add_option("--part-size", arguments->part_size,
+  auto [verb, arguments] = add_verb(app, context, kPlanText, run_plan);
+  PlanScanOptions& options = arguments.options;
+  arguments.is_scan_told =
+      verb.add_together([verb, &options] { add_build_options(verb, options.scan); });
+  verb.add_output(options.scan.output, "The plan to write, NAME.plan");
+  Option parts =
+      verb.add_option("--parts N", options.parts, "Into how many parts").check(whole_within(1));
+  Option part_size = verb.add_parsed("--part-size BYTES", options.part_bytes, parse_bytes,
                                      "Parts of so many bytes of voxels at most (8G). Default: 4G")
-                         ->type_name("BYTES")
-                         ->excludes(parts);
-  verb.add_option("--bands", arguments->bands, "So many parts share each group of slices")
-      ->type_name("N")
-      ->check(whole_within(1))
-      ->excludes(parts)
-      ->excludes(part_size);
-  verb.add_option("--source-root", arguments->source_root,
-                  "Where relative paths of the plan begin; default: at its folder")
-      ->type_name("FOLDER");
-  verb.add_option("--check", arguments->check,
-                  "What tells that a file was changed: its length and time, or all its bytes")
-      ->type_name("HOW")
-      ->check(one_of({"times", "content"}))
-      ->capture_default_str();
+                         .excludes(parts);
+  verb.add_option("--bands N", options.bands, "So many parts share each group of slices")
+      .check(whole_within(1))
+      .excludes(parts)
+      .excludes(part_size);
+  verb.add_option("--source-root FOLDER", options.source_root,
+                  "Where relative paths of the plan begin; default: at its folder");
+  verb.add_word("--check HOW", options.check,
+                {{"times", FileCheck::times}, {"content", FileCheck::content}},
+                "What tells that a file was changed: its length and time, or all its bytes");
 }
 
 }  // namespace octavo::cli

@@ -61,6 +61,16 @@ std::int64_t parse_integer(const std::string& text, const std::string& what) {
   return value;
 }
 
+std::vector<double> parse_numbers(const std::string& text, const std::string& what,
+                                  std::size_t count, const char* form) {
+  std::vector<double> numbers;
+  for (const std::string& part : split(text, ',')) numbers.push_back(parse_number(part, what));
+  if (numbers.size() != count) {
+    reject(fmt::format("{}: '{}'; expected {}", what, escaped(text), form));
+  }
+  return numbers;
+}
+
 double parse_max_error(const std::string& text) {
   const double error = parse_number(text, "--max-error");
   if (error < 0) reject("--max-error: must not be negative");
@@ -126,15 +136,21 @@ AskedBox parse_box(const std::string& text, const std::string& what) {
   return box;
 }
 
-BoxMm parse_box_mm(const std::string& text) {
-  const auto parts = three_parts(text, "--box-mm", "x0:x1,y0:y1,z0:z1");
+BoxMm parse_box_mm(const std::string& text, const std::string& what) {
+  const auto parts = three_parts(text, what, "x0:x1,y0:y1,z0:z1");
   BoxMm box{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto ends = split_range(parts[axis], "--box-mm");
-    box.lo[axis] = parse_number(ends[0], "--box-mm");
-    box.hi[axis] = parse_number(ends[1], "--box-mm");
+    const auto ends = split_range(parts[axis], what);
+    box.lo[axis] = parse_number(ends[0], what);
+    box.hi[axis] = parse_number(ends[1], what);
   }
   return box;
+}
+
+Color parse_color(const std::string& text, const std::string& what) {
+  if (const auto color = find_color(text)) return *color;
+  reject(
+      fmt::format("{}: '{}'; expected #rrggbb or one of {}", what, escaped(text), color_names()));
 }
 
 void check_level(const Levels& levels, int level) { require_level(levels, level); }

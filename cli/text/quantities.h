@@ -1,4 +1,4 @@
-// Numbers as people write and read them: bytes, durations, positions, boxes.
+// Numbers as people write and read them: bytes, durations, positions, boxes, colors.
 #pragma once
 
 #include <array>
@@ -11,6 +11,7 @@
 #include "octavo/core/geometry.h"
 #include "octavo/core/levels.h"
 #include "octavo/core/text.h"
+#include "octavo/tasks/pictures/color_names.h"
 #include "octavo/tasks/volume_parts.h"
 
 namespace octavo::cli {
@@ -40,6 +41,12 @@ inline std::string count_of(std::uint64_t count, const std::string& noun) {
 /// The pieces of `text` between separators; empty pieces are kept.
 std::vector<std::string> split(const std::string& text, char separator);
 
+/// Numbers with commas in between. Throws Error{invalid_argument} naming `what` unless there are
+/// `count` of them.
+/// form  what is expected, "CENTER,WIDTH"
+std::vector<double> parse_numbers(const std::string& text, const std::string& what,
+                                  std::size_t count, const char* form);
+
 /// A largest difference: one finite number of 0 or more. Throws Error{invalid_argument}.
 double parse_max_error(const std::string& text);
 
@@ -52,12 +59,15 @@ Point3 parse_spacing(const std::string& text, const std::string& what);
 /// "0:64,0:64,16:32": a half-open box as options take it.
 std::string box_text(const Box& box);
 
+/// A name, or "#rrggbb". Throws Error{invalid_argument} naming `what`.
+Color parse_color(const std::string& text, const std::string& what);
+
 /// A half-open box of samples, "x0:x1,y0:y1,z0:z1"; a side left empty is the end of the volume.
 /// Throws Error{invalid_argument} naming `what`.
 AskedBox parse_box(const std::string& text, const std::string& what = "--box");
 
 /// A box in millimeters (LPS world space).
-BoxMm parse_box_mm(const std::string& text);
+BoxMm parse_box_mm(const std::string& text, const std::string& what = "--box-mm");
 
 /// Throws Error{invalid_argument} unless 0 <= level < levels.count().
 void check_level(const Levels& levels, int level);

@@ -10,7 +10,7 @@
 
 namespace octavo::cli {
 
-AskedRange parse_range(const std::string& text, const char* option) {
+AskedRange parse_range(const std::string& text, const std::string& option) {
   const std::vector<std::string> ends = split(text, ':');
   if (ends.size() != 2 || (ends[0].empty() && ends[1].empty())) {
     throw Error(ErrorKind::invalid_argument,

@@ -1,0 +1,17 @@
+// The options of `render`, for every program that has the verb.
+#pragma once
+
+#include "common/options.h"
+#include "octavo/tasks/pictures/render.h"
+
+namespace octavo::cli {
+
+void add_render_options(Verb verb, RenderOptions& options);
+
+/// "cubes", as the command line says it.
+const char* mode_name(RenderMode mode);
+
+/// Whether a mode casts rays.
+bool is_of_rays(RenderMode mode);
+
+}  // namespace octavo::cli
