@@ -61,15 +61,19 @@ class EllipsoidGrower {
   GrownEllipsoid grow(const FittingBall& ball) const {
     Point3 center{};
     for (std::size_t a = 0; a < 3; ++a) {
-      center[a] = 0.5 * static_cast<double>(ball.half_index[a]) * spacing_[a];
+      center[a] = static_cast<double>(ball.center[a]) * spacing_[a];
     }
     const double radius = static_cast<double>(ball.radius_mm);
+    // No center of the other class is nearer than the ball reaches; their voxels begin half a
+    // diagonal before.
+    const double within =
+        static_cast<double>(ball.reach_mm) - 0.5 * std::sqrt(dot(spacing_, spacing_));
     std::vector<Point3> surface;
     double shortest = HUGE_VAL;
     Point3 first{};
     for (int i = 0; i < kRays; ++i) {
       const Point3 ray = ray_at(i);
-      const double length = length_along(center, ray, kLongestRay * radius + 4 * step_);
+      const double length = length_along(center, ray, within, kLongestRay * radius + 4 * step_);
       surface.push_back(scaled(ray, length));
       if (length < shortest) {
         shortest = length;
@@ -84,16 +88,29 @@ class EllipsoidGrower {
   }
 
  private:
-  double length_along(const Point3& center, const Point3& ray, double most) const {
-    for (double t = step_; t < most; t += step_) {
-      Index3 voxel;
-      for (int axis = 0; axis < 3; ++axis) {
-        const auto a = static_cast<std::size_t>(axis);
-        voxel[axis] = static_cast<std::int64_t>(std::floor((center[a] + t * ray[a]) / spacing_[a]));
-      }
-      const bool is_here = box_of(asked_.mask.size()).contains(voxel) &&
-                           mask_.contains(voxel) != asked_.is_background;
-      if (!is_here) return t - 0.5 * step_;
+  /// From voxel to voxel, up to one that is not of the class.
+  double length_along(const Point3& center, const Point3& ray, double within, double most) const {
+    double t = std::max(within, 0.0);
+    Index3 voxel;
+    Point3 next{};  // where the ray leaves the voxel along each axis
+    Point3 step{};
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto a = static_cast<std::size_t>(axis);
+      const double place = (center[a] + t * ray[a]) / spacing_[a];
+      voxel[axis] = static_cast<std::int64_t>(std::floor(place));
+      const auto face = static_cast<double>(voxel[axis] + (ray[a] > 0 ? 1 : 0));
+      step[a] = spacing_[a] / std::abs(ray[a]);
+      next[a] = ray[a] == 0 ? HUGE_VAL : (face * spacing_[a] - center[a]) / ray[a];
+    }
+    const Box all = box_of(asked_.mask.size());
+    while (t < most) {
+      if (!all.contains(voxel) || mask_.contains(voxel) == asked_.is_background) return t;
+      const int first = next[0] < next[1] ? 0 : 1;
+      const int axis = next[static_cast<std::size_t>(first)] < next[2] ? first : 2;
+      const auto a = static_cast<std::size_t>(axis);
+      t = next[a];
+      next[a] += step[a];
+      voxel[axis] += ray[a] > 0 ? 1 : -1;
     }
     return most;
   }

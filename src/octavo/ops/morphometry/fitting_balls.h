@@ -1,33 +1,29 @@
 // The balls that fit into one class of a mask: what local thickness is made of.
 //
-// Around every voxel's center there is a largest ball that holds no center of the other class. It
-// covers the voxels that it holds the centers of. The surface lies between the centers inside and
-// those outside:
+// A ball holds no center of a voxel of the other class. Its own center lies on a ridge of
+// distances, anywhere in a voxel:
 //
-//     o  o  o  |  .  .      where it faces an axis or a diagonal, half way between two layers of
-//     o  o  o  |  .  .      centers: half a voxel before the center that the ball meets
+//     o  o  o  o  .        1  voxels on a ridge: their sites and those of a neighbor lie on
+//     o  o  +  o  o  .        different sides
+//     .  o  o  o  .        2  the place in the voxel that is farthest from all these sites
+//                          3  the surface passes before the sites that the ball touches, by as much
+//                             as what is around them says (site_lines.h)
 //
-//     o  o  o . .           everywhere else, some center lies close to it: at the center that the
-//     o  o . . .            ball meets
-//
-// The middle of a plate that is an even number of voxels thick lies at corners between voxels, so
-// that balls that meet the other class along an axis are there around corners as well.
-//
-// Few balls are needed: one that lies within a larger one is not. The larger one is looked for
-// where distances grow, at a few steps up to four voxels.
+// The centers of voxels of the class that a ball holds are covered by it.
 //
 // Source  T. Hildebrand, P. Rüegsegger, A new method for the model-independent assessment of
-//         thickness in three-dimensional images, Journal of Microscopy 185 (1997)
+//         thickness in three-dimensional images, Journal of Microscopy 185 (1997); W. H. Hesselink,
+//         J. B. T. M. Roerdink, Euclidean skeletons of digital image and volume data in linear
+//         time by the integer medial axis transform, IEEE Transactions on Pattern Analysis and
+//         Machine Intelligence 30 (2008)
 #pragma once
 
 #include <array>
 #include <cstdint>
-#include <string>
 #include <vector>
 
 #include "octavo/core/progress.h"
-#include "octavo/file/storage/storage.h"
-#include "octavo/ops/distance/distance_field.h"
+#include "octavo/ops/distance/site_field.h"
 
 namespace octavo {
 
@@ -39,28 +35,18 @@ struct ThicknessClass {
 };
 
 struct FittingBall {
-  /// Center, in half voxels: 2 * index + 1 of a voxel's center, 2 * index of the corner before it.
-  std::array<std::int32_t, 3> half_index{};
+  /// Center, in voxels from the corner of the volume: index + 0.5 is the center of a voxel.
+  std::array<float, 3> center{};
   float radius_mm = 0;  ///< to the surface: half of the thickness
   float reach_mm = 0;   ///< it covers voxels whose centers are nearer
 };
 
-/// Where fields of distances are held.
-struct BallRoom {
-  std::uint64_t max_bytes = std::uint64_t{1} << 30;  ///< of both fields in memory
-  Storage& storage;
-  std::string folder;  ///< of scratch files
-};
-
-/// By how much a ball may reach out of the larger one for which it is left out, voxels.
-inline constexpr double kBallTolerance = 0.05;
-
-/// Balls that cover all that the balls around all centers and corners cover, within the tolerance;
-/// the largest first. Requires that both classes have voxels.
+/// The balls around the ridges of a class, the largest first.
+/// field  of the mask, with this spacing
 /// Uses the threads of the calling task arena; does not depend on them.
 /// Throws  Error{io}, Error{cancelled}
-/// Memory  max_bytes, 20 bytes a ball and 24 planes of two floats a voxel
+/// Memory  20 bytes a ball and 18 planes of 8 bytes a voxel
 std::vector<FittingBall> fitting_balls(const ThicknessClass& asked, const Point3& spacing_mm,
-                                       const BallRoom& room, Progress& progress);
+                                       const SiteField& field, Progress& progress);
 
 }  // namespace octavo

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <utility>
 
 namespace octavo {
 
@@ -28,7 +29,7 @@ class LocalThickness::Plane {
       : size_(asked.mask.size()),
         tiles_across_((size_.x + kTile - 1) / kTile),
         words_((tiles_across_ + kTilesAWord - 1) / kTilesAWord),
-        half_{0.5 * spacing[0], 0.5 * spacing[1], 0.5 * spacing[2]},
+        spacing_(spacing),
         z_(z),
         mm_(mm) {
     const std::int64_t tiles_down = (size_.y + kTile - 1) / kTile;
@@ -61,13 +62,13 @@ class LocalThickness::Plane {
 
   void paint(const FittingBall& ball) {
     const double radius = ball.reach_mm * (1 - 1e-6);
-    const double dz = static_cast<double>(2 * z_ + 1 - ball.half_index[2]) * half_[2];
+    const double dz = (static_cast<double>(z_) + 0.5 - ball.center[2]) * spacing_[2];
     const double in_plane = radius * radius - dz * dz;
     if (in_plane < 0) return;
     const double reach = std::sqrt(in_plane);
-    const Disc disc{ball.half_index[0], ball.half_index[1], in_plane, 2 * ball.radius_mm};
-    const Span rows = span(disc.y, reach / half_[1], size_.y);
-    const Span columns = span(disc.x, reach / half_[0], size_.x);
+    const Disc disc{ball.center[0], ball.center[1], in_plane, 2 * ball.radius_mm};
+    const Span rows = span(disc.y, reach / spacing_[1], size_.y);
+    const Span columns = span(disc.x, reach / spacing_[0], size_.x);
     if (rows.lo > rows.hi || columns.lo > columns.hi) return;
     const Span tiles{columns.lo / kTile, columns.hi / kTile};
     for (std::int64_t y = rows.lo / kTile; y <= rows.hi / kTile; ++y) {
@@ -84,10 +85,60 @@ class LocalThickness::Plane {
     }
   }
 
+  /// Gives voxels that no ball covers, which are few and near the surface, the smallest thickness
+  /// of those beside them; the smallest spacing where there are none.
+  void fill_left() {
+    std::vector<std::pair<std::int64_t, float>> filled;
+    while (tiles_left_ > 0) {
+      filled.clear();
+      visit_left([&](std::int64_t x, std::int64_t y) {
+        float smallest = 0;
+        for (std::int64_t v = std::max<std::int64_t>(y - 1, 0); v <= std::min(y + 1, size_.y - 1);
+             ++v) {
+          for (std::int64_t u = std::max<std::int64_t>(x - 1, 0);
+               u <= std::min(x + 1, size_.x - 1); ++u) {
+            const float beside = mm_[v * size_.x + u];
+            if (beside > 0 && (smallest == 0 || beside < smallest)) smallest = beside;
+          }
+        }
+        if (smallest > 0) filled.emplace_back(y * size_.x + x, smallest);
+      });
+      const bool is_last = filled.empty();
+      if (is_last) {
+        const auto thin =
+            static_cast<float>(std::min({spacing_[0], spacing_[1], spacing_[2]}));
+        visit_left([&](std::int64_t x, std::int64_t y) {
+          filled.emplace_back(y * size_.x + x, thin);
+        });
+      }
+      for (const auto& [i, value] : filled) {
+        mm_[i] = value;
+        tile(i % size_.x / kTile, i / size_.x / kTile) &=
+            ~(std::uint64_t{1} << (i / size_.x % kTile * kTile + i % size_.x % kTile));
+      }
+      if (is_last) return;
+      tiles_left_ = std::count_if(tiles_.begin(), tiles_.end(),
+                                  [](std::uint64_t bits) { return bits != 0; });
+    }
+  }
+
  private:
+  template <class Visit>
+  void visit_left(Visit visit) {
+    const auto tiles_down = static_cast<std::int64_t>(tiles_.size()) / tiles_across_;
+    for (std::int64_t y = 0; y < tiles_down; ++y) {
+      for (std::int64_t x = 0; x < tiles_across_; ++x) {
+        for (std::uint64_t bits = tile(x, y); bits != 0; bits &= bits - 1) {
+          const int bit = std::countr_zero(bits);
+          visit(x * kTile + bit % kTile, y * kTile + bit / kTile);
+        }
+      }
+    }
+  }
+
   struct Disc {
-    std::int32_t x;  // of its middle, in half voxels
-    std::int32_t y;
+    double x;  // of its middle, in voxels
+    double y;
     double squared_mm;
     float thickness;
   };
@@ -96,10 +147,10 @@ class LocalThickness::Plane {
     std::int64_t hi;
   };
 
-  /// The voxels whose centers lie within so many half voxels.
-  static Span span(std::int32_t half_index, double reach, std::int64_t count) {
-    const double lo = 0.5 * (half_index - 1 - reach);
-    const double hi = 0.5 * (half_index - 1 + reach);
+  /// The voxels whose centers lie within so many voxels.
+  static Span span(double middle, double reach, std::int64_t count) {
+    const double lo = middle - 0.5 - reach;
+    const double hi = middle - 0.5 + reach;
     const auto lo_below = static_cast<std::int64_t>(lo);
     const std::int64_t first = lo_below + (lo > static_cast<double>(lo_below) ? 1 : 0);
     return {lo <= 0 ? 0 : first,
@@ -122,10 +173,10 @@ class LocalThickness::Plane {
       const std::int64_t shift = y % kTile * kTile;
       std::uint64_t bits = left >> shift & 255;
       if (bits == 0) continue;
-      const double dy = static_cast<double>(2 * y + 1 - disc.y) * half_[1];
+      const double dy = (static_cast<double>(y) + 0.5 - disc.y) * spacing_[1];
       const double in_row = disc.squared_mm - dy * dy;
       if (in_row < 0) continue;
-      const Span columns = span(disc.x, std::sqrt(in_row) / half_[0], size_.x);
+      const Span columns = span(disc.x, std::sqrt(in_row) / spacing_[0], size_.x);
       const std::int64_t from = std::max(columns.lo - begin, std::int64_t{0});
       const std::int64_t to = std::min(columns.hi - begin, kTile - 1);
       if (from > to) continue;
@@ -142,7 +193,7 @@ class LocalThickness::Plane {
   Size3 size_;
   std::int64_t tiles_across_;
   std::int64_t words_;  // of a row of tiles
-  Point3 half_;         // of the spacing
+  Point3 spacing_;
   std::int64_t z_;
   float* mm_;
   std::int64_t tiles_left_ = 0;
@@ -172,7 +223,7 @@ void LocalThickness::read(std::int64_t begin, std::int64_t end, float* mm) const
   const double hi_mm = (static_cast<double>(end) - 0.5) * spacing_[2];
   std::vector<std::uint32_t> near;
   for (std::size_t i = 0; i < balls_.size(); ++i) {
-    const double z_mm = 0.5 * spacing_[2] * balls_[i].half_index[2];
+    const double z_mm = spacing_[2] * balls_[i].center[2];
     const double reach = balls_[i].reach_mm;
     if (z_mm + reach < lo_mm || z_mm - reach > hi_mm) continue;
     near.push_back(static_cast<std::uint32_t>(i));
@@ -184,6 +235,7 @@ void LocalThickness::read(std::int64_t begin, std::int64_t end, float* mm) const
       if (painted.is_done()) break;
       painted.paint(balls_[i]);
     }
+    painted.fill_left();
   });
 }
 

@@ -136,17 +136,21 @@ class MorphometryWork {
   void measure_thickness() {
     if (result_.voxels == static_cast<std::uint64_t>(size_.voxel_count())) return;
     result_.slices.assign(static_cast<std::size_t>(size_.z), {});
-    result_.thickness = thickness_of(false, options_.thickness_map);
-    result_.spacing = thickness_of(true, options_.spacing_map);
+    std::unique_ptr<SiteField> sites;
+    watched("distances", size_.z, "planes", [&] {
+      sites = make_site_field(inside_of(mask_.tree), spacing_, room_bytes(), local_storage(),
+                              scratch_folder(), context_.watcher());
+    });
+    result_.thickness = thickness_of(false, options_.thickness_map, *sites);
+    result_.spacing = thickness_of(true, options_.spacing_map, *sites);
   }
 
-  ThicknessSummary thickness_of(bool is_background, const Output& map) {
+  ThicknessSummary thickness_of(bool is_background, const Output& map, const SiteField& sites) {
     const ThicknessClass asked{mask_.tree, region(), is_background};
     std::vector<FittingBall> balls;
     const char* const what = is_background ? "spacing" : "thickness";
-    watched(what, 2 * size_.z, "planes", [&] {
-      balls = fitting_balls(asked, spacing_, {room_bytes(), local_storage(), scratch_folder()},
-                            context_.watcher());
+    watched(what, size_.z, "planes", [&] {
+      balls = fitting_balls(asked, spacing_, sites, context_.watcher());
     });
     if (!is_background) {
       context_.on_threads([&] {

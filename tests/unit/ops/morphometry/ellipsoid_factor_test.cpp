@@ -20,7 +20,8 @@ EllipsoidFactors factors_of(const Size3& size, const Point3& spacing, Inside ins
   const ThicknessClass asked{tree, nullptr, false};
   testing::MemoryStorage storage;
   NoProgress progress;
-  const auto balls = fitting_balls(asked, spacing, {1 << 30, storage, "."}, progress);
+  const auto sites = make_site_field(inside_of(tree), spacing, 1 << 30, storage, ".", progress);
+  const auto balls = fitting_balls(asked, spacing, *sites, progress);
   const auto factors = ellipsoid_factors(asked, spacing, balls, progress);
   EXPECT_TRUE(factors.has_value());
   const EllipsoidFactors found = factors.value_or(EllipsoidFactors{});
