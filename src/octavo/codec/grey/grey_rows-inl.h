@@ -137,8 +137,8 @@ inline void features_of_row(const Parameters& p, const Stage& stage,
 template <class V, class W>
 HWY_INLINE W add_products(V a, V b, W sums) {
   const hn::DFromV<W> wide;
-#if HWY_ARCH_X86
-  // On x86 this adds the products of neighboring lanes; `unused` stays 0.
+#if HWY_ARCH_X86 || HWY_ARCH_WASM
+  // There this adds the products of neighboring lanes; `unused` stays 0.
   W unused = hn::Zero(wide);
   return hn::ReorderWidenMulAccumulate(wide, a, b, sums, unused);
 #else

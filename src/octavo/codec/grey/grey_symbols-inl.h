@@ -64,6 +64,13 @@ HWY_INLINE Words load_each(const std::uint32_t* from, Words index) {
   // Reloading is cheaper than taking lanes out of the vector, which compilers would make of it.
   __asm__("" : "+m"(places));
 #endif
+#if HWY_ARCH_WASM
+  // Loads into lanes, of which Highway makes shuffles.
+  v128_t found = wasm_v128_load32_zero(from + places[0]);
+  found = wasm_v128_load32_lane(from + places[1], found, 1);
+  found = wasm_v128_load32_lane(from + places[2], found, 2);
+  return Words{wasm_v128_load32_lane(from + places[3], found, 3)};
+#else
   const hn::FixedTag<std::uint32_t, 1> single;
   const hn::FixedTag<std::uint32_t, 2> two;
   const hn::FixedTag<std::uint32_t, 4> quad;
@@ -78,16 +85,44 @@ HWY_INLINE Words load_each(const std::uint32_t* from, Words index) {
 #else
   return four(0);
 #endif
+#endif
 }
+
+#if HWY_ARCH_WASM
+/// For every set of lanes that need a word: where the bytes of the vector come from, out of the
+/// next words; what lies beyond them is 0.
+struct WordBytes {
+  std::uint8_t from[std::size_t{1} << kStateLanes][16];
+};
+constexpr WordBytes make_word_bytes() {
+  WordBytes made{};
+  for (std::size_t set = 0; set < std::size(made.from); ++set) {
+    for (int lane = 0; lane < kStateLanes; ++lane) {
+      const auto word = static_cast<std::uint8_t>(kWordPlaces.places[set] >> 8 * lane);
+      std::uint8_t* const bytes = made.from[set] + 4 * lane;
+      bytes[0] = static_cast<std::uint8_t>(2 * word);
+      bytes[1] = static_cast<std::uint8_t>(2 * word + 1);
+      bytes[2] = bytes[3] = 0xff;
+    }
+  }
+  return made;
+}
+alignas(16) inline constexpr WordBytes kWordBytes = make_word_bytes();
+#endif
 
 /// The words from `words` on that the lanes of a set get.
 HWY_INLINE Words spread_words(const std::uint8_t* words, std::uint8_t lanes) {
+#if HWY_ARCH_WASM
+  return Words{wasm_i8x16_swizzle(wasm_v128_load64_zero(words),
+                                  wasm_v128_load(kWordBytes.from[lanes]))};
+#else
   const hn::Rebind<std::uint8_t, decltype(kWords)> bytes;
   const Words places = hn::PromoteTo(
       kWords, hn::LoadU(bytes, reinterpret_cast<const std::uint8_t*>(kWordPlaces.places + lanes)));
   const Words next = hn::PromoteTo(
       kWords, hn::LoadU(kShortWords, reinterpret_cast<const std::uint16_t*>(words)));
   return hn::TableLookupLanes(next, hn::IndicesFromVec(kWords, places));
+#endif
 }
 
 HWY_INLINE void store_tokens(Words token, std::uint16_t* tokens) {
