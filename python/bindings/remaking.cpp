@@ -159,7 +159,9 @@ nb::tuple export_zarr_file(const OpenFile& file, const std::string& name, const 
 std::string zarr_text_of(const OpenFile& file, std::optional<int> level, const std::string& name) {
   const FileReader& reader = file.reader();
   const VolumeDescription& volume = reader.description();
-  if (!level) return ome_group_text(volume, reader.levels(), 0, name);
+  if (!level) {
+    return ome_group_text(volume, reader.levels(), 0, reader.levels().count(), name);
+  }
   return zarr_array_text(volume.type, reader.levels().size(*level), ZarrGrid{});
 }
 

@@ -105,9 +105,10 @@ class ZarrFacade(Serving):
         self.assertEqual((answer.status, answer.headers["Content-Type"]),
                          (200, "application/json"))
         image = json.loads(body)["attributes"]["ome"]["multiscales"][0]
-        self.assertGreater(len(image["datasets"]), 6)
-        for level, dataset in enumerate(image["datasets"]):
-            array = json.loads(self.ask(site, f"/v.8vo.zarr/{dataset['path']}/zarr.json")[1])
+        # Of coarser levels than one chunk the last voxel reaches far beyond the volume.
+        self.assertEqual([dataset["path"] for dataset in image["datasets"]], ["0", "1", "2"])
+        for level in range(7):
+            array = json.loads(self.ask(site, f"/v.8vo.zarr/{level}/zarr.json")[1])
             size = array["shape"][::-1]
             self.expect(0, "export", "v.8vo", "--level", str(level), "-o", "l.mhd", "-f")
             voxels = (self.folder / "l.raw").read_bytes()

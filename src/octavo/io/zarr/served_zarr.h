@@ -1,6 +1,6 @@
 // A volume as the files of a zarr hierarchy for a server, each made when it is asked for.
 //
-//     zarr.json          the OME-Zarr 0.5 group
+//     zarr.json          the OME-Zarr 0.5 group, down to the level that is one chunk
 //     2/zarr.json        the array of level 2, its chunks uncompressed
 //     2/c/0/1/7          64^3 voxels of it, decoded from the bricks that hold them
 #pragma once

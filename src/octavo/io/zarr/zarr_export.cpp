@@ -140,7 +140,8 @@ ZarrExportResult write_zarr(const FileReader& reader, const std::string& path, Z
   ZarrExportResult result;
   // All text stands before the voxels, so that whoever has the beginning of a zip file has it.
   output.put("zarr.json", bytes_of(ome_group_text(reader.description(), levels,
-                                                  options.first_level, image_name(path))));
+                                                  options.first_level, levels.count(),
+                                                  image_name(path))));
   for (int level = options.first_level; level < levels.count(); ++level) {
     const ZarrGrid grid = grid_of(levels.size(level), options);
     output.put(std::to_string(result.levels++) + "/zarr.json",

@@ -123,7 +123,7 @@ std::string zarr_array_text(VoxelType type, const Size3& size, const ZarrGrid& g
 }
 
 std::string ome_group_text(const VolumeDescription& volume, const Levels& levels, int first_level,
-                           const std::string& name) {
+                           int end_level, const std::string& name) {
   std::vector<JsonObject> axes;
   for (const char* const axis : {"z", "y", "x"}) {
     JsonObject one;
@@ -132,7 +132,7 @@ std::string ome_group_text(const VolumeDescription& volume, const Levels& levels
     axes.push_back(one);
   }
   std::vector<JsonObject> datasets;
-  for (int level = first_level; level < levels.count(); ++level) {
+  for (int level = first_level; level < end_level; ++level) {
     datasets.push_back(
         dataset_of(levels.geometry(volume.geometry, level), level - first_level));
   }
@@ -150,6 +150,17 @@ std::string ome_group_text(const VolumeDescription& volume, const Levels& levels
       .set("attributes",
            JsonObject().set("ome", ome).set("octavo", octavo_attribute(volume, first)))
       .text();
+}
+
+int end_of_shown_levels(const Levels& levels, const ZarrGrid& grid) {
+  const Size3& chunk = grid.chunk;
+  int level = 0;
+  while (level + 1 < levels.count()) {
+    const Size3 size = levels.size(level);
+    if (size.x <= chunk.x && size.y <= chunk.y && size.z <= chunk.z) break;
+    ++level;
+  }
+  return level + 1;
 }
 
 }  // namespace octavo

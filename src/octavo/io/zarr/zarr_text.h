@@ -36,9 +36,13 @@ struct ZarrGrid {
 /// The text of an array of a level.
 std::string zarr_array_text(VoxelType type, const Size3& size, const ZarrGrid& grid);
 
-/// The text of the group over the levels from `first_level` on.
+/// The text of the group over the levels [first_level, end_level).
 /// name  of the image
 std::string ome_group_text(const VolumeDescription& volume, const Levels& levels, int first_level,
-                           const std::string& name);
+                           int end_level, const std::string& name);
+
+/// The level behind the finest one that is one chunk: coarser ones reach so far beyond the end of
+/// the volume that viewers show them there.
+int end_of_shown_levels(const Levels& levels, const ZarrGrid& grid);
 
 }  // namespace octavo
