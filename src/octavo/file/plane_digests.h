@@ -5,11 +5,13 @@
 //
 // A plane meets every brick of its layer. Whole rows of voxels wait in a buffer until none of them
 // is missing; then each plane takes its part of them. Where one row of bricks takes more than the
-// buffer, its bricks come once for each share of their planes or rows.
+// buffer, its bricks come once for each share of their planes or rows. As long as all bricks of a
+// layer are uniform its planes are alike, and one of them is hashed.
 #pragma once
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -63,8 +65,20 @@ class PlaneDigests {
   std::vector<Sha256Digest> digests();
 
  private:
+  /// Of the buffer: the codes of its uniform bricks, in the order of next_bricks().
+  struct Share {
+    Box room;  ///< the part of the layer that it holds
+    std::vector<std::optional<std::int64_t>> codes;
+
+    bool is_uniform() const;
+  };
+
   void begin_share(const Index3& lo);
+  Box bricks_of(const Box& room) const;
   std::uint8_t* row_at(std::int64_t x, std::int64_t y, std::int64_t z);
+  Hasher& hasher_of(std::int64_t z);
+  void fill_uniform(const Share& share, std::uint8_t* plane) const;
+  void part_planes(const ForEach& for_each);
 
   const VolumeDescription& description_;
   const Levels& levels_;
@@ -72,8 +86,12 @@ class PlaneDigests {
   std::size_t voxel_bytes_;
   Size3 share_;  ///< voxels of the buffer
   Box layer_;    ///< in voxels
-  Box room_;     ///< the part of the layer that the buffer holds
-  Bytes rows_;   ///< of `room_`, [z][y][x]
+  Share now_;    ///< that bricks are put into
+  Bytes rows_;   ///< of its room, [z][y][x]
+  /// The planes of the room are alike so far: these shares went to the first hasher alone.
+  std::vector<Share> alike_;
+  bool are_alike_ = true;
+  std::vector<std::int64_t> hashed_as_;  ///< by plane of the layer: the one that has its digest
   std::vector<std::unique_ptr<Hasher>> hashers_;
 };
 

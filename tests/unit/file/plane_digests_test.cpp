@@ -17,6 +17,21 @@ void one_by_one(std::int64_t count, const std::function<void(std::int64_t)>& tas
 
 std::unique_ptr<Hasher> make_sha256() { return std::make_unique<Sha256>(); }
 
+// Counts the bytes that it gets.
+class CountingHasher final : public Hasher {
+ public:
+  explicit CountingHasher(std::size_t& bytes) : bytes_(bytes) {}
+  void add(ByteSpan bytes) override {
+    bytes_ += bytes.size();
+    hasher_.add(bytes);
+  }
+  Sha256Digest digest() override { return hasher_.digest(); }
+
+ private:
+  std::size_t& bytes_;
+  Sha256 hasher_;
+};
+
 // Codes of a volume, [z][y][x]; those of the first brick are all alike.
 struct CodedVolume {
   VolumeDescription description;
@@ -76,8 +91,9 @@ struct CodedVolume {
   }
 
   // shares  how often bricks were asked for
-  std::vector<Sha256Digest> found(std::int64_t rows_bytes, int& shares) const {
-    PlaneDigests planes(description, levels, make_sha256, rows_bytes);
+  std::vector<Sha256Digest> found(std::int64_t rows_bytes, int& shares,
+                                  const MakeHasher& make_hasher = make_sha256) const {
+    PlaneDigests planes(description, levels, make_hasher, rows_bytes);
     std::vector<Sha256Digest> digests;
     for (std::int64_t layer = 0; layer < levels.brick_grid(0).z; ++layer) {
       planes.begin_layer(layer);
@@ -95,8 +111,19 @@ struct CodedVolume {
 
   void put(const Index3& brick, PlaneDigests& planes) const {
     const Box box = levels.brick_box(0, brick);
-    if (brick == Index3{}) planes.put_uniform(brick, code_at(box.lo));
+    if (is_uniform(box)) planes.put_uniform(brick, code_at(box.lo));
     else planes.put(brick, dense(box, description.codec_type()).data());
+  }
+
+  bool is_uniform(const Box& box) const {
+    for (Index3 at = box.lo; at.z < box.hi.z; ++at.z) {
+      for (at.y = box.lo.y; at.y < box.hi.y; ++at.y) {
+        for (at.x = box.lo.x; at.x < box.hi.x; ++at.x) {
+          if (code_at(at) != code_at(box.lo)) return false;
+        }
+      }
+    }
+    return true;
   }
 };
 
@@ -127,6 +154,30 @@ TEST(PlaneDigests, AreThoseOfThePlanesHoweverSmallTheBuffer) {
       EXPECT_GE(most_shares, size.y * size.z);
     }
   }
+}
+
+// How many bytes are hashed of a volume whose bricks have one value each, but for `other`.
+std::size_t hashed_bytes(const Size3& size, const Index3& other) {
+  CodedVolume volume(size, VoxelType::int16, {});
+  for (std::int64_t i = 0; i < size.voxel_count(); ++i) {
+    const Index3 brick{i % size.x / 64, i / size.x % size.y / 64, i / (size.x * size.y) / 64};
+    const std::int64_t code = brick == other ? i % 1000 : 7 * brick.y + brick.x;
+    volume.codes[static_cast<std::size_t>(i)] = code;
+  }
+  std::size_t bytes = 0;
+  int shares = 0;
+  const auto make = [&] { return std::make_unique<CountingHasher>(bytes); };
+  EXPECT_EQ(volume.found(2 * size.x * 64 * 64, shares, make), volume.expected());
+  EXPECT_EQ(shares, 2 * 4);
+  return bytes;
+}
+
+TEST(PlaneDigests, OnePlaneIsHashedOfALayerOfUniformBricks) {
+  const Size3 size{130, 200, 70};
+  const std::size_t plane = 2 * 130 * 200;
+  EXPECT_EQ(hashed_bytes(size, {-1, -1, -1}), 2 * plane);
+  EXPECT_EQ(hashed_bytes(size, {1, 2, 0}), (64 + 1) * plane);
+  EXPECT_EQ(hashed_bytes(size, {0, 0, 1}), (1 + 6) * plane);
 }
 
 }  // namespace
