@@ -49,14 +49,10 @@ std::string difference_text(const CompareOptions& options, const CompareResult& 
 int run_volumes(const CompareOptions& options, Context& context) {
   const CompareResult result = run_task(compare_volumes, options, context);
   const bool is_equal = result.comparison.is_equal();
-  if (context.json) {
-    print_json(comparison_json(result.comparison));
-  } else if (!is_equal) {
-    print(difference_text(options, result));
-  } else if (!context.quiet) {
-    print(fmt::format("{} and {} are {}\n", public_name(options.a), public_name(options.b),
-                      equal_text(result)));
-  }
+  const std::string text = is_equal ? fmt::format("{} and {} are {}\n", public_name(options.a),
+                                                  public_name(options.b), equal_text(result))
+                                    : difference_text(options, result);
+  print_finding(context, is_equal, comparison_json(result.comparison), text);
   return is_equal ? kExitDone : kExitDifferent;
 }
 
@@ -74,11 +70,9 @@ int run_labels(const CompareOptions& options, Context& context) {
   require_scan_for_options({options.a, options.b}, options.scan);
   const CompareLabelsOptions of_labels = {options.a, options.b};
   const CompareLabelsResult result = run_task(compare_labels, of_labels, context);
-  if (context.json) {
-    print_json({{"equal", result.is_equal}, {"labels", agreements_json(result)}});
-  } else if (!context.quiet || !result.is_equal) {
-    print(labels_text(options, result));
-  }
+  print_finding(context, result.is_equal,
+                {{"equal", result.is_equal}, {"labels", agreements_json(result)}},
+                labels_text(options, result));
   return result.is_equal ? kExitDone : kExitDifferent;
 }
 

@@ -18,6 +18,7 @@
 #include "text/made_by_words.h"
 #include "text/preparation_words.h"
 #include "text/quantities.h"
+#include "text/table.h"
 #include "text/volume_json.h"
 #include "verbs.h"
 
@@ -144,17 +145,21 @@ std::string source_row(const Metadata& metadata) {
 }
 
 std::string level_table(const InfoResult& info) {
-  std::string text = fmt::format("\n  {:>5}  {:>20}  {:>26}  {:>9}  {:>9}  {:>10}\n", "level",
-                                 "size", "spacing mm", "bricks", "uniform", "bytes");
+  TextTable table({{"level", 7},
+                   {"size", 21},
+                   {"spacing mm", 27},
+                   {"bricks", 10},
+                   {"uniform", 10},
+                   {"bytes", 11}});
   const bool is_known = is_spacing_known(info.volume);
   for (std::size_t level = 0; level < info.levels.size(); ++level) {
     const LevelInfo& one = info.levels[level];
-    text += fmt::format("  {:>5}  {:>20}  {:>26}  {:>9}  {:>9}  {:>10}\n", level,
-                        size_text(one.size), is_known ? point_text(one.spacing_mm) : "-",
-                        count_text(one.summary.bricks), count_text(one.summary.uniform_bricks),
-                        one.summary.is_in_finer ? "with finer" : bytes_text(one.summary.bytes));
+    table.add({std::to_string(level), size_text(one.size),
+               is_known ? point_text(one.spacing_mm) : "-", count_text(one.summary.bricks),
+               count_text(one.summary.uniform_bricks),
+               one.summary.is_in_finer ? "with finer" : bytes_text(one.summary.bytes)});
   }
-  return text;
+  return "\n" + table.text();
 }
 
 /// What its flags say of a part, in words.

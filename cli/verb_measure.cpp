@@ -12,6 +12,7 @@
 #include "octavo/tasks/measure.h"
 #include "text/label_words.h"
 #include "text/quantities.h"
+#include "text/table.h"
 #include "text/volume_json.h"
 #include "verbs.h"
 
@@ -123,61 +124,56 @@ std::string csv_text(const nlohmann::ordered_json& head, const nlohmann::ordered
   return text;
 }
 
-/// percentiles  columns of the table; none where none were asked for
-std::string header_text(bool has_grey, const std::vector<double>& percentiles,
-                        const std::string& unit, const NameColumn& names) {
-  std::string text = fmt::format("{:>10}{} {:>14} {:>14} {:>12}  {:<26} {:<24}", "label",
-                                 names.head(), "voxels", "mm3", "surface",
-                                 "centroid mm (x, y, z)", "principal sd mm");
-  if (!has_grey) return text + "\n";
-  text += fmt::format(" {:>10} {:>9} {:>9} {:>9}", "mean", "sd", "min", "max");
-  for (const double percent : percentiles) {
-    text += fmt::format(" {:>9}", "p" + number_text(percent));
-  }
-  return text + (unit.empty() ? "" : "  " + unit) + "\n";
-}
-
-/// name  its cell in the table
-std::string row_text(const MeasuredRegion& row, const std::string& name,
-                     std::size_t percentiles) {
+std::vector<std::string> cells_of(const MeasuredRegion& row, const std::string& name) {
   const RegionMeasure& r = row.region;
-  std::string mm3 = "-";
-  std::string centroid = "-";
-  std::string deviations = "-";
+  std::vector<std::string> cells = {std::to_string(r.label),
+                                    name,
+                                    count_of(r.voxel_count),
+                                    "-",
+                                    count_of(r.surface_voxel_count),
+                                    "-",
+                                    "-"};
   if (row.in_mm) {
     const Point3& c = row.in_mm->centroid;
     const auto& m = row.in_mm->axes.moments_mm2;
-    mm3 = fmt::format("{:.2f}", row.in_mm->mm3);
-    centroid = fmt::format("{:.1f}, {:.1f}, {:.1f}", c[0], c[1], c[2]);
-    deviations =
+    cells[3] = fmt::format("{:.2f}", row.in_mm->mm3);
+    cells[5] = fmt::format("{:.1f}, {:.1f}, {:.1f}", c[0], c[1], c[2]);
+    cells[6] =
         fmt::format("{:.2f}, {:.2f}, {:.2f}", std::sqrt(m[0]), std::sqrt(m[1]), std::sqrt(m[2]));
   }
-  std::string text = fmt::format("{:>10}{} {:>14} {:>14} {:>12}  {:<26} {:<24}", r.label, name,
-                                 count_of(r.voxel_count), mm3, count_of(r.surface_voxel_count),
-                                 centroid, deviations);
-  if (!r.grey) return text + "\n";
-  text += fmt::format(" {:>10.2f} {:>9.2f} {:>9} {:>9}", r.grey->mean, r.grey->deviation,
-                      number_text(r.grey->minimum), number_text(r.grey->maximum));
-  for (std::size_t i = 0; i < percentiles; ++i) {
-    text += fmt::format(" {:>9}", number_text(r.grey->percentiles[i]));
-  }
-  return text + "\n";
+  if (!r.grey) return cells;
+  cells.insert(cells.end(),
+               {fmt::format("{:.2f}", r.grey->mean), fmt::format("{:.2f}", r.grey->deviation),
+                number_text(r.grey->minimum), number_text(r.grey->maximum)});
+  for (const double value : r.grey->percentiles) cells.push_back(number_text(value));
+  return cells;
 }
 
 std::string table_text(const MeasureResult& result, bool shows_percentiles) {
-  const std::vector<double> columns =
-      shows_percentiles ? result.percentiles : std::vector<double>();
+  std::vector<TextColumn> columns = {{"label", 10},
+                                     name_column(),
+                                     {"voxels", 14},
+                                     {"mm3", 14},
+                                     {"surface", 12},
+                                     {"centroid mm (x, y, z)", 26, Align::left},
+                                     {"principal sd mm", 24, Align::left}};
   const bool has_grey = !result.regions.empty() && result.regions.front().region.grey.has_value();
-  std::vector<std::string> all_names;
+  if (has_grey) {
+    columns.insert(columns.end(), {{"mean", 10}, {"sd", 9}, {"min", 9}, {"max", 9}});
+    for (const double percent : result.percentiles) {
+      if (shows_percentiles) columns.push_back({"p" + number_text(percent), 9});
+    }
+    // Behind the heads alone: rows have no cell there.
+    columns.push_back({result.unit, 0, Align::left});
+  }
+  TextTable table(columns);
   for (const MeasuredRegion& row : result.regions) {
-    all_names.push_back(result.names.name_of(row.region.label));
+    std::vector<std::string> cells = cells_of(row, result.names.name_of(row.region.label));
+    cells.resize(columns.size() - (has_grey ? 1 : 0));
+    cells.resize(columns.size());
+    table.add(std::move(cells));
   }
-  const NameColumn names(all_names);
-  std::string text = header_text(has_grey, columns, result.unit, names);
-  for (std::size_t i = 0; i < result.regions.size(); ++i) {
-    text += row_text(result.regions[i], names.cell(i), columns.size());
-  }
-  return text;
+  return table.text();
 }
 
 MeasureOptions options_of(const MeasureArguments& arguments) {

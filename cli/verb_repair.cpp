@@ -97,10 +97,10 @@ int run_repair(const RepairOptions& options, Context& context) {
   const RepairResult result = run_task(repair, options, context);
   const auto* sealed = std::get_if<SealResult>(&result);
   const auto* repaired = std::get_if<BitRepairResult>(&result);
-  if (context.json) {
-    print_json(sealed != nullptr ? seal_json(options, *sealed) : repair_json(options, *repaired));
-  } else if (!context.quiet) {
-    print(sealed != nullptr ? seal_text(options, *sealed) : repair_text(options, *repaired));
+  if (sealed != nullptr) {
+    print_result(context, seal_json(options, *sealed), seal_text(options, *sealed));
+  } else {
+    print_result(context, repair_json(options, *repaired), repair_text(options, *repaired));
   }
   return kExitDone;
 }

@@ -16,6 +16,7 @@
 #include "octavo/tasks/volume_facts.h"
 #include "text/label_words.h"
 #include "text/quantities.h"
+#include "text/table.h"
 #include "text/volume_json.h"
 #include "verbs.h"
 
@@ -120,15 +121,6 @@ nlohmann::ordered_json masks_json(const TouchArguments& arguments,
           {"area_mm2", optional_json(area_mm2(found.face_pairs, result.volume))}};
 }
 
-/// The names of one label of each pair.
-NameColumn names_of(const TouchLabelsResult& result, std::int64_t LabelContact::*label) {
-  std::vector<std::string> names;
-  for (const LabelContact& contact : result.contacts) {
-    names.push_back(result.volume.metadata.facts().labels.name_of(contact.*label));
-  }
-  return NameColumn(names);
-}
-
 std::string labels_text(const TouchArguments& arguments, const TouchLabelsResult& result) {
   std::string text = fmt::format(
       "{}: {}\n", escaped(public_name(arguments.inputs[0])),
@@ -136,21 +128,19 @@ std::string labels_text(const TouchArguments& arguments, const TouchLabelsResult
                    "pairs of labels touch"));
   if (result.contacts.empty()) return text;
   const bool is_faces = arguments.connectivity == Connectivity::faces;
-  const NameColumn first = names_of(result, &LabelContact::first);
-  const NameColumn second = names_of(result, &LabelContact::second);
-  text += fmt::format("{:>10}{} {:>10}{} {:>14} {:>14}{}\n", "label", first.head(), "label",
-                      second.head(), "faces", "mm2",
-                      is_faces ? "" : fmt::format(" {:>14}", "voxel pairs"));
-  for (std::size_t i = 0; i < result.contacts.size(); ++i) {
-    const LabelContact& contact = result.contacts[i];
+  std::vector<TextColumn> columns = {{"label", 10}, name_column(), {"label", 10},
+                                     name_column(), {"faces", 14}, {"mm2", 14}};
+  if (!is_faces) columns.push_back({"voxel pairs", 14});
+  TextTable table(columns);
+  const LabelNames& names = result.volume.metadata.facts().labels;
+  for (const LabelContact& contact : result.contacts) {
     const auto mm2 = area_mm2(contact.face_pairs, result.volume);
-    text += fmt::format(
-        "{:>10}{} {:>10}{} {:>14} {:>14}{}\n", contact.first, first.cell(i), contact.second,
-        second.cell(i), count_of(face_count(contact.face_pairs)),
-        mm2 ? fmt::format("{:.2f}", *mm2) : "-",
-        is_faces ? "" : fmt::format(" {:>14}", count_of(contact.voxel_pairs)));
+    table.add({std::to_string(contact.first), names.name_of(contact.first),
+               std::to_string(contact.second), names.name_of(contact.second),
+               count_of(face_count(contact.face_pairs)), mm2 ? fmt::format("{:.2f}", *mm2) : "-",
+               count_of(contact.voxel_pairs)});
   }
-  return text;
+  return text + table.text();
 }
 
 nlohmann::ordered_json labels_json(const TouchArguments& arguments,

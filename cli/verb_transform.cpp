@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <variant>
@@ -170,15 +169,11 @@ void add_transform(CLI::App& app, Context& context) {
   TransformOptions& options = arguments.options;
   verb.add_input(options.input);
   verb.add_output(options.output, "The .8vo file to write");
-  auto add = [verb = verb, &arguments = arguments](const char* name,
-                                                         const char* help) mutable {
-    verb.add_option_in_order(
-            name,
-            [&arguments,
-             option = std::string(name, std::strcspn(name, " "))](const std::string& value) {
-              arguments.steps.push_back({option, value});
-            },
-            help)
+  auto add = [verb = verb, &steps = arguments.steps](const char* name, const char* help) mutable {
+    verb.add_option_in_order(name, help,
+                             [&steps](const std::string& text, const std::string& option) {
+                               steps.push_back({option, text});
+                             })
         .group("Steps, in the order in which they are typed");
   };
   add("--translate X,Y,Z", "Move the volume by x,y,z voxels: its origin");

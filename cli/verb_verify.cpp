@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "common/failure.h"
 #include "common/options.h"
@@ -171,16 +172,14 @@ int run_verify_part(const VerifyArguments& arguments, Context& context) {
   const VerifyPartOptions options = {arguments.options.input, *arguments.parts.part,
                                      arguments.parts.output_of_part()};
   const VerifiedPart found = run_task(verify_volume_part, options, context);
-  if (context.json) {
-    nlohmann::ordered_json object = result_json(arguments.options.input, {found.report, {}, {}});
-    object.erase("sound");  // that all parts together say
-    print_json(object);
-  } else if (!context.quiet) {
-    print(fmt::format("{}: part {} of {} of {}: {}, {}\n", options.output.path, found.part.number,
-                      found.part.count, public_name(arguments.options.input),
-                      counted_text(found.report.brick_count, "brick"),
-                      counted_text(found.report.damage_count, "damaged place")));
-  }
+  nlohmann::ordered_json object = result_json(arguments.options.input, {found.report, {}, {}});
+  object.erase("sound");  // that all parts together say
+  print_result(
+      context, std::move(object),
+      fmt::format("{}: part {} of {} of {}: {}, {}\n", options.output.path, found.part.number,
+                  found.part.count, public_name(arguments.options.input),
+                  counted_text(found.report.brick_count, "brick"),
+                  counted_text(found.report.damage_count, "damaged place")));
   return kExitDone;
 }
 
@@ -220,13 +219,10 @@ int run_verify(const VerifyArguments& arguments, Context& context) {
   const VerifyVolumeResult result = verified_or_error(arguments, context);
   if (!result.report.is_sound()) report_damage(arguments, result, context);
   const bool is_good = !result.against || result.against->is_faithful();
-  if (context.json) {
-    print_json(result_json(arguments.options.input, result));
-  } else if (!is_good) {
-    print(difference_text(arguments, result));
-  } else if (!context.quiet) {
-    print(result.against ? faithful_text(arguments, result) : sound_text(arguments, result));
-  }
+  print_finding(context, is_good, result_json(arguments.options.input, result),
+                !is_good         ? difference_text(arguments, result)
+                : result.against ? faithful_text(arguments, result)
+                                 : sound_text(arguments, result));
   return is_good ? kExitDone : kExitDifferent;
 }
 

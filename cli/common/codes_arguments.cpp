@@ -3,13 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <limits>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 #include "common/volume_options.h"
 #include "octavo/core/url_text.h"
 #include "text/label_words.h"
 #include "text/quantities.h"
+#include "text/table.h"
 #include "text/value_range_words.h"
 
 namespace octavo::cli {
@@ -20,50 +21,38 @@ constexpr std::size_t kPrintBytes = std::size_t{1} << 16;
 
 std::string summary_text(const LinearOctree& octree, const VolumeDescription& d,
                          const std::string& path) {
-  std::string text =
-      fmt::format("{}: {} voxels in a universe of side 2^{}\n\n  {:>5}  {:>8}  {:>13}  {:>16}\n",
-                  path, size_text(d.size), octree.root_level, "level", "side", "leaves", "voxels");
+  TextTable table({{"level", 7}, {"side", 9}, {"leaves", 14}, {"voxels", 17}});
   for (int level = 0; level <= octree.root_level; ++level) {
     const std::int64_t leaves = leaf_count(octree, level);
     if (leaves == 0) continue;
-    const auto voxels =
-        static_cast<std::int64_t>(static_cast<std::uint64_t>(leaves) * cube_volume(level));
-    text += fmt::format("  {:>5}  {:>8}  {:>13}  {:>16}\n", level, cube_side(level),
-                        count_text(leaves), count_text(voxels));
+    table.add({std::to_string(level), std::to_string(cube_side(level)), count_text(leaves),
+               count_of(static_cast<std::uint64_t>(leaves) * cube_volume(level))});
   }
   const std::int64_t leaves = leaf_count(octree);
   const auto voxels = static_cast<std::int64_t>(leaf_volume(octree));
-  text += fmt::format("  {:>5}  {:>8}  {:>13}  {:>16}\n", "all", "", count_text(leaves),
-                      count_text(voxels));
-  if (leaves > 0) {
-    text +=
-        fmt::format("\n  {:.1f} % of the volume, {:.1f} voxels a leaf\n",
-                    100 * static_cast<double>(voxels) / static_cast<double>(d.size.voxel_count()),
-                    static_cast<double>(voxels) / static_cast<double>(leaves));
-  }
-  return text;
+  table.add({"all", "", count_text(leaves), count_text(voxels)});
+  const std::string text = fmt::format("{}: {} voxels in a universe of side 2^{}\n\n{}", path,
+                                       size_text(d.size), octree.root_level, table.text());
+  if (leaves == 0) return text;
+  return text +
+         fmt::format("\n  {:.1f} % of the volume, {:.1f} voxels a leaf\n",
+                     100 * static_cast<double>(voxels) / static_cast<double>(d.size.voxel_count()),
+                     static_cast<double>(voxels) / static_cast<double>(leaves));
 }
 
-std::string counts_text(const LinearOctree& octree, const LabelNames& label_names) {
-  const auto rows = leaves_by_label(octree);
-  std::vector<std::string> all_names;
-  for (const auto& [label, row] : rows) all_names.push_back(label_names.name_of(label));
-  const NameColumn names(all_names);
-  std::string text = fmt::format("  {:>10}{}  {:>13}  {:>16}  leaves of level 0, 1, ...\n",
-                                 "label", names.head(), "leaves", "voxels");
-  std::size_t at = 0;
-  for (const auto& [label, row] : rows) {
-    std::int64_t leaves = 0;
-    std::string levels;
-    for (std::size_t level = 0; level < row.size(); ++level) {
-      leaves += row[level];
-      levels += (level == 0 ? "" : " ") + std::to_string(row[level]);
-    }
-    text += fmt::format("  {:>10}{}  {:>13}  {:>16}  {}\n", label, names.cell(at++),
-                        count_text(leaves),
-                        count_text(static_cast<std::int64_t>(voxels_under(row))), levels);
+std::string counts_text(const LinearOctree& octree, const LabelNames& names) {
+  TextTable table({{"label", 12},
+                   name_column(),
+                   {"leaves", 14},
+                   {"voxels", 17},
+                   {"leaves of level 0, 1, ...", 1, Align::left}});
+  for (const auto& [label, row] : leaves_by_label(octree)) {
+    table.add({std::to_string(label), names.name_of(label),
+               count_text(std::accumulate(row.begin(), row.end(), std::int64_t{0})),
+               count_text(static_cast<std::int64_t>(voxels_under(row))),
+               fmt::format("{}", fmt::join(row, " "))});
   }
-  return text;
+  return table.text();
 }
 
 bool is_mixed(const CodesArguments& arguments) {

@@ -191,11 +191,14 @@ template Option Verb::add_option_function(const std::string&,
 template Option Verb::add_option_function(const std::string&, std::function<void(const int&)>,
                                           const std::string&);
 
-Option Verb::add_option_in_order(const std::string& names,
-                                 std::function<void(const std::string&)> take,
-                                 const std::string& help) {
+Option Verb::add_option_in_order(const std::string& names, const std::string& help, TakeText take) {
   const auto [words, value] = names_and_value(names);
-  CLI::Option* const option = app_->add_option_function<std::string>(words, std::move(take), help);
+  CLI::Option* const option = app_->add_option_function<std::string>(
+      words,
+      [name = long_name(names), take = std::move(take)](const std::string& text) {
+        take(text, name);
+      },
+      help);
   return named(option->trigger_on_parse(), value);
 }
 

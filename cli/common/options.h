@@ -92,6 +92,8 @@ struct VerbText {
 /// texts is there when the verb runs, and what is wrong with them is said then.
 class Verb {
  public:
+  using TakeText = std::function<void(const std::string& text, const std::string& name)>;
+
   Verb(CLI::App& app, Context& context);
 
   /// variable  std::string, int, std::int64_t, std::uint64_t, std::size_t or double, an optional of
@@ -105,8 +107,7 @@ class Verb {
                              const std::string& help);
   /// An option that may be repeated, in any order with others of its kind: `take` gets each value
   /// as it is read.
-  Option add_option_in_order(const std::string& names,
-                             std::function<void(const std::string&)> take, const std::string& help);
+  Option add_option_in_order(const std::string& names, const std::string& help, TakeText take);
   /// Of which `value` becomes what `parse` makes, where it is given.
   template <class T, class Parse>
   Option add_parsed(const std::string& names, T& value, Parse parse, const std::string& help) {
@@ -142,7 +143,6 @@ class Verb {
                   const NamedValues<std::type_identity_t<T>>& words, const std::string& help) {
     return add_word_of(names, value, words, help);
   }
-  using TakeText = std::function<void(const std::string& text, const std::string& name)>;
   /// `take` gets the text that is given, or each of them.
   Option add_text(const std::string& names, const std::string& help, TakeText take);
   Option add_texts(const std::string& names, const std::string& help, TakeText take);

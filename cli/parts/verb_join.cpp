@@ -46,7 +46,7 @@ constexpr VerbText kJoinText = {
 
 struct JoinArguments {
   JoinOptions options;
-  std::string step;
+  std::optional<JoinStep> step;
   std::string part;
   std::string parts;
   bool is_missing = false;
@@ -71,28 +71,20 @@ int print_missing(const JoinArguments& arguments, Context& context) {
 
 int print_runs(const JoinOptions& options, Context& context) {
   const JoinRuns joined = run_task(join_runs, options, context);
-  if (context.json) {
-    nlohmann::ordered_json runs = nlohmann::ordered_json::array();
-    for (const FileRun& run : joined.runs) {
-      runs.push_back({{"path", run.path}, {"offset", run.offset}, {"length", run.length}});
-    }
+  nlohmann::ordered_json runs = nlohmann::ordered_json::array();
+  std::string text;
+  for (const FileRun& run : joined.runs) {
+    runs.push_back({{"path", run.path}, {"offset", run.offset}, {"length", run.length}});
+    text += fmt::format("{} {} {}\n", run.path, run.offset, run.length);
+  }
+  if (!context.json) print(text);
+  else {
     print_json({{"output", options.output.path},
                 {"own_file", joined.own_file},
                 {"file_bytes", joined.file_bytes},
                 {"runs", runs}});
-    return kExitDone;
   }
-  std::string text;
-  for (const FileRun& run : joined.runs) {
-    text += fmt::format("{} {} {}\n", run.path, run.offset, run.length);
-  }
-  print(text);
   return kExitDone;
-}
-
-JoinStep step_of(const std::string& name) {
-  if (name == "layout") return JoinStep::layout;
-  return name == "copy" ? JoinStep::copy : JoinStep::seal;
 }
 
 std::string step_words(const JoinStepResult& done, JoinStep step, const std::string& path) {
@@ -107,23 +99,25 @@ std::string step_words(const JoinStepResult& done, JoinStep step, const std::str
                      counted_text(static_cast<std::int64_t>(done.copied.size()), "part"), left);
 }
 
+const char* step_name(JoinStep step) {
+  return step == JoinStep::layout ? "layout" : step == JoinStep::copy ? "copy" : "seal";
+}
+
 int run_step(const JoinArguments& arguments, const JoinOptions& join, Context& context) {
   JoinStepOptions options;
   options.join = join;
-  options.step = step_of(arguments.step);
+  options.step = *arguments.step;
   options.numbers = arguments.part.empty() ? arguments.parts : arguments.part;
   options.variables = [](const char* name) { return std::getenv(name); };
   const JoinStepResult done = run_task(join_step, options, context);
-  if (context.json) {
-    print_json({{"output", join.output.path},
-                {"step", arguments.step},
+  print_result(context,
+               {{"output", join.output.path},
+                {"step", step_name(options.step)},
                 {"file_bytes", done.file_bytes},
                 {"part_count", done.part_count},
                 {"copied", done.copied},
-                {"uncopied", done.uncopied}});
-  } else if (!context.quiet) {
-    print(step_words(done, options.step, join.output.path));
-  }
+                {"uncopied", done.uncopied}},
+               step_words(done, options.step, join.output.path));
   return kExitDone;
 }
 
@@ -132,10 +126,10 @@ void require_words(const JoinArguments& arguments) {
     throw Error(ErrorKind::invalid_argument, "--output is required, unless --missing is given");
   }
   const bool has_number = !arguments.part.empty() || !arguments.parts.empty();
-  if (has_number && arguments.step != "copy") {
+  if (has_number && arguments.step != JoinStep::copy) {
     throw Error(ErrorKind::invalid_argument, "--part goes with --step copy");
   }
-  const bool copies = arguments.step.empty() || arguments.step == "copy";
+  const bool copies = !arguments.step || arguments.step == JoinStep::copy;
   if (arguments.options.consumes_parts && !copies) {
     throw Error(ErrorKind::invalid_argument,
                 "--consume goes with --step copy: the other steps copy no part");
@@ -148,7 +142,7 @@ int run_join(const JoinArguments& arguments, Context& context) {
   JoinOptions options = arguments.options;
   options.output.overwrite = context.force;
   if (arguments.is_runs) return print_runs(options, context);
-  if (!arguments.step.empty()) return run_step(arguments, options, context);
+  if (arguments.step) return run_step(arguments, options, context);
   print_built(run_task(join_scan, options, context), options.output.path, context);
   return kExitDone;
 }
@@ -166,9 +160,12 @@ void add_join(CLI::App& app, Context& context) {
   Option consume = verb.add_flag("--consume", arguments.options.consumes_parts,
                                  "Remove each part once it is in the file")
                        .excludes(missing);
-  Option step = verb.add_option("--step STEP", arguments.step, "One step of a join that many share")
-                    .check(one_of({"layout", "copy", "seal"}))
-                    .excludes(missing);
+  Option step =
+      verb.add_word(
+              "--step STEP", arguments.step,
+              {{"layout", JoinStep::layout}, {"copy", JoinStep::copy}, {"seal", JoinStep::seal}},
+              "One step of a join that many share")
+          .excludes(missing);
   Option part = verb.add_option("--part I", arguments.part, "The part that is copied")
                     .check(whole_within(0))
                     .excludes(missing);

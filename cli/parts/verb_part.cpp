@@ -37,7 +37,7 @@ struct PartVerbArguments {
   std::string part;
 };
 
-nlohmann::ordered_json made_parts_json(const MakePartsResult& result, const Context& context) {
+nlohmann::ordered_json made_parts_json(const MakePartsResult& result) {
   nlohmann::ordered_json parts = nlohmann::ordered_json::array();
   for (const MadePart& part : result.parts) {
     parts.push_back({{"part", part.number},
@@ -47,10 +47,7 @@ nlohmann::ordered_json made_parts_json(const MakePartsResult& result, const Cont
   }
   nlohmann::ordered_json from = nullptr;
   if (result.scheduled) from = result.scheduled->variable;
-  return {{"part_count", result.part_count},
-          {"number_from", from},
-          {"parts", parts},
-          {"warnings", context.warnings}};
+  return {{"part_count", result.part_count}, {"number_from", from}, {"parts", parts}};
 }
 
 int run_part(const PartVerbArguments& arguments, Context& context) {
@@ -60,17 +57,14 @@ int run_part(const PartVerbArguments& arguments, Context& context) {
   options.parser = parse_work;
   options.overwrite = context.force;
   const MakePartsResult result = run_task(make_parts, options, context);
-  if (context.json) {
-    print_json(made_parts_json(result, context));
-    return kExitDone;
-  }
+  std::string text;
   for (const MadePart& part : result.parts) {
-    if (context.quiet) break;
     const std::string what =
         part.was_there ? " is there already"
                        : fmt::format(": {}, {}", part.path, bytes_text(part.file_bytes));
-    print(fmt::format("part {} of {}{}\n", part.number, result.part_count, what));
+    text += fmt::format("part {} of {}{}\n", part.number, result.part_count, what);
   }
+  print_result(context, made_parts_json(result), text);
   return kExitDone;
 }
 

@@ -7,6 +7,7 @@
 #include "octavo/core/text.h"
 #include "text/label_words.h"
 #include "text/quantities.h"
+#include "text/table.h"
 
 namespace octavo::cli {
 
@@ -100,20 +101,18 @@ std::string equal_text(const CompareResult& result) {
 }
 
 std::string agreement_table(const CompareLabelsResult& result) {
-  std::vector<std::string> all_names;
+  TextTable table({{"label", 10},
+                   name_column(),
+                   {"voxels in A", 16},
+                   {"voxels in B", 16},
+                   {"in both", 16},
+                   {"Dice", 8}});
   for (const LabelAgreement& one : result.agreements) {
-    all_names.push_back(name_in_both(result, one.label));
+    table.add({std::to_string(one.label), name_in_both(result, one.label),
+               count_of(one.first_voxels), count_of(one.second_voxels), count_of(one.both_voxels),
+               fmt::format("{:.4f}", one.dice())});
   }
-  const NameColumn names(all_names);
-  std::string text = fmt::format("{:>10}{} {:>16} {:>16} {:>16} {:>8}\n", "label", names.head(),
-                                 "voxels in A", "voxels in B", "in both", "Dice");
-  for (std::size_t i = 0; i < result.agreements.size(); ++i) {
-    const LabelAgreement& one = result.agreements[i];
-    text += fmt::format("{:>10}{} {:>16} {:>16} {:>16} {:>8.4f}\n", one.label, names.cell(i),
-                        count_of(one.first_voxels), count_of(one.second_voxels),
-                        count_of(one.both_voxels), one.dice());
-  }
-  return text;
+  return table.text();
 }
 
 nlohmann::ordered_json agreements_json(const CompareLabelsResult& result) {

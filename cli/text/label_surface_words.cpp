@@ -11,6 +11,7 @@
 #include "octavo/tasks/volume_facts.h"
 #include "text/label_words.h"
 #include "text/quantities.h"
+#include "text/table.h"
 
 namespace octavo::cli {
 
@@ -96,25 +97,19 @@ std::string label_surfaces_text(const LabelSurfacesOptions& options,
                             static_cast<double>(result.full_triangle_count),
                         result.max_deviation_mm, count_of(result.crossing_triangles.value_or(0)));
   }
-  std::vector<std::string> all_names;
-  for (const LabelSurface& surface : result.labels) {
-    all_names.push_back(names_in(result).name_of(surface.label));
-  }
-  const NameColumn names(all_names);
+  std::vector<TextColumn> columns = {
+      {"label", 10}, name_column(), {"triangles", 11}, {"voxels", 13}, {"volume %", 10}};
   const bool is_spaced = is_spacing_known(result.volume);
-  text += fmt::format("{:>10}{}  {:>10}  {:>12}  {:>9}", "label", names.head(), "triangles",
-                      "voxels", "volume %");
-  text += is_spaced ? fmt::format("  {:>12}  {:>8}\n", "mm3", "moved mm") : "\n";
-  for (std::size_t i = 0; i < result.labels.size(); ++i) {
-    const LabelSurface& surface = result.labels[i];
-    text += fmt::format("{:>10}{}  {:>10}  {:>12}  {:>+9.2f}", surface.label, names.cell(i),
-                        count_of(surface.triangle_count), count_text(surface.voxel_count),
-                        100 * surface.volume_change);
-    text += is_spaced ? fmt::format("  {:>12.6g}  {:>8.3g}\n", surface.measures.volume_mm3,
-                                    surface.longest_move_mm)
-                      : "\n";
+  if (is_spaced) columns.insert(columns.end(), {{"mm3", 13}, {"moved mm", 9}});
+  TextTable table(columns);
+  for (const LabelSurface& surface : result.labels) {
+    table.add({std::to_string(surface.label), names_in(result).name_of(surface.label),
+               count_of(surface.triangle_count), count_text(surface.voxel_count),
+               fmt::format("{:+.2f}", 100 * surface.volume_change),
+               fmt::format("{:.6g}", surface.measures.volume_mm3),
+               fmt::format("{:.3g}", surface.longest_move_mm)});
   }
-  return text;
+  return text + table.text();
 }
 
 nlohmann::ordered_json label_surfaces_json(const LabelSurfacesOptions& options,

@@ -13,9 +13,6 @@ namespace octavo::cli {
 
 namespace {
 
-// Longer names reach beyond their column.
-constexpr std::size_t kMaxWidth = 40;
-
 /// Whether a character of UTF-8 text is a control: C0, delete or C1.
 bool holds_control(std::string_view text) {
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -29,22 +26,6 @@ bool holds_control(std::string_view text) {
 }
 
 }  // namespace
-
-NameColumn::NameColumn(const std::vector<std::string>& names) {
-  for (const std::string& name : names) {
-    cells_.push_back(escaped(name));
-    width_ = std::max(width_, std::min(cells_.back().size(), kMaxWidth));
-  }
-  if (width_ > 0) width_ = std::max(width_, std::string_view("name").size());
-}
-
-std::string NameColumn::padded(const std::string& text) const {
-  return is_empty() ? "" : fmt::format("  {:<{}}", text, width_);
-}
-
-std::string NameColumn::head() const { return padded("name"); }
-
-std::string NameColumn::cell(std::size_t row) const { return padded(cells_[row]); }
 
 nlohmann::ordered_json name_json(const LabelNames& names, std::int64_t label) {
   const std::string& name = names.name_of(label);

@@ -10,23 +10,6 @@
 
 namespace octavo::cli {
 
-/// A column of a table: a name in each row, escaped. It takes no place where all names are empty.
-class NameColumn {
- public:
-  explicit NameColumn(const std::vector<std::string>& names);
-
-  bool is_empty() const { return width_ == 0; }
-  /// Two blanks and "name", as wide as the column.
-  std::string head() const;
-  std::string cell(std::size_t row) const;
-
- private:
-  std::string padded(const std::string& text) const;
-
-  std::vector<std::string> cells_;
-  std::size_t width_ = 0;
-};
-
 /// The name of a label, or null.
 nlohmann::ordered_json name_json(const LabelNames& names, std::int64_t label);
 

@@ -1,13 +1,12 @@
 // The ranks of an MPI job, and a watch over them.
 #pragma once
 
-#include <atomic>
-#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
 
 #include "octavo/dist/communicator.h"
+#include "octavo/dist/mpi/rank_pulse.h"
 
 namespace octavo {
 
@@ -31,12 +30,6 @@ class MpiJob {
  private:
   class Ranks;
   std::unique_ptr<Ranks> ranks_;
-};
-
-/// What a rank tells of itself, from any thread.
-struct RankPulse {
-  std::atomic<std::uint64_t> steps = 0;   ///< grows while the rank works
-  std::atomic<bool> is_at_work = false;   ///< whether it should
 };
 
 struct AliveLimits {
