@@ -23,10 +23,11 @@ constexpr VerbText kMorphometryText = {
     "Bone volume and total volume (BV, TV, BV/TV), surface (BS, BS/BV), thickness, separation and\n"
     "number (Tb.Th, Tb.Sp, Tb.N) by the largest balls that fit, structure model index, Euler\n"
     "number and connectivity density, ellipsoid factor, degree of anisotropy, fractal dimension;\n"
-    "with --tortuosity how much longer than straight the ways through pores are; with --of also\n"
-    "densities of the tissue and of the total volume (TMD, BMD), calibrated where --calibration\n"
-    "gives a line. Of rock and foam 1 - BV/TV is the porosity and Tb.Sp the size of pores. The\n"
-    "definitions, with their sources, stand in docs/morphometry.md.\n\n"
+    "with --tortuosity how much longer than straight the ways through pores are, with --diffusion\n"
+    "how much slower things spread through them; with --of also densities of the tissue and of\n"
+    "the total volume (TMD, BMD), calibrated where --calibration gives a line. Of rock and foam\n"
+    "1 - BV/TV is the porosity and Tb.Sp the size of pores. The definitions, with their sources,\n"
+    "stand in docs/morphometry.md.\n\n"
     "The surface at the border of the volume is no surface, and nothing is known beyond it.\n"
     "--region measures within a label map; balls may reach out of it.\n\n"
     "Examples:\n"
@@ -157,6 +158,8 @@ void add_morphometry(CLI::App& app, Context& context) {
                          "A PNG of the histograms of thickness and separation");
   verb.add_flag("--tortuosity", options.has_tortuosity,
                 "Geodesic tortuosity of what is not in the mask, along x, y and z");
+  verb.add_flag("--diffusion", options.has_diffusion,
+                "Effective diffusivity and diffusive tortuosity of it; takes far longer");
   verb.add_off_flag("--no-thickness", options.has_thickness, "Leave out Tb.Th, Tb.Sp, Tb.N and EF");
   verb.add_flag("--slices", arguments.has_slices,
                 "Area and mean thickness of each slice, as CSV or in --json");

@@ -107,6 +107,7 @@ constexpr Advice kAdvice[] = {
      "--labels compares label maps: leave it out, or make labels with octavo threshold"},
     {kUsage, "distance.max_mm", "", "give another --max-mm"},
     {kUsage, "distance.step_mm", "", "give another --step, or --steps"},
+    {kUsage, "distance.within_mm", "", "give a larger --within, or a smaller --step"},
     {kAny, "grey.kind", "", "--of takes the scan that was thresholded"},
     {kAny, "grid", "", "both must share one grid"},
     {kAny, "is_resampling", "", "--resample brings it onto that of the first"},

@@ -35,6 +35,7 @@ nb::dict distance_file(const OpenFile& file, const std::string& name, const std:
   options.max_mm = nb::cast<std::optional<double>>(asked["max_mm"]);
   options.is_in_steps = nb::cast<bool>(asked["steps"]);
   options.step_mm = nb::cast<std::optional<double>>(asked["step_mm"]);
+  options.within_mm = nb::cast<std::optional<double>>(asked["within_mm"]);
   Work work(given);
   const DistanceResult result =
       work.run({{name, &file}}, [&] { return distance(options, work.context()); });
@@ -118,6 +119,7 @@ nb::dict morphometry_file(const std::vector<const OpenFile*>& files, const nb::d
   options.calibration = {line[0], line[1]};
   options.has_thickness = nb::cast<bool>(asked["thickness"]);
   options.has_tortuosity = nb::cast<bool>(asked["tortuosity"]);
+  options.has_diffusion = nb::cast<bool>(asked["diffusion"]);
   const bool overwrites = nb::cast<bool>(asked["overwrite"]);
   options.thickness_map = {text("thickness_map"), overwrites};
   options.spacing_map = {text("spacing_map"), overwrites};

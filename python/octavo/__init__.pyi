@@ -45,16 +45,18 @@ class Surface(NamedTuple):
 class _StructureTasks:
     @overload
     def distance(self, path: None = None, *, to: Literal["faces", "centers"] = "faces",
-                 max_mm: float | None = None, step_mm: None = None, overwrite: bool = False,
-                 threads: int = 0, max_memory: int = 0,
+                 max_mm: float | None = None, step_mm: None = None, within_mm: None = None,
+                 overwrite: bool = False, threads: int = 0, max_memory: int = 0,
                  progress: _Progress = None) -> NDArray[np.float32]: ...
     @overload
     def distance(self, path: _Path, *, to: Literal["faces", "centers"] = "faces",
-                 max_mm: float | None = None, step_mm: float | None = None, overwrite: bool = False,
-                 threads: int = 0, max_memory: int = 0, progress: _Progress = None) -> Volume: ...
+                 max_mm: float | None = None, step_mm: float | None = None,
+                 within_mm: float | None = None, overwrite: bool = False, threads: int = 0,
+                 max_memory: int = 0, progress: _Progress = None) -> Volume: ...
     def morphometry(self, *, region: Volume | LabelMap | None = None, of: Volume | None = None,
                     calibration: Sequence[float] = (1, 0), thickness: bool = True,
-                    tortuosity: bool = False, thickness_map: _Path | Literal[True] | None = None,
+                    tortuosity: bool = False, diffusion: bool = False,
+                    thickness_map: _Path | Literal[True] | None = None,
                     spacing_map: _Path | Literal[True] | None = None,
                     histogram: _Path | None = None, overwrite: bool = False, threads: int = 0,
                     max_memory: int = 0, progress: _Progress = None) -> dict[str, Any]: ...

@@ -15,8 +15,8 @@ from ._work import connectivity_of, if_given, number_of, work_of
 class StructureTasks:
     """What is measured of a label map, every voxel but 0 of which is in the mask."""
 
-    def distance(self, path=None, *, to="faces", max_mm=None, step_mm=None, overwrite=False,
-                 threads=0, max_memory=0, progress=None):
+    def distance(self, path=None, *, to="faces", max_mm=None, step_mm=None, within_mm=None,
+                 overwrite=False, threads=0, max_memory=0, progress=None):
         """The signed distance of every voxel's center from the surface of the mask.
 
         Exact on every grid. What lies beyond the volume is not known: no distance ends there.
@@ -33,6 +33,8 @@ class StructureTasks:
         step_mm : float or True, optional
             int16 voxels of so many mm, in the file; True: the smallest power of two that reaches
             all. float32 otherwise.
+        within_mm : float, optional
+            How far a voxel of the file may be off: it is proven, and makes files far smaller.
 
         Returns
         -------
@@ -48,10 +50,13 @@ class StructureTasks:
             raise ArgumentError(f'to is "faces" or "centers", not {to!r}')
         if step_mm is not None and path is None:
             raise ArgumentError("step_mm is of files: give a path")
+        if within_mm is not None and path is None:
+            raise ArgumentError("within_mm is of files: give a path")
         is_step_chosen = step_mm is True
         name, handle = self._opened_file()
         asked = dict(to=to, max_mm=if_given(_length, max_mm, "max_mm"), steps=step_mm is not None,
                      step_mm=None if is_step_chosen else if_given(_length, step_mm, "step_mm"),
+                     within_mm=if_given(_length, within_mm, "within_mm"),
                      overwrite=bool(overwrite))
         with _Maps() as maps, work_of(threads, max_memory, progress) as work:
             place = maps.place_of("path", True if path is None else path)
@@ -59,8 +64,8 @@ class StructureTasks:
             return maps.made("path")
 
     def morphometry(self, *, region=None, of=None, calibration=(1, 0), thickness=True,
-                    tortuosity=False, thickness_map=None, spacing_map=None, histogram=None,
-                    overwrite=False, threads=0, max_memory=0, progress=None):
+                    tortuosity=False, diffusion=False, thickness_map=None, spacing_map=None,
+                    histogram=None, overwrite=False, threads=0, max_memory=0, progress=None):
         """Measure structure: volume share, surface, thickness, separation, connectivity and more.
 
         docs/morphometry.md says how each number is computed, and by whom it is defined.
@@ -77,6 +82,8 @@ class StructureTasks:
             False leaves out Tb.Th, Tb.Sp and Tb.N.
         tortuosity : bool
             Whether the geodesic tortuosity of what is not in the mask is measured, along x, y, z.
+        diffusion : bool
+            Whether its effective diffusivity and diffusive tortuosity are: takes far longer.
         thickness_map, spacing_map : True, str or os.PathLike, optional
             The local thickness of the mask, and of what is not in it: a path writes it to an .8vo
             file, True returns it as an array.
@@ -103,7 +110,8 @@ class StructureTasks:
         if of is None and line != (1, 0):
             raise ArgumentError("calibration is of the scan that `of` gives")
         asked = dict(mask=name, region="", grey="", calibration=line, thickness=bool(thickness),
-                     tortuosity=bool(tortuosity), overwrite=bool(overwrite),
+                     tortuosity=bool(tortuosity), diffusion=bool(diffusion),
+                     overwrite=bool(overwrite),
                      histogram=_written(histogram))
         files = [handle]
         for key, given in (("region", region), ("grey", of)):

@@ -81,6 +81,30 @@ class Distance(cli_test.InFolder):
         self.assertEqual(math.log2(result["step_mm"]) % 1, 0)
         self.assertEqual(result["file_bytes"], (self.folder / "j.8vo").stat().st_size)
 
+    def test_distances_within_a_bound_are_within_it_and_smaller(self):
+        size = (64, 64, 40)
+        self.build("ball.8vo", bytes(int((x - 30) ** 2 + (y - 33) ** 2 + (z - 20) ** 2 < 14 ** 2)
+                                     for z in range(size[2]) for y in range(size[1])
+                                     for x in range(size[0])), size, (0.5, 0.5, 0.5))
+        exact = self.distances("ball.8vo")
+        for bound, arguments in ((0.1, ()), (0.02, ()), (0.1, ("--step", "0.01"))):
+            made = self.distances("ball.8vo", "--within", str(bound), *arguments)
+            off = [abs(a - b) for a, b in zip(made, exact)]
+            self.assertLessEqual(max(off), bound * (1 + 1e-5))
+            self.assertGreater(max(off), 0)
+        result = {}
+        for name, arguments in (("all", ()), ("some", ("--within", "0.1"))):
+            result[name] = json.loads(self.expect(0, "distance", "ball.8vo", "-o", "s.8vo", "-f",
+                                                  *arguments, "--json", "--progress",
+                                                  "none").stdout)
+        self.assertLess(result["some"]["file_bytes"], 0.2 * result["all"]["file_bytes"])
+        self.assertEqual(result["all"]["max_error_mm"], 0)
+        self.assertLessEqual(result["some"]["max_error_mm"], 0.1)
+        failed = self.expect(2, "distance", "ball.8vo", "-o", "no.8vo", "--within", "0.01",
+                             "--step", "0.1")
+        self.assertIn("--within", failed.stderr)
+        self.assertFalse((self.folder / "no.8vo").exists())
+
     def test_masks_without_a_surface_are_rejected(self):
         count = math.prod(SIZE)
         for name, value in (("empty.8vo", b"\0"), ("full.8vo", b"\1")):

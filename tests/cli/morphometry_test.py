@@ -93,6 +93,14 @@ class Morphometry(cli_test.InFolder):
         self.build("tight.8vo", lambda x, y, z: z == 20)
         self.assertIsNone(self.measures("tight.8vo", "--tortuosity")["tortuosity_z"])
         self.assertNotIn("tortuosity_z", self.measures("tight.8vo"))
+        slow = self.measures("walls.8vo", "--diffusion", "--no-thickness")
+        self.assertAlmostEqual(slow["diffusive_tortuosity_y"], 1, places=4)
+        self.assertGreater(slow["diffusive_tortuosity_z"], made["tortuosity_z"])
+        self.assertAlmostEqual(slow["effective_diffusivity_z"] * slow["diffusive_tortuosity_z"],
+                               slow["porosity"], places=6)
+        self.assertNotIn("tortuosity_z", slow)
+        tight = self.measures("tight.8vo", "--diffusion", "--no-thickness")
+        self.assertIsNone(tight["effective_diffusivity_z"])
         self.expect_error(2, ["--no-thickness"], "morphometry", "tight.8vo", "--no-thickness",
                           "--histogram", "i.png")
         self.expect_error(2, [".png"], "morphometry", "tight.8vo", "--histogram", "i.svg")

@@ -37,6 +37,10 @@ void check_options(const DistanceOptions& options, const OpenedMask& mask) {
     throw Error(ErrorKind::invalid_argument, "the step must be above 0")
         .with_field("distance.step_mm");
   }
+  if (!is_length(options.within_mm.value_or(1))) {
+    throw Error(ErrorKind::invalid_argument, "the bound must be above 0")
+        .with_field("distance.within_mm");
+  }
   require_known_spacing(mask.volume(), mask.path, "a distance in mm");
   const std::uint64_t inside = mask.tree.voxel_count();
   const auto all = static_cast<std::uint64_t>(mask.volume().size.voxel_count());
@@ -58,10 +62,23 @@ double step_for(const DistanceOptions& options, double largest) {
       .with_field("distance.step_mm");
 }
 
+/// What of the bound is left for the codec beside the rounding to steps.
+double max_error_of(const DistanceOptions& options, double step_mm) {
+  if (!options.within_mm) return 0;
+  const double left = *options.within_mm - 0.5 * step_mm;
+  if (left >= 0) return left;
+  throw Error(ErrorKind::invalid_argument,
+              "steps of " + number_text(step_mm) + " mm are off by up to " +
+                  number_text(0.5 * step_mm) + " mm, more than " +
+                  number_text(*options.within_mm) + " mm")
+      .with_field("distance.within_mm");
+}
+
 MadeBy made_by(const DistanceOptions& options) {
   MadeBy made("distance");
   made.set("to", options.to == DistanceTo::faces ? "faces" : "centers");
   if (options.max_mm) made.set("max_mm", *options.max_mm);
+  if (options.within_mm) made.set("within_mm", *options.within_mm);
   return made;
 }
 
@@ -112,6 +129,10 @@ DistanceResult distance(const DistanceOptions& options, const TaskContext& conte
   if (options.is_in_steps) {
     volume.rescale.slope = step_for(options, field->largest_mm().value_or(limit));
   }
+  const double step_mm = options.is_in_steps ? volume.rescale.slope : 0;
+  const BuildOptions build{.kind = VolumeKind::grey,
+                           .max_error = max_error_of(options, step_mm),
+                           .is_resumable = false};
   DistanceSpan span;
   const std::int64_t plane = volume.size.x * volume.size.y;
   const auto fill = [&](const Box& box, std::byte* voxels) {
@@ -120,10 +141,9 @@ DistanceResult distance(const DistanceOptions& options, const TaskContext& conte
     store_distances(mm, volume, voxels, span);
   };
   const auto source = make_computed_source(volume, fill, std::min<std::int64_t>(plan.slab, 16));
-  const BuiltVolume built =
-      build_planes(*source, {.kind = VolumeKind::grey, .is_resumable = false}, options.output,
-                   "distance", context);
-  return {built.volume, span.smallest, span.largest, plan.hold, built.build.file_bytes};
+  const BuiltVolume built = build_planes(*source, build, options.output, "distance", context);
+  return {built.volume, span.smallest, span.largest, plan.hold,
+          built.max_error_real() + 0.5 * step_mm, built.build.file_bytes};
 }
 
 }  // namespace octavo

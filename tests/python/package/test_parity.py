@@ -31,7 +31,8 @@ VERBS = {
         "coded": "Volume.self_similarity.coded"}),
     "dilate": ("LabelMap.dilate", MORPH),
     "distance": ("LabelMap.distance", {"output": "path", "to": "to", "max-mm": "max_mm",
-                                       "step": "step_mm", "steps": "step_mm"}),
+                                       "step": "step_mm", "steps": "step_mm",
+                                       "within": "within_mm"}),
     "erode": ("LabelMap.erode", MORPH),
     "fill-holes": ("LabelMap.fill_holes", {**OUTPUT, "connectivity": "connectivity",
                                            "max-mm3": "max_mm3"}),
@@ -46,6 +47,7 @@ VERBS = {
     "morphometry": ("LabelMap.morphometry", {
         "region": "region", "of": "of", "calibration": "calibration", "histogram": "histogram",
         "thickness-map": "thickness_map", "spacing-map": "spacing_map", "tortuosity": "tortuosity",
+        "diffusion": "diffusion",
         "no-thickness": "thickness", "slices": SHELL, "csv": SHELL}),
     "open": ("LabelMap.open", MORPH),
     "render": ("Volume.render", {

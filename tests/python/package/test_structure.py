@@ -51,6 +51,10 @@ def test_distances_go_into_files_and_are_clipped(mask, tmp_path):
     assert np.array_equal(volume.real[...], array)
     steps = mask.distance(tmp_path / "s.8vo", max_mm=1.5, step_mm=0.01)
     assert steps.dtype == np.int16 and np.abs(steps.real[...] - array).max() <= 0.005 + 1e-6
+    near = mask.distance(tmp_path / "n.8vo", max_mm=1.5, within_mm=0.1)
+    assert 0 < np.abs(near.real[...] - array).max() <= 0.1 + 1e-6
+    with pytest.raises(octavo.ArgumentError, match="within_mm"):
+        mask.distance(within_mm=0.1)
     with pytest.raises(octavo.StorageError, match="overwrite=True"):
         mask.distance(tmp_path / "d.8vo")
 

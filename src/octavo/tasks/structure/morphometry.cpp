@@ -56,7 +56,7 @@ class MorphometryWork {
     measure_volumes();
     measure_form();
     if (options_.has_thickness) measure_thickness();
-    if (options_.has_tortuosity) measure_paths();
+    if (options_.has_tortuosity || options_.has_diffusion) measure_pores();
     if (grey_) measure_densities();
     return std::move(result_);
   }
@@ -215,9 +215,11 @@ class MorphometryWork {
     build_planes(*source, {.kind = VolumeKind::grey, .is_resumable = false}, map, what, context_);
   }
 
-  void measure_paths() {
+  void measure_pores() {
     const auto voxels = static_cast<std::uint64_t>(size_.voxel_count());
-    context_.require_memory(2 * mask_.tree.memory_bytes() + 8 * voxels, "ways through pores");
+    const std::uint64_t others = voxels - mask_.tree.voxel_count();
+    const std::uint64_t bytes = options_.has_diffusion ? 7 * voxels + 49 * others : 8 * voxels;
+    context_.require_memory(2 * mask_.tree.memory_bytes() + bytes, "ways through pores");
     std::vector<std::uint8_t> pores(static_cast<std::size_t>(voxels));
     fill_voxels(mask_.tree, box_of(size_), pores.data());
     for (std::uint8_t& voxel : pores) voxel = voxel == 0 ? 1 : 0;
@@ -229,10 +231,20 @@ class MorphometryWork {
         for (std::size_t i = 0; i < plane.size(); ++i) at[i] &= plane[i];
       }
     }
+    result_.has_diffusion = options_.has_diffusion;
     const ProgressScope scope(context_.watcher(), "ways through pores", 3, "axes");
     for (int axis = 0; axis < 3; ++axis) {
-      result_.paths[static_cast<std::size_t>(axis)] =
-          path_lengths(pores, size_, spacing_, axis, context_.watcher());
+      const auto a = static_cast<std::size_t>(axis);
+      if (options_.has_tortuosity) {
+        result_.paths[a] = path_lengths(pores, size_, spacing_, axis, context_.watcher());
+      }
+      if (options_.has_diffusion) {
+        const auto counted = static_cast<double>(result_.region_voxels);
+        context_.on_threads([&] {
+          result_.diffusions[a] =
+              pore_diffusion(pores, size_, spacing_, axis, counted, context_.watcher());
+        });
+      }
       context_.watcher().advance(1);
     }
   }

@@ -14,6 +14,7 @@
 
 #include "octavo/core/volume.h"
 #include "octavo/ops/morphometry/box_counts.h"
+#include "octavo/ops/morphometry/diffusion.h"
 #include "octavo/ops/morphometry/ellipsoid_factor.h"
 #include "octavo/ops/morphometry/euler_number.h"
 #include "octavo/ops/morphometry/intercept_lengths.h"
@@ -35,6 +36,9 @@ struct MorphometryOptions {
   Output spacing_map;    ///< of what is not in it
   /// Of what is not in the mask, along x, y and z; takes 6 bytes a voxel.
   bool has_tortuosity = false;
+  /// Of what is not in the mask, along x, y and z; takes 7 bytes a voxel, and up to 49 for each
+  /// that is not in the mask.
+  bool has_diffusion = false;
   Output histogram = {};  ///< a PNG of thickness and separation; no path: none is written
 };
 
@@ -71,6 +75,8 @@ struct MorphometryResult {
   std::optional<EllipsoidFactors> ellipsoids;
   /// Of pores along x, y and z; nothing where no way leads through, or not asked for.
   std::array<std::optional<PathLengths>, 3> paths{};
+  bool has_diffusion = false;  ///< as asked for
+  std::array<std::optional<PoreDiffusion>, 3> diffusions{};  ///< as paths
   std::optional<DensityMeasure> tissue;       ///< TMD
   std::optional<DensityMeasure> total;        ///< BMD
   std::vector<SliceMeasure> slices;

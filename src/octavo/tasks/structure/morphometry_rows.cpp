@@ -47,6 +47,20 @@ void add_path_rows(const MorphometryResult& result, std::vector<MorphometryRow>&
   }
 }
 
+void add_diffusion_rows(const MorphometryResult& result, std::vector<MorphometryRow>& rows) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto& diffusion = result.diffusions[axis];
+    const char name = "xyz"[axis];
+    const std::string words = diffusion ? "of pores at rest" : "no pore leads through";
+    rows.push_back({fmt::format("effective_diffusivity_{}", name), fmt::format("Deff.{}", name),
+                    diffusion ? std::optional(diffusion->effective) : std::nullopt, "",
+                    diffusion ? "effective diffusivity, 1 in free space" : words});
+    rows.push_back({fmt::format("diffusive_tortuosity_{}", name), fmt::format("tau.D.{}", name),
+                    diffusion ? std::optional(diffusion->tortuosity) : std::nullopt, "",
+                    diffusion ? "diffusive tortuosity, porosity over Deff" : words});
+  }
+}
+
 void add_form_rows(const MorphometryResult& result, std::vector<MorphometryRow>& rows) {
   const double spread = static_cast<double>(result.euler.faces - result.euler.corners);
   rows.push_back({"euler_number", "Euler", static_cast<double>(result.euler.corners), "",
@@ -96,6 +110,7 @@ std::vector<MorphometryRow> morphometry_rows(const MorphometryResult& result,
       {"smi", "SMI", result.smi, "", "0 plates, 3 rods, 4 balls"}};
   add_thickness_rows(result, rows);
   if (has_tortuosity) add_path_rows(result, rows);
+  if (result.has_diffusion) add_diffusion_rows(result, rows);
   add_form_rows(result, rows);
   if (result.tissue) {
     rows.push_back({"tmd", "TMD", result.tissue->mean, "", "mean density of the mask"});

@@ -1,0 +1,49 @@
+// How much slower than without obstacles something spreads through pores: the diffusive tortuosity.
+//
+// A concentration of 1 is held before the first plane across an axis, of 0 behind the last one, and
+// nothing passes into what is no pore. At rest the concentration c in the pores solves
+// div grad c = 0; what flows through every plane then is the same, J. With D the diffusivity in
+// free space,
+//
+//     D_eff / D = J * length / (D * area)        tortuosity = porosity * D / D_eff
+//
+// Fluxes pass the faces between voxels; the outermost planes are half a voxel from where 1 and 0
+// are held. Pores that do not lead from one side to the other hold still, and count for the
+// porosity all the same. The equations are solved by conjugate gradients, each divided by its
+// diagonal, until the residual is so small that the flux is known to about that share.
+//
+// Source  M. R. Hestenes, E. Stiefel, Methods of conjugate gradients for solving linear systems,
+//         Journal of Research of the National Bureau of Standards 49 (1952); S. J. Cooper et al.,
+//         TauFactor, SoftwareX 5 (2016)
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "octavo/core/box.h"
+#include "octavo/core/geometry.h"
+#include "octavo/core/progress.h"
+
+namespace octavo {
+
+struct PoreDiffusion {
+  double effective = 0;   ///< D_eff / D
+  double tortuosity = 1;  ///< porosity * D / D_eff
+  int steps = 0;          ///< of conjugate gradients
+  double imbalance = 0;   ///< how far the fluxes in and out are apart, as a share
+};
+
+/// Along one axis; nothing where no pore leads through.
+/// pores           [z][y][x], not 0 in pores
+/// counted_voxels  that the porosity is a share of, pores and others
+/// Uses the threads of the calling task arena; does not depend on them.
+/// Throws  Error{limit_exceeded} beyond 2^31 voxels of pores, Error{cancelled}
+/// Memory  41 bytes for each voxel of pores that lead through, and 6 for each voxel; while these
+///         are looked for, up to 8 more for each of pores
+std::optional<PoreDiffusion> pore_diffusion(const std::vector<std::uint8_t>& pores,
+                                            const Size3& size, const Point3& spacing_mm, int axis,
+                                            double counted_voxels, Progress& progress);
+
+}  // namespace octavo
