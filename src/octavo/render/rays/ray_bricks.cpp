@@ -187,6 +187,9 @@ BrickTables RayBricks::tables() const {
   tables.looks = looks_.get();
   tables.used = used_.get();
   tables.is_wide = is_wide_;
+  const SampleRange all = source_.range();
+  tables.has_short_differences =
+      !is_wide_ && all.highest - all.lowest <= std::numeric_limits<std::int16_t>::max();
   tables.row = static_cast<std::int32_t>(row_);
   tables.plane = static_cast<std::int32_t>(row_ * row_);
   tables.slot = static_cast<std::int32_t>(slot_samples_);

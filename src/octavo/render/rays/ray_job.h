@@ -58,6 +58,7 @@ struct BrickTables {
   /// int16, or float where is_wide; one after the other, x fastest, aprons included.
   const void* samples = nullptr;
   bool is_wide = false;
+  bool has_short_differences = false;  ///< differences of any two fit into 16 bits
   std::int32_t row = 0;    ///< samples from a row to the next
   std::int32_t plane = 0;  ///< from a plane to the next
   std::int32_t slot = 0;   ///< from a brick to the next
@@ -192,8 +193,14 @@ inline constexpr float kUnlitWeight = 1.0f / 512;
 inline constexpr int kShineSquares = 5;
 /// Parts of a step in which its length counts: 1 << it.
 inline constexpr int kStepParts = 6;
-/// Halvings of the step in which an isosurface is hit: 1/4096 of it remains.
+/// Halvings of the step in which the voxels of an isosurface that are seen begin: 1/4096 of it
+/// remains.
 inline constexpr int kHitHalvings = 12;
+/// Straight lines between values by which an isosurface is found within a step; what remains is
+/// less than a thousandth of it where values bend as between samples of a ball.
+inline constexpr int kHitLines = 3;
+/// Below an isovalue by no less, in pooled values.
+inline constexpr float kSmallestExcess = 1e-20f;
 /// The gradient of a cut, far above all that is soft.
 inline constexpr float kCutGradient = 1e6f;
 

@@ -32,6 +32,8 @@ HWY_INLINE Reals mixed(Reals a, Reals b, Reals share) {
   return hn::Add(a, hn::Mul(hn::Sub(b, a), share));
 }
 HWY_INLINE Wholes floor_of(Reals value) { return hn::ConvertTo(kWhole, hn::Floor(value)); }
+HWY_INLINE float lowest_of(Reals value) { return hn::GetLane(hn::MinOfLanes(kRays, value)); }
+HWY_INLINE float highest_of(Reals value) { return hn::GetLane(hn::MaxOfLanes(kRays, value)); }
 HWY_INLINE Wholes clamped(Wholes value, Wholes low, Wholes high) {
   return hn::Min(hn::Max(value, low), high);
 }
@@ -42,19 +44,34 @@ struct SamplePair {
   Reals second;
 };
 
-template <bool kIsWide>
-HWY_INLINE SamplePair pair_at(const BrickTables& b, Wholes at) {
-  if constexpr (kIsWide) {
-    const auto* const samples = static_cast<const float*>(b.samples);
-    return {hn::GatherIndex(kRays, samples, at),
-            hn::GatherIndex(kRays, samples, hn::Add(at, whole(1)))};
-  } else {
-    const Wholes both = hn::GatherOffset(kWhole, static_cast<const std::int32_t*>(b.samples),
-                                         hn::ShiftLeft<1>(at));
-    return {hn::ConvertTo(kRays, hn::ShiftRight<16>(hn::ShiftLeft<16>(both))),
-            hn::ConvertTo(kRays, hn::ShiftRight<16>(both))};
-  }
+HWY_INLINE SamplePair pair_of(Wholes both) {
+  return {hn::ConvertTo(kRays, hn::ShiftRight<16>(hn::ShiftLeft<16>(both))),
+          hn::ConvertTo(kRays, hn::ShiftRight<16>(both))};
 }
+
+HWY_INLINE SamplePair difference(const SamplePair& a, const SamplePair& b) {
+  return {hn::Sub(a.first, b.first), hn::Sub(a.second, b.second)};
+}
+
+/// The samples of bricks, looked up one by one.
+template <bool kIsWide>
+struct BrickRows {
+  const BrickTables& bricks;
+
+  std::int32_t row() const { return bricks.row; }
+  std::int32_t plane() const { return bricks.plane; }
+
+  HWY_INLINE SamplePair pair(Wholes at) const {
+    if constexpr (kIsWide) {
+      const auto* const samples = static_cast<const float*>(bricks.samples);
+      return {hn::GatherIndex(kRays, samples, at),
+              hn::GatherIndex(kRays, samples, hn::Add(at, whole(1)))};
+    } else {
+      return pair_of(hn::GatherOffset(kWhole, static_cast<const std::int32_t*>(bricks.samples),
+                                      hn::ShiftLeft<1>(at)));
+    }
+  }
+};
 
 /// What stands around places: the sample before each along each axis, and the shares of the next.
 struct Corners {
@@ -62,19 +79,14 @@ struct Corners {
   Reals share[3];
 };
 
-template <bool kIsWide>
-HWY_INLINE Reals row_value(const BrickTables& b, Wholes at, Reals share) {
-  const SamplePair pair = pair_at<kIsWide>(b, at);
-  return mixed(pair.first, pair.second, share);
-}
-
-template <bool kIsWide>
-HWY_INLINE Reals value_at(const BrickTables& b, const Corners& c) {
+template <class Rows>
+HWY_INLINE Reals value_at(const Rows& rows, const Corners& c) {
   const auto row = [&](std::int32_t by) HWY_ATTR {
-    return row_value<kIsWide>(b, hn::Add(c.at, whole(by)), c.share[0]);
+    const SamplePair pair = rows.pair(hn::Add(c.at, whole(by)));
+    return mixed(pair.first, pair.second, c.share[0]);
   };
-  const Reals near = mixed(row(0), row(b.row), c.share[1]);
-  const Reals far = mixed(row(b.plane), row(b.plane + b.row), c.share[1]);
+  const Reals near = mixed(row(0), row(rows.row()), c.share[1]);
+  const Reals far = mixed(row(rows.plane()), row(rows.plane() + rows.row()), c.share[1]);
   return mixed(near, far, c.share[2]);
 }
 
@@ -89,14 +101,27 @@ HWY_INLINE Wholes looks_at(const BrickTables& b, const Corners& c) {
   return hn::And(both, whole(0xffff));
 }
 
+/// Lanes at whose places a voxel is seen.
+HWY_INLINE RayMask seen_of(const RayFrame& f, RayMask lanes, const Corners& corner) {
+  if (f.bricks.looks == nullptr) return lanes;
+  const Wholes begins = hn::GatherIndex(kWhole, f.looks.begins, looks_at(f.bricks, corner));
+  return hn::And(lanes, of_reals(hn::Gt(begins, whole(-1))));
+}
+
+/// A sample that has neighbors on all sides.
+HWY_INLINE std::int32_t inner_sample(const BrickTables& b) {
+  return kApronBelow * (b.plane + b.row + 1);
+}
+
+/// The sample so many cells from `base`.
+HWY_INLINE Wholes sample_at(const BrickTables& b, Wholes base, const Wholes* cell) {
+  const Wholes by =
+      hn::Add(hn::Mul(cell[2], whole(b.plane)), hn::Mul(cell[1], whole(b.row)));
+  return hn::Add(base, hn::Add(by, cell[0]));
+}
+
 struct Gradients {
   Reals along[3];
-};
-
-/// A row through a place: its value there and its slope.
-struct RowsAt {
-  Reals value;
-  Reals slope;
 };
 
 /// Four samples in a row, of which the second lies at a place.
@@ -105,19 +130,14 @@ struct SampleRow {
   SamplePair high;
 };
 
-HWY_INLINE SamplePair pair_of(Wholes both) {
-  return {hn::ConvertTo(kRays, hn::ShiftRight<16>(hn::ShiftLeft<16>(both))),
-          hn::ConvertTo(kRays, hn::ShiftRight<16>(both))};
-}
-
 template <bool kIsWide>
-HWY_INLINE SampleRow row_at(const BrickTables& b, Wholes at) {
+HWY_INLINE SampleRow row_at(const BrickRows<kIsWide>& rows, Wholes at) {
   const Wholes first = hn::Sub(at, whole(1));
 #if HWY_TARGET == HWY_AVX2 || HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL
   // One load of 64 bits for each lane instead of two of 32.
   if constexpr (!kIsWide) {
     constexpr hn::Repartition<std::int64_t, decltype(kWhole)> kLong{};
-    const auto* const samples = static_cast<const std::int64_t*>(b.samples);
+    const auto* const samples = static_cast<const std::int64_t*>(rows.bricks.samples);
     const Wholes bytes = hn::ShiftLeft<1>(first);
     constexpr hn::Half<decltype(kWhole)> kHalf{};
     const auto lower = hn::BitCast(
@@ -130,52 +150,56 @@ HWY_INLINE SampleRow row_at(const BrickTables& b, Wholes at) {
             pair_of(hn::ConcatOdd(kWhole, upper, lower))};
   }
 #endif
-  return {pair_at<kIsWide>(b, first), pair_at<kIsWide>(b, hn::Add(at, whole(1)))};
+  return {rows.pair(first), rows.pair(hn::Add(at, whole(1)))};
 }
 
+/// Differences over two samples, straight between samples.
 template <bool kIsWide>
-HWY_INLINE RowsAt rows_at(const BrickTables& b, Wholes at, Reals share) {
-  const auto [low, high] = row_at<kIsWide>(b, at);
-  const Reals first = hn::Sub(high.first, low.first);
-  const Reals second = hn::Sub(high.second, low.second);
-  return {mixed(low.second, high.first, share), mixed(first, second, share)};
-}
-
-template <bool kIsWide>
-HWY_INLINE Gradients gradient_at(const BrickTables& b, const Corners& c) {
+HWY_INLINE Gradients gradient_at(const BrickRows<kIsWide>& rows, const Corners& c) {
   const auto at = [&](std::int32_t y, std::int32_t z) HWY_ATTR {
-    return hn::Add(c.at, whole(y * b.row + z * b.plane));
+    return hn::Add(c.at, whole(y * rows.row() + z * rows.plane()));
   };
-  const auto row = [&](std::int32_t y, std::int32_t z) HWY_ATTR {
-    return row_value<kIsWide>(b, at(y, z), c.share[0]);
+  const auto row = [&](const SamplePair& pair) HWY_ATTR {
+    return mixed(pair.first, pair.second, c.share[0]);
   };
-  const RowsAt r00 = rows_at<kIsWide>(b, at(0, 0), c.share[0]);
-  const RowsAt r10 = rows_at<kIsWide>(b, at(1, 0), c.share[0]);
-  const RowsAt r01 = rows_at<kIsWide>(b, at(0, 1), c.share[0]);
-  const RowsAt r11 = rows_at<kIsWide>(b, at(1, 1), c.share[0]);
-  const Reals x = mixed(mixed(r00.slope, r10.slope, c.share[1]),
-                        mixed(r01.slope, r11.slope, c.share[1]), c.share[2]);
-  const Reals y =
-      mixed(mixed(hn::Sub(r10.value, row(-1, 0)), hn::Sub(row(2, 0), r00.value), c.share[1]),
-            mixed(hn::Sub(r11.value, row(-1, 1)), hn::Sub(row(2, 1), r01.value), c.share[1]),
-            c.share[2]);
-  const Reals z =
-      mixed(mixed(hn::Sub(r01.value, row(0, -1)), hn::Sub(row(0, 2), r00.value), c.share[2]),
-            mixed(hn::Sub(r11.value, row(1, -1)), hn::Sub(row(1, 2), r10.value), c.share[2]),
-            c.share[1]);
+  const auto all = [&](Reals r00, Reals r10, Reals r01, Reals r11) HWY_ATTR {
+    return mixed(mixed(r00, r10, c.share[1]), mixed(r01, r11, c.share[1]), c.share[2]);
+  };
+  const SampleRow r00 = row_at(rows, at(0, 0));
+  const SampleRow r10 = row_at(rows, at(1, 0));
+  const SampleRow r01 = row_at(rows, at(0, 1));
+  const SampleRow r11 = row_at(rows, at(1, 1));
+  const auto along_row = [&](const SampleRow& r) HWY_ATTR {
+    return row(difference(r.high, r.low));
+  };
+  const Reals x = all(along_row(r00), along_row(r10), along_row(r01), along_row(r11));
+  const auto inner = [](const SampleRow& r) HWY_ATTR {
+    return SamplePair{r.low.second, r.high.first};
+  };
+  const auto between = [&](const SamplePair& after, const SamplePair& before) HWY_ATTR {
+    return row(difference(after, before));
+  };
+  const SamplePair p00 = inner(r00);
+  const SamplePair p10 = inner(r10);
+  const SamplePair p01 = inner(r01);
+  const SamplePair p11 = inner(r11);
+  const Reals y = all(between(p10, rows.pair(at(-1, 0))), between(rows.pair(at(2, 0)), p00),
+                      between(p11, rows.pair(at(-1, 1))), between(rows.pair(at(2, 1)), p01));
+  const Reals z = all(between(p01, rows.pair(at(0, -1))), between(p11, rows.pair(at(1, -1))),
+                      between(rows.pair(at(0, 2)), p00), between(rows.pair(at(1, 2)), p10));
   return {{x, y, z}};
 }
 
 /// Differences within the cells of places, twice: a fourth of what gradient_at reads.
-template <bool kIsWide>
-HWY_INLINE Gradients cell_gradient_at(const BrickTables& b, const Corners& c) {
+template <class Rows>
+HWY_INLINE Gradients cell_gradient_at(const Rows& rows, const Corners& c) {
   const auto pair = [&](std::int32_t by) HWY_ATTR {
-    return pair_at<kIsWide>(b, hn::Add(c.at, whole(by)));
+    return rows.pair(hn::Add(c.at, whole(by)));
   };
   const SamplePair r00 = pair(0);
-  const SamplePair r10 = pair(b.row);
-  const SamplePair r01 = pair(b.plane);
-  const SamplePair r11 = pair(b.plane + b.row);
+  const SamplePair r10 = pair(rows.row());
+  const SamplePair r01 = pair(rows.plane());
+  const SamplePair r11 = pair(rows.plane() + rows.row());
   const auto slope = [](const SamplePair& row) HWY_ATTR {
     return hn::Sub(row.second, row.first);
   };

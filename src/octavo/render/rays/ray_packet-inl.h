@@ -1,7 +1,12 @@
 // Rays side by side in the lanes of vectors: what ray_portable.cpp does for one.
 //
-// Neighbors in a tile are neighbors in the volume, so most lanes are in one cube. A lane whose ray
-// is done, waits or skips is masked out; what it would read is sample 0.
+// Neighbors in a tile are neighbors in the volume. Packets mostly go together, one step after the
+// other: what is empty around all of them is skipped at once, and samples come out of a small block
+// that all look at. Where they are not in one brick, each lane goes on for itself; one whose ray is
+// done, waits or skips is masked out, and what it would read is sample 0.
+//
+//     together in a brick? -> yes: nothing around? -> skip  |  else: a step of all rays
+//                             no:  a sample of each ray, or what it skips
 
 #if defined(OCTAVO_RENDER_RAYS_RAY_PACKET_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef OCTAVO_RENDER_RAYS_RAY_PACKET_INL_H_
@@ -12,8 +17,16 @@
 
 #include <hwy/highway.h>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "octavo/render/rays/ray_block-inl.h"
+#include "octavo/render/rays/ray_colors-inl.h"
+#include "octavo/render/rays/ray_course-inl.h"
 #include "octavo/render/rays/ray_job.h"
 #include "octavo/render/rays/ray_lanes-inl.h"
+#include "octavo/render/rays/ray_lines-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace octavo {
@@ -24,44 +37,49 @@ template <RayMode kMode, bool kIsWide>
 class Packet {
  public:
   HWY_INLINE Packet(const RayFrame& frame, RayTile& tile, std::size_t first)
-      : f_(frame), tile_(tile), first_(first) {
-    const Reals u = hn::Add(real(tile.u), hn::Load(kRays, kTileOrder.column.data() + first));
-    const Reals v = hn::Add(real(tile.v), hn::Load(kRays, kTileOrder.row.data() + first));
-    start(u, v);
+      : f_(frame),
+        tile_(tile),
+        first_(first),
+        lines_(lines_of(
+            frame, hn::Add(real(tile.u), hn::Load(kRays, kTileOrder.column.data() + first)),
+            hn::Add(real(tile.v), hn::Load(kRays, kTileOrder.row.data() + first)),
+            kMode == RayMode::extreme)) {
     stop_ = real(kRayDone);
     from_ = real(-kRayDone);
     if (tile.stops) {
       stop_ = hn::Load(kRays, tile.stops->stop.data() + first);
       from_ = hn::Load(kRays, tile.stops->from.data() + first);
     }
-    gathered_ = hn::Load(kRays, tile.gathered.data() + first);
-    if constexpr (kMode == RayMode::iso) {
-      // Of lanes without a hit a sample that has neighbors on all sides.
-      hits_ = hn::FirstN(kRays, 0);
-      hit_k_ = hn::Zero(kRays);
-      hit_at_ = whole(kApronBelow * (frame.bricks.plane + frame.bricks.row + 1));
-      for (Wholes& before : hit_before_) before = hn::Zero(kWhole);
-    }
-    if constexpr (kMode == RayMode::volume) {
-      back_k_ = real(-1);
-      back_entry_ = hn::Zero(kWhole);
-    }
-    if constexpr (kMode != RayMode::extreme) red_ = hn::Load(kRays, tile.red.data() + first);
+    sums_.gathered = hn::Load(kRays, tile.gathered.data() + first);
+    brick_next_ = real(-1);
+    hits_ = hn::FirstN(kRays, 0);
+    hit_k_ = hn::Zero(kRays);
+    hit_base_ = hn::Zero(kWhole);
+    back_k_ = real(-1);
+    back_entry_ = hn::Zero(kWhole);
+    if constexpr (kMode != RayMode::extreme) sums_.red = hn::Load(kRays, tile.red.data() + first);
     if constexpr (kMode == RayMode::volume || kMode == RayMode::iso) {
-      green_ = hn::Load(kRays, tile.green.data() + first);
-      blue_ = hn::Load(kRays, tile.blue.data() + first);
+      sums_.green = hn::Load(kRays, tile.green.data() + first);
+      sums_.blue = hn::Load(kRays, tile.blue.data() + first);
     }
   }
 
   HWY_INLINE std::int64_t follow() {
     const Reals kept = hn::Load(kRays, tile_.k.data() + first_);
-    k_ = hn::Max(hn::Abs(kept), enter_);
+    k_ = hn::Max(hn::Abs(kept), lines_.enter);
     done_before_ = hn::Lt(kept, hn::Zero(kRays));
     Wholes waits_for = whole(-1);
     RayMask active = before_end();
+    if (!hn::AllFalse(kRays, active)) {
+      course_ = PacketCourse(f_, lines_, kMode == RayMode::iso);
+    }
     while (!hn::AllFalse(kRays, active)) {
-      place_at(k_, place_);
-      find_bricks(active);
+      if constexpr (kMode != RayMode::mean) {
+        go_together(active);
+        active = hn::And(active, before_end());
+        if (hn::AllFalse(kRays, active)) break;
+      }
+      enter_bricks(active);
 
       // What is in a brick worth looking at, and what has to wait for it.
       const RayMask in_brick = hn::And(active, hn::Gt(brick_bound_, held()));
@@ -71,176 +89,104 @@ class Packet {
         active = hn::AndNot(missing, active);
       }
       const RayMask present = hn::AndNot(missing, in_brick);
-      const Wholes cube = hn::IfThenElseZero(of_wholes(present), cube_number());
-      const Reals bound = hn::GatherIndex(kRays, f_.bricks.cube_bounds, cube);
-      const RayMask taking = hn::And(present, hn::Gt(bound, held()));
+      const PacketCubes cubes = cubes_around(present);
+      const RayMask taking = hn::And(present, hn::Gt(cubes.bound, held()));
 
       // Samples; the others skip.
-      Reals next = hn::Add(hn::Floor(k_), real(1));
-      const RayMask skipping = hn::AndNot(taking, active);
-      if (!hn::AllFalse(kRays, skipping)) {
-        next = hn::IfThenElse(skipping, skipped(in_brick), next);
+      Reals next = hn::Max(hn::Add(hn::Floor(k_), real(1)),
+                           hn::IfThenElse(present, cubes.next, brick_next_));
+      next = limited(k_, next);
+      if constexpr (kMode == RayMode::volume) {
         // Nothing is seen from the sample before on, as far as the stop.
+        const RayMask skipping = hn::AndNot(taking, active);
         const RayMask at_stop = hn::And(skipping, hn::Eq(k_, stop_));
         done_before_ = hn::Or(at_stop, hn::AndNot(skipping, done_before_));
+        next = hn::Min(next, stop_);
       }
-      next = limited(next);
-      if constexpr (kMode == RayMode::volume) next = hn::Min(next, stop_);
-      if (!hn::AllFalse(kRays, taking)) {
-        taken_ += static_cast<std::int64_t>(hn::CountTrue(kRays, taking));
-        next = hn::IfThenElse(taking, take(taking, next), next);
-      }
+      if (!hn::AllFalse(kRays, taking)) next = hn::IfThenElse(taking, take(taking), next);
       k_ = hn::IfThenElse(active, next, k_);
       active = hn::And(active, before_end());
     }
     // All lanes find their places together.
     if constexpr (kMode == RayMode::iso) {
-      if (!hn::AllFalse(kRays, hits_)) hit();
+      if (!hn::AllFalse(kRays, hits_)) {
+        PacketHits<kIsWide>(f_, lines_, hits_, hit_k_, hit_base_).light(sums_);
+      }
     }
     keep(waits_for);
     return taken_;
   }
 
  private:
-  HWY_INLINE void start(Reals u, Reals v) {
-    Reals scale = real(1);
-    if (f_.eye_pixels > 0) {
-      const Reals eye = real(f_.eye_pixels * f_.eye_pixels);
-      const Reals square = hn::Add(hn::Add(hn::Mul(u, u), hn::Mul(v, v)), eye);
-      scale = hn::Div(real(f_.step_pixels), hn::Sqrt(square));
-    }
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      origin_[axis] = hn::Add(hn::Add(real(f_.origin[axis]),
-                                      hn::Mul(u, real(f_.origin_across[axis]))),
-                              hn::Mul(v, real(f_.origin_down[axis])));
-      const Reals direction = hn::Add(
-          hn::Add(real(f_.direction[axis]), hn::Mul(u, real(f_.direction_across[axis]))),
-          hn::Mul(v, real(f_.direction_down[axis])));
-      const Reals step = hn::Mul(direction, scale);
-      step_[axis] =
-          hn::IfThenElse(hn::Lt(hn::Abs(step), real(kSmallestStep)), real(kSmallestStep), step);
-    }
-    if constexpr (kMode == RayMode::extreme) move_to_planes();
-    enter_ = hn::Zero(kRays);
-    leave_ = real(kRayDone);
-    enter_axis_ = whole(2);
-    RayMask is_inner_begin = hn::FirstN(kRays, 0);
-    RayMask is_inner_end = is_inner_begin;
-    Reals end = real(kRayDone);
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const auto at = [&](float face) HWY_ATTR {
-        return hn::Div(hn::Sub(real(face), origin_[axis]), step_[axis]);
-      };
-      const Reals low = at(f_.low[axis]);
-      const Reals high = at(f_.high[axis]);
-      const RayMask rises = hn::Gt(step_[axis], hn::Zero(kRays));
-      const bool is_inner_low = f_.low[axis] > f_.whole_low[axis];
-      const bool is_inner_high = f_.high[axis] < f_.whole_high[axis];
-      const auto is_inner = [&](bool where_rising, bool where_falling) HWY_ATTR {
-        return hn::Or(hn::And(rises, all_or_none(where_rising)),
-                      hn::AndNot(rises, all_or_none(where_falling)));
-      };
-      const Reals first = hn::Min(low, high);
-      const Reals last = hn::Max(low, high);
-      const RayMask is_later = hn::Gt(first, enter_);
-      is_inner_begin = hn::Or(
-          hn::And(is_later, is_inner(is_inner_low, is_inner_high)),
-          hn::AndNot(is_later, is_inner_begin));
-      enter_ = hn::IfThenElse(is_later, first, enter_);
-      enter_axis_ = hn::IfThenElse(of_wholes(is_later), whole(static_cast<std::int32_t>(axis)),
-                                   enter_axis_);
-      const RayMask is_sooner = hn::Lt(last, leave_);
-      is_inner_end = hn::Or(
-          hn::And(is_sooner, is_inner(is_inner_high, is_inner_low)),
-          hn::AndNot(is_sooner, is_inner_end));
-      leave_ = hn::Min(leave_, last);
-      end = hn::Min(end, hn::Max(at(f_.whole_low[axis]), at(f_.whole_high[axis])));
-    }
-    const RayMask is_beside = hn::Gt(enter_, leave_);
-    enter_ = hn::IfThenElse(is_inner_begin, hn::Ceil(enter_), enter_);
-    leave_ = hn::IfThenElse(is_inner_end, hn::Min(hn::Ceil(leave_), end), leave_);
-    enter_ = hn::IfThenZeroElse(is_beside, enter_);
-    leave_ = hn::IfThenElse(is_beside, real(-1), leave_);
-  }
+  using Rows = BrickRows<kIsWide>;
 
-  HWY_INLINE static RayMask all_or_none(bool all) {
-    return hn::FirstN(kRays, all ? hn::Lanes(kRays) : 0);
-  }
+  /// The cubes around places.
+  struct PacketCubes {
+    Reals bound;
+    Reals next;  // the first sample behind each
+  };
 
   HWY_INLINE RayMask before_end() const {
-    if constexpr (kMode == RayMode::iso) {
-      return hn::Le(k_, hn::Min(leave_, hn::Add(stop_, real(kBehindStop))));
-    }
-    const RayMask in_box = hn::Le(k_, leave_);
+    if constexpr (kMode == RayMode::iso) return hn::Le(k_, end_of_search());
+    const RayMask in_box = hn::Le(k_, lines_.leave);
     if constexpr (kMode != RayMode::volume) return in_box;
     const RayMask at_stop = hn::AndNot(is_done_before(), hn::Eq(k_, stop_));
     return hn::And(in_box, hn::Or(hn::Lt(k_, stop_), at_stop));
+  }
+
+  HWY_INLINE Reals end_of_search() const {
+    return hn::Min(lines_.leave, hn::Add(stop_, real(kBehindStop)));
   }
 
   HWY_INLINE RayMask is_done_before() const {
     return hn::Or(done_before_, hn::Eq(back_k_, k_));
   }
 
-  /// Moves samples to the planes of the grid that each ray crosses most squarely.
-  HWY_INLINE void move_to_planes() {
-    Reals most = hn::Abs(step_[0]);
-    Wholes main = hn::Zero(kWhole);
-    Reals step = step_[0];
-    Reals origin = origin_[0];
-    for (std::size_t axis = 1; axis < 3; ++axis) {
-      const RayMask is_more = hn::Gt(hn::Abs(step_[axis]), most);
-      most = hn::IfThenElse(is_more, hn::Abs(step_[axis]), most);
-      main = hn::IfThenElse(of_wholes(is_more), whole(static_cast<std::int32_t>(axis)), main);
-      step = hn::IfThenElse(is_more, step_[axis], step);
-      origin = hn::IfThenElse(is_more, origin_[axis], origin);
-    }
-    const Reals scale = hn::Div(real(1), most);
-    const RayMask rises = hn::Gt(step, hn::Zero(kRays));
-    const Reals plane = hn::IfThenElse(rises, hn::Ceil(origin), hn::Floor(origin));
-    const Reals ahead = hn::Abs(hn::Sub(plane, origin));
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const RayMask is_main = of_reals(hn::Eq(main, whole(static_cast<std::int32_t>(axis))));
-      const Reals moved = hn::Mul(step_[axis], scale);
-      origin_[axis] = hn::IfThenElse(
-          is_main, plane, hn::Add(origin_[axis], hn::Mul(ahead, moved)));
-      step_[axis] =
-          hn::IfThenElse(is_main, hn::IfThenElse(rises, real(1), real(-1)), moved);
-    }
-  }
-
   HWY_INLINE Reals held() const {
-    if constexpr (kMode == RayMode::extreme) return gathered_;
+    if constexpr (kMode == RayMode::extreme) return sums_.gathered;
     else return hn::Zero(kRays);
   }
 
-  HWY_INLINE void place_at(Reals k, Reals* place) const {
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      place[axis] = hn::Add(origin_[axis], hn::Mul(k, step_[axis]));
-    }
+  HWY_INLINE RayMask is_full() const { return hn::Ge(sums_.gathered, real(f_.enough)); }
+
+  HWY_INLINE void count(RayMask lanes) {
+    taken_ += static_cast<std::int64_t>(hn::CountTrue(kRays, lanes));
   }
 
-  /// The brick of each place; tables are read where a ray has come into another one.
-  HWY_INLINE void find_bricks(RayMask active) {
+  // Each lane for itself.
+
+  /// The bricks of rays that have left the ones before.
+  HWY_INLINE void enter_bricks(RayMask active) {
+    const RayMask moved = hn::And(active, hn::Ge(k_, brick_next_));
+    if (hn::AllFalse(kRays, moved)) return;
     const BrickTables& b = f_.bricks;
+    Reals place[3];
     Wholes brick[3];
+    lines_.place_at(k_, place);
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      before_[axis] = clamped(floor_of(place_[axis]), whole(-1), whole(b.size[axis] - 1));
-      inside_[axis] = hn::Max(before_[axis], whole(0));
-      brick[axis] = hn::ShiftRightSame(inside_[axis], b.shift);
+      const Wholes inside =
+          clamped(floor_of(place[axis]), whole(0), whole(b.size[axis] - 1));
+      brick[axis] = hn::ShiftRightSame(inside, b.shift);
     }
     Wholes number = hn::Add(hn::Mul(brick[2], whole(b.grid[1])), brick[1]);
     number = hn::Add(hn::Mul(number, whole(b.grid[0])), brick[0]);
-    const auto moved = hn::And(of_wholes(active), hn::Ne(number, brick_));
-    if (hn::AllFalse(kWhole, moved)) return;
-    brick_ = hn::IfThenElseZero(of_wholes(active), number);
-    brick_bound_ = hn::GatherIndex(kRays, b.brick_bounds, brick_);
-    slot_ = hn::GatherIndex(kWhole, b.slots, brick_);
+    const auto is_other = of_wholes(moved);
+    brick_ = hn::IfThenElse(is_other, number, brick_);
+    // What lanes that are done would look at is brick 0.
+    const Wholes looked_at = hn::IfThenElseZero(of_wholes(active), brick_);
+    brick_bound_ = hn::GatherIndex(kRays, b.brick_bounds, looked_at);
+    slot_ = hn::GatherIndex(kWhole, b.slots, looked_at);
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      brick_begin_[axis] = hn::ShiftLeftSame(brick[axis], b.shift);
+      const Wholes begin = hn::ShiftLeftSame(brick[axis], b.shift);
+      brick_begin_[axis] = hn::IfThenElse(is_other, begin, brick_begin_[axis]);
     }
-    brick_at_ = hn::Mul(slot_, whole(b.slot));
-    mark_bricks(hn::And(moved, hn::Gt(slot_, whole(-1))));
-    brick_ = hn::IfThenElse(of_wholes(active), brick_, whole(-1));
+    const Wholes begins = hn::Add(
+        hn::Add(hn::Mul(brick_begin_[2], whole(b.plane)),
+                hn::Mul(brick_begin_[1], whole(b.row))),
+        brick_begin_[0]);
+    base_ = hn::Add(hn::Sub(hn::Mul(slot_, whole(b.slot)), begins), whole(inner_sample(b)));
+    brick_next_ = hn::IfThenElse(moved, next_behind(brick_begin_, 1 << b.shift), brick_next_);
+    mark_bricks(hn::And(is_other, hn::Gt(slot_, whole(-1))));
   }
 
   HWY_INLINE void mark_bricks(hn::Mask<decltype(kWhole)> in_memory) const {
@@ -251,275 +197,355 @@ class Packet {
     }
   }
 
-  HWY_INLINE Wholes cube_number() const {
-    const int cubes = f_.bricks.shift - kSkipShift;
-    const auto cube = [&](std::size_t axis) HWY_ATTR {
-      return hn::ShiftRight<kSkipShift>(hn::Sub(inside_[axis], brick_begin_[axis]));
-    };
-    const Wholes z = hn::Add(hn::ShiftLeftSame(slot_, cubes), cube(2));
-    const Wholes y = hn::Add(hn::ShiftLeftSame(z, cubes), cube(1));
-    return hn::Add(hn::ShiftLeftSame(y, cubes), cube(0));
-  }
-
-  /// The first sample behind the cube around each place, or behind the brick where not in_brick.
-  HWY_INLINE Reals skipped(RayMask in_brick) const {
-    const auto is_cube = of_wholes(in_brick);
+  /// The first sample behind boxes of a side.
+  HWY_INLINE Reals next_behind(const Wholes* begin, std::int32_t side) const {
     Reals nearest = real(kRayDone);
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const Wholes cube = hn::ShiftLeft<kSkipShift>(hn::ShiftRight<kSkipShift>(inside_[axis]));
-      const Wholes begin = hn::IfThenElse(is_cube, cube, brick_begin_[axis]);
-      const Wholes side = hn::IfThenElse(is_cube, whole(kSkipSide), whole(1 << f_.bricks.shift));
-      const RayMask rises = hn::Gt(step_[axis], hn::Zero(kRays));
-      const Reals end = hn::ConvertTo(
-          kRays, hn::Add(begin, hn::IfThenElseZero(of_wholes(rises), side)));
-      const Reals stop = hn::IfThenElse(rises, hn::Sub(end, real(f_.margin)),
-                                        hn::Add(end, real(f_.margin)));
-      nearest = hn::Min(nearest, hn::Div(hn::Sub(stop, origin_[axis]), step_[axis]));
+      const RayMask rises = hn::Gt(lines_.step[axis], hn::Zero(kRays));
+      const Reals ahead = hn::IfThenElse(
+          rises, real(static_cast<float>(side) - f_.margin), real(f_.margin));
+      const Reals face = hn::Add(hn::ConvertTo(kRays, begin[axis]), ahead);
+      nearest = hn::Min(nearest,
+                        hn::Mul(hn::Sub(face, lines_.origin[axis]), lines_.inverse[axis]));
     }
-    return hn::Max(hn::Add(hn::Floor(k_), real(1)), hn::Ceil(nearest));
+    return hn::Ceil(nearest);
   }
 
-  /// The samples after those at k_: `next`, but the ends of rays before what lies beyond them.
-  HWY_INLINE Reals limited(Reals next) const {
-    const Reals last = hn::IfThenElse(hn::Lt(k_, leave_), leave_, real(kRayDone));
-    return hn::IfThenElse(hn::Lt(next, leave_), next, last);
-  }
-
-  HWY_INLINE Corners corners(RayMask taking) const {
-    const BrickTables& b = f_.bricks;
-    Corners corners;
-    Wholes local[3];
+  HWY_INLINE PacketCubes cubes_around(RayMask present) const {
+    const int bits = f_.bricks.shift - kSkipShift;
+    Reals place[3];
+    Wholes cube[3];
+    Wholes begin[3];
+    lines_.place_at(k_, place);
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      local[axis] = hn::Add(hn::Sub(before_[axis], brick_begin_[axis]), whole(kApronBelow));
-      corners.share[axis] = hn::Sub(place_[axis], hn::ConvertTo(kRays, before_[axis]));
+      const Wholes local =
+          clamped(hn::Sub(floor_of(place[axis]), brick_begin_[axis]), hn::Zero(kWhole),
+                  whole((1 << f_.bricks.shift) - 1));
+      cube[axis] = hn::ShiftRight<kSkipShift>(local);
+      begin[axis] = hn::Add(brick_begin_[axis], hn::ShiftLeft<kSkipShift>(cube[axis]));
     }
-    const Wholes in_brick =
-        hn::Add(hn::Add(hn::Mul(local[2], whole(b.plane)), hn::Mul(local[1], whole(b.row))),
-                local[0]);
-    // Of other lanes a sample that has neighbors on all sides.
-    corners.at = hn::IfThenElse(of_wholes(taking), hn::Add(brick_at_, in_brick),
-                                whole(kApronBelow * (b.plane + b.row + 1)));
+    const Wholes z = hn::Add(hn::ShiftLeftSame(slot_, bits), cube[2]);
+    const Wholes y = hn::Add(hn::ShiftLeftSame(z, bits), cube[1]);
+    const Wholes number = hn::Add(hn::ShiftLeftSame(y, bits), cube[0]);
+    const Wholes looked_at = hn::IfThenElseZero(of_wholes(present), number);
+    return {hn::GatherIndex(kRays, f_.bricks.cube_bounds, looked_at),
+            next_behind(begin, kSkipSide)};
+  }
+
+  /// `next`, but the ends of rays before what lies beyond them.
+  HWY_INLINE Reals limited(Reals k, Reals next) const {
+    const Reals last = hn::IfThenElse(hn::Lt(k, lines_.leave), lines_.leave, real(kRayDone));
+    return hn::IfThenElse(hn::Lt(next, lines_.leave), next, last);
+  }
+
+  HWY_INLINE Reals after(Reals k) const { return limited(k, hn::Add(hn::Floor(k), real(1))); }
+
+  /// Of rays that are in a brick; others look at a sample that is there.
+  HWY_INLINE Corners corners_at(Reals k, RayMask lanes, Wholes base) const {
+    Corners corners;
+    Reals place[3];
+    Wholes cell[3];
+    lines_.place_at(k, place);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const Reals floor = hn::Floor(place[axis]);
+      corners.share[axis] = hn::Sub(place[axis], floor);
+      cell[axis] = hn::ConvertTo(kWhole, floor);
+    }
+    corners.at = hn::IfThenElse(of_wholes(lanes), sample_at(f_.bricks, base, cell),
+                                whole(inner_sample(f_.bricks)));
     return corners;
   }
 
-  /// Takes the samples of some lanes, or the parts of their rays that begin or end there. Returns
-  /// what is next, where without ends of rays that is `next`.
-  HWY_INLINE Reals take(RayMask taking, Reals next) {
-    const Corners corner = corners(taking);
-    if constexpr (kMode == RayMode::volume) {
-      return take_parts(taking, corner);
-    } else if constexpr (kMode == RayMode::mean) {
-      const Reals length = hn::Sub(hn::Min(next, leave_), k_);
-      const Reals k_middle = hn::Add(k_, hn::Mul(real(0.5f), length));
-      const Corners middle = near_corners(k_middle, before_, corner.at);
-      const Reals value = value_at<kIsWide>(f_.bricks, middle);
-      const RayMask seen = seen_of(taking, middle);
-      red_ = hn::IfThenElse(seen, hn::Add(red_, hn::Mul(value, length)), red_);
-      gathered_ = hn::IfThenElse(seen, hn::Add(gathered_, length), gathered_);
+  HWY_INLINE Reals value_of(const Corners& corners) const {
+    const Reals value = value_at(Rows{f_.bricks}, corners);
+    if constexpr (kMode == RayMode::volume || kMode == RayMode::mean) return value;
+    else return hn::Mul(value, real(f_.sign));
+  }
+
+  /// Takes the samples of some lanes, or parts of their rays. Returns what is next.
+  HWY_INLINE Reals take(RayMask taking) {
+    if constexpr (kMode == RayMode::volume) return take_parts(taking);
+    count(taking);
+    const Reals next = after(k_);
+    if constexpr (kMode == RayMode::mean) {
+      const Reals length = hn::Sub(hn::Min(next, lines_.leave), k_);
+      const Corners middle =
+          corners_at(hn::Add(k_, hn::Mul(real(0.5f), length)), taking, base_);
+      const Reals value = value_of(middle);
+      const RayMask seen = seen_of(f_, taking, middle);
+      sums_.red = hn::IfThenElse(seen, hn::Add(sums_.red, hn::Mul(value, length)), sums_.red);
+      sums_.gathered = hn::IfThenElse(seen, hn::Add(sums_.gathered, length), sums_.gathered);
       return next;
     }
-    const Reals value = hn::Mul(value_at<kIsWide>(f_.bricks, corner), real(f_.sign));
+    const Corners corner = corners_at(k_, taking, base_);
+    return add_samples(taking, {k_, value_of(corner), base_}, corner, next);
+  }
+
+  /// Samples of rays.
+  struct PacketSamples {
+    Reals k;
+    Reals value;
+    Wholes base;
+  };
+
+  /// Modes extreme and iso. Returns what is next: of rays that have hit nothing.
+  HWY_INLINE Reals add_samples(RayMask lanes, const PacketSamples& samples,
+                               const Corners& corner, Reals next) {
     if constexpr (kMode == RayMode::extreme) {
-      const RayMask seen = seen_of(taking, corner);
-      gathered_ = hn::IfThenElse(seen, hn::Max(gathered_, value), gathered_);
+      const RayMask seen = seen_of(f_, lanes, corner);
+      sums_.gathered =
+          hn::IfThenElse(seen, hn::Max(sums_.gathered, samples.value), sums_.gathered);
       return next;
     } else {
-      const RayMask inside =
-          seen_of(hn::And(taking, hn::Ge(value, real(f_.isovalue))), corner);
+      const RayMask inside = seen_of(
+          f_, hn::And(lanes, hn::Ge(samples.value, real(f_.isovalue))), corner);
       hits_ = hn::Or(hits_, inside);
-      hit_k_ = hn::IfThenElse(inside, k_, hit_k_);
-      hit_at_ = hn::IfThenElse(of_wholes(inside), corner.at, hit_at_);
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        hit_before_[axis] =
-            hn::IfThenElse(of_wholes(inside), before_[axis], hit_before_[axis]);
-      }
+      hit_k_ = hn::IfThenElse(inside, samples.k, hit_k_);
+      hit_base_ = hn::IfThenElse(of_wholes(inside), samples.base, hit_base_);
       return hn::IfThenElse(inside, real(kRayDone), next);
     }
   }
 
-  /// Lanes at whose places a voxel is seen.
-  HWY_INLINE RayMask seen_of(RayMask lanes, const Corners& corner) const {
-    if (f_.bricks.looks == nullptr) return lanes;
-    const Wholes begins =
-        hn::GatherIndex(kWhole, f_.looks.begins, looks_at(f_.bricks, corner));
-    return hn::And(lanes, of_reals(hn::Gt(begins, whole(-1))));
+  HWY_INLINE Wholes entries_at(Reals k, RayMask lanes, Wholes base) const {
+    return entries_of(f_.table, value_of(corners_at(k, lanes, base)));
   }
 
-  HWY_INLINE Reals value_near(Reals k, const Corners& corner) const {
-    return value_at<kIsWide>(f_.bricks, near_corners(k, before_, corner.at));
+  /// Where parts begin of which it is not known what lies before them.
+  HWY_INLINE Reals begins_of(RayMask unknown) const {
+    const Reals before =
+        hn::Max(hn::Sub(hn::Ceil(k_), real(1)), hn::Max(lines_.enter, from_));
+    return hn::IfThenElse(hn::AndNot(done_before_, unknown), before, k_);
   }
 
   /// The parts behind k_; before them, where nothing was seen before, the parts that end at k_.
-  HWY_INLINE Reals take_parts(RayMask taking, const Corners& corner) {
+  HWY_INLINE Reals take_parts(RayMask taking) {
     const RayMask known = hn::And(taking, hn::Eq(back_k_, k_));
     Reals from = k_;
     Reals to = hn::IfThenElse(
-        known, hn::Min(hn::Add(hn::Floor(k_), real(1)), hn::Min(leave_, stop_)), k_);
+        known, hn::Min(hn::Add(hn::Floor(k_), real(1)), hn::Min(lines_.leave, stop_)), k_);
     Wholes front = back_entry_;
     const RayMask unknown = hn::AndNot(known, taking);
     if (!hn::AllFalse(kRays, unknown)) {
-      const Reals before = hn::Max(hn::Sub(hn::Ceil(k_), real(1)), hn::Max(enter_, from_));
-      from = hn::IfThenElse(hn::AndNot(done_before_, unknown), before, from);
-      const Wholes entries = entries_of(f_.table, value_near(from, corner));
-      front = hn::IfThenElse(of_wholes(unknown), entries, front);
+      from = begins_of(unknown);
+      front = hn::IfThenElse(of_wholes(unknown), entries_at(from, unknown, base_), front);
     }
-    // What is found there is the front of the next one.
-    const RayMask is_empty = hn::And(taking, hn::Ge(from, to));
-    taken_ -= static_cast<std::int64_t>(hn::CountTrue(kRays, is_empty));
-
-    // Of other lanes a place where they are.
-    to = hn::IfThenElse(taking, to, k_);
-    const Wholes back = entries_of(f_.table, value_near(to, corner));
+    const Wholes back = entries_at(to, taking, base_);
     back_k_ = hn::IfThenElse(taking, to, back_k_);
     back_entry_ = hn::IfThenElse(of_wholes(taking), back, back_entry_);
-
-    Wholes entry = hn::IfThenElseZero(
-        of_wholes(taking), hn::Add(hn::Mul(front, whole(ColorTable::kSide)), back));
-    const Reals middle = hn::Mul(hn::Add(from, to), real(0.5f));
-    RayMask visible = taking;
-    Wholes look = hn::Zero(kWhole);
-    if (f_.bricks.looks != nullptr) {
-      look = looks_at(f_.bricks, near_corners(middle, before_, corner.at));
-      const Wholes begins = hn::GatherIndex(kWhole, f_.looks.begins, look);
-      visible = hn::And(taking, of_reals(hn::Gt(begins, whole(-1))));
-      entry = hn::Add(entry, hn::Max(begins, whole(0)));
-    }
-    const Reals length = hn::IfThenElse(taking, hn::Sub(to, from), real(1));
-    const Reals opacity =
-        opacities_of_parts(hn::GatherIndex(kRays, f_.table.opacities, entry), length);
-    const RayMask seen = hn::And(visible, hn::Gt(opacity, hn::Zero(kRays)));
-    Reals next = hn::IfThenElse(hn::Lt(to, leave_), to, real(kRayDone));
-    if (hn::AllFalse(kRays, seen)) return next;
-    composite(seen, {opacity, entry, look, middle}, near_corners(middle, before_, corner.at));
-    const RayMask is_enough = hn::And(seen, hn::Ge(gathered_, real(f_.enough)));
-    return hn::IfThenElse(is_enough, real(kRayDone), next);
+    add_parts(taking, {from, to, front, back}, base_, [&](RayMask seen, Reals middle) HWY_ATTR {
+      return brick_gradients(seen, middle, base_);
+    });
+    const Reals next = hn::IfThenElse(hn::Lt(to, lines_.leave), to, real(kRayDone));
+    return hn::IfThenElse(is_full(), real(kRayDone), next);
   }
 
   /// Parts of rays.
   struct PacketPart {
-    Reals opacity;
-    Wholes entry;
-    Wholes look;
-    Reals k;  // of their middles
+    Reals from;
+    Reals to;
+    Wholes front;
+    Wholes back;
   };
 
-  HWY_INLINE void composite(RayMask seen, const PacketPart& part, const Corners& middle) {
-    const ColorTable& table = f_.table;
-    Reals weight = hn::IfThenElseZero(seen, hn::Mul(part.opacity, hn::Sub(real(1), gathered_)));
-    PacketLight light{real(kFlatLight), hn::Zero(kRays), hn::Zero(kRays)};
-    const bool has_slope = table.gradient_rise > 0;
-    const RayMask is_lit =
-        has_slope ? seen : hn::And(seen, hn::Gt(weight, real(kUnlitWeight)));
-    if (!hn::AllFalse(kRays, is_lit)) {
-      const Gradients gradient = f_.has_cell_gradients
-                                     ? cell_gradient_at<kIsWide>(f_.bricks, middle)
-                                     : gradient_at<kIsWide>(f_.bricks, middle);
-      const PacketLight full = light_on(f_, gradient, shade_around(part.k));
-      light = {hn::IfThenElse(is_lit, full.light, light.light),
-               hn::IfThenElseZero(is_lit, full.highlight), full.slope};
-    }
-    if (has_slope) {
-      const Reals rise = hn::Mul(hn::Sub(light.slope, real(table.gradient_begin)),
-                                 real(table.gradient_rise));
-      weight = hn::Mul(weight, hn::Min(hn::Max(rise, hn::Zero(kRays)), real(1)));
-    }
-    Wholes color =
-        hn::GatherIndex(kWhole, reinterpret_cast<const std::int32_t*>(table.colors), part.entry);
+  HWY_INLINE Gradients brick_gradients(RayMask seen, Reals middle, Wholes base) const {
+    const Corners corners = corners_at(middle, seen, base);
+    return f_.has_cell_gradients ? cell_gradient_at(Rows{f_.bricks}, corners)
+                                 : gradient_at(Rows{f_.bricks}, corners);
+  }
+
+  /// gradients  those of some lanes at places along them
+  template <class GradientsAt>
+  HWY_INLINE void add_parts(RayMask lanes, const PacketPart& part, Wholes base,
+                            const GradientsAt& gradients) {
+    // What is empty is but the front of what follows.
+    const RayMask run = hn::And(lanes, hn::Lt(part.from, part.to));
+    count(run);
+    Wholes entry = hn::IfThenElseZero(
+        of_wholes(run), hn::Add(hn::Mul(part.front, whole(ColorTable::kSide)), part.back));
+    const Reals middle = hn::Mul(hn::Add(part.from, part.to), real(0.5f));
+    RayMask visible = run;
+    Wholes look = hn::Zero(kWhole);
     if (f_.bricks.looks != nullptr) {
-      const Wholes own = hn::GatherIndex(
-          kWhole, reinterpret_cast<const std::int32_t*>(f_.looks.colors), part.look);
-      color = hn::IfThenElse(hn::Ne(own, hn::Zero(kWhole)), own, color);
+      look = looks_at(f_.bricks, corners_at(middle, run, base));
+      const Wholes begins = hn::GatherIndex(kWhole, f_.looks.begins, look);
+      visible = hn::And(run, of_reals(hn::Gt(begins, whole(-1))));
+      entry = hn::Add(entry, hn::Max(begins, whole(0)));
     }
-    const Reals lit = hn::Mul(hn::Mul(weight, light.light), real(1 / 255.0f));
-    const Reals shine = hn::Mul(weight, light.highlight);
-    const auto add = [&](Wholes shifted, Reals& sum) HWY_ATTR {
-      const Reals channel = hn::ConvertTo(kRays, hn::And(shifted, whole(255)));
-      sum = hn::Add(sum, hn::Add(hn::Mul(channel, lit), shine));
-    };
-    add(color, red_);
-    add(hn::ShiftRight<8>(color), green_);
-    add(hn::ShiftRight<16>(color), blue_);
-    gathered_ = hn::Add(gathered_, weight);
+    const Reals length = hn::IfThenElse(run, hn::Sub(part.to, part.from), real(1));
+    const Reals opacity =
+        opacities_of_parts(hn::GatherIndex(kRays, f_.table.opacities, entry), length);
+    const RayMask seen = hn::And(visible, hn::Gt(opacity, hn::Zero(kRays)));
+    if (hn::AllFalse(kRays, seen)) return;
+    const auto at_middles = [&]() HWY_ATTR { return gradients(seen, middle); };
+    composite(f_, lines_, seen, {opacity, entry, look, middle}, at_middles, sums_);
   }
 
-  HWY_INLINE PacketShade shade_around(Reals k) const {
-    Reals place[3];
-    place_at(k, place);
-    return shade_at(f_.shade, place);
+  // All together.
+
+  /// Lanes that go together.
+  struct CommonRays {
+    RayMask open;
+    Reals lower;        // where each begins
+    Reals end;
+    Reals front_k;      // samples that are known
+    Wholes front_entry;
+  };
+
+  HWY_INLINE void go_together(RayMask active) {
+    CommonRays rays;
+    rays.lower = k_;
+    rays.end = lines_.leave;
+    rays.front_k = back_k_;
+    rays.front_entry = back_entry_;
+    RayMask joined = active;
+    if constexpr (kMode == RayMode::volume) {
+      rays.end = hn::Min(rays.end, stop_);
+      rays.lower = begins_of(hn::AndNot(hn::Eq(back_k_, k_), active));
+    }
+    if constexpr (kMode == RayMode::iso) joined = hn::And(joined, hn::Lt(k_, end_of_search()));
+    joined = hn::And(joined, hn::Lt(rays.lower, rays.end));
+    if (hn::AllFalse(kRays, joined)) return;
+    const float first =
+        std::floor(lowest_of(hn::IfThenElse(joined, rays.lower, real(kRayDone))));
+    const float last = highest_of(hn::IfThenElse(joined, rays.end, real(-1)));
+    rays.open = joined;
+    CommonBrick brick;
+    float k = first;
+    while (k < last && !hn::AllFalse(kRays, rays.open)) {
+      float held = 0;
+      if constexpr (kMode == RayMode::extreme) {
+        held = lowest_of(hn::IfThenElse(rays.open, sums_.gathered, real(kRayDone)));
+      }
+      const PacketCells cells = course_.cells_around(k);
+      if (!course_.is_worth(cells, held)) {
+        k = std::max(k + 1, course_.last_within(cells));
+        if constexpr (kMode != RayMode::volume) {
+          // Samples as far as this are nothing new.
+          const RayMask passed = hn::Le(rays.lower, real(k));
+          rays.front_k =
+              hn::IfThenElse(passed, hn::Min(real(k), lines_.leave), rays.front_k);
+        }
+        continue;
+      }
+      if (!course_.enter_common(cells, brick)) break;
+      for (int i = 0; i < kStride; ++i) {
+        step_together(rays, brick, k);
+        k += 1;
+      }
+    }
+    if (k > first) leave_together(rays, joined, k);
   }
 
-  /// The corners of places that lie less than a step from those in the cells `cell`.
-  HWY_INLINE Corners near_corners(Reals k, const Wholes* cell, Wholes cell_at) const {
-    const BrickTables& b = f_.bricks;
-    Corners moved;
-    Reals place[3];
-    Wholes by[3];
-    place_at(k, place);
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const Wholes before = cell[axis];
-      const Wholes at =
-          clamped(floor_of(place[axis]), hn::Sub(before, whole(1)), hn::Add(before, whole(1)));
-      by[axis] = hn::Sub(at, before);
-      moved.share[axis] = hn::Sub(place[axis], hn::ConvertTo(kRays, at));
+  /// Each ray goes on for itself.
+  HWY_INLINE void leave_together(const CommonRays& rays, RayMask joined, float k) {
+    Reals next = hn::Min(hn::Max(real(k), rays.lower), rays.end);
+    if constexpr (kMode == RayMode::volume) {
+      const RayMask is_over = hn::Or(hn::Ge(next, lines_.leave), is_full());
+      next = hn::IfThenElse(is_over, real(kRayDone), next);
+      done_before_ = hn::Or(joined, done_before_);
+      back_k_ = hn::IfThenElse(joined, rays.front_k, back_k_);
+      back_entry_ = hn::IfThenElse(of_wholes(joined), rays.front_entry, back_entry_);
+    } else {
+      next = hn::IfThenElse(hn::Ge(rays.front_k, rays.lower), after(rays.front_k), rays.lower);
+      if constexpr (kMode == RayMode::iso) next = hn::IfThenElse(hits_, real(kRayDone), next);
     }
-    moved.at = hn::Add(
-        cell_at,
-        hn::Add(hn::Add(hn::Mul(by[2], whole(b.plane)), hn::Mul(by[1], whole(b.row))), by[0]));
-    return moved;
+    k_ = hn::IfThenElse(joined, next, k_);
   }
 
-  HWY_INLINE RayMask is_inside(Reals k) const {
-    const Corners corner = near_corners(k, hit_before_, hit_at_);
-    const Reals value = value_at<kIsWide>(f_.bricks, corner);
-    return seen_of(hn::Ge(hn::Mul(value, real(f_.sign)), real(f_.isovalue)), corner);
+  /// All rays from k to k + 1, as far as they go.
+  HWY_INLINE void step_together(CommonRays& rays, const CommonBrick& brick, float k) {
+    const Reals from = hn::Min(hn::Max(real(k), rays.lower), rays.end);
+    const Reals to = hn::Min(hn::Max(real(k + 1), rays.lower), rays.end);
+    RayMask run = hn::And(rays.open, hn::Lt(from, to));
+    const RayMask fresh = hn::And(run, hn::Ne(rays.front_k, from));
+    if constexpr (kMode == RayMode::volume) {
+      if (!hn::AllFalse(kRays, fresh)) {
+        const Wholes found = entries_of(f_.table, common_value(brick, k, from, fresh));
+        rays.front_entry = hn::IfThenElse(of_wholes(fresh), found, rays.front_entry);
+      }
+      const Wholes back = entries_of(f_.table, common_value(brick, k + 1, to, run));
+      add_parts(run, {from, to, rays.front_entry, back}, base_of(brick),
+                [&](RayMask seen, Reals middle) HWY_ATTR {
+                  return common_gradients(brick, k + 0.5f, middle, seen);
+                });
+      rays.front_k = hn::IfThenElse(run, to, rays.front_k);
+      rays.front_entry = hn::IfThenElse(of_wholes(run), back, rays.front_entry);
+      rays.open = hn::AndNot(is_full(), rays.open);
+    } else {
+      if (!hn::AllFalse(kRays, fresh)) take_together(rays, brick, k, from, fresh);
+      if constexpr (kMode == RayMode::iso) run = hn::And(run, hn::Le(to, end_of_search()));
+      take_together(rays, brick, k + 1, to, hn::And(run, rays.open));
+    }
   }
 
-  HWY_INLINE void hit() {
-    const RayMask lanes = hits_;
-    const Reals k_before = hn::Sub(hn::Ceil(hit_k_), real(1));
-    // What other lanes would look at lies nowhere: they look where they are.
-    Reals outside = hn::IfThenElse(lanes, hn::Max(k_before, enter_), hit_k_);
-    Reals inside = hit_k_;
-    const RayMask is_cut =
-        hn::And(hn::And(lanes, hn::Gt(enter_, k_before)), is_inside(outside));
-    inside = hn::IfThenElse(is_cut, outside, inside);
-    for (int i = 0; i < kHitHalvings; ++i) {
-      const Reals middle = hn::Mul(hn::Add(outside, inside), real(0.5f));
-      const RayMask is_in = is_inside(middle);
-      inside = hn::IfThenElse(is_in, middle, inside);
-      outside = hn::IfThenElse(is_in, outside, middle);
+  HWY_INLINE void take_together(CommonRays& rays, const CommonBrick& brick, float k, Reals at,
+                                RayMask lanes) {
+    count(lanes);
+    const Wholes base = base_of(brick);
+    Corners corner{};
+    if (f_.bricks.looks != nullptr) corner = corners_at(at, lanes, base);
+    const Reals value = hn::Mul(common_value(brick, k, at, lanes), real(f_.sign));
+    add_samples(lanes, {at, value, base}, corner, at);
+    rays.front_k = hn::IfThenElse(lanes, at, rays.front_k);
+    if constexpr (kMode == RayMode::iso) rays.open = hn::AndNot(hits_, rays.open);
+  }
+
+  HWY_INLINE Wholes base_of(const CommonBrick& brick) const {
+    return whole(static_cast<std::int32_t>(brick.base));
+  }
+
+  /// Values of lanes at `at`, of which most are k.
+  HWY_INLINE Reals common_value(const CommonBrick& brick, float k, Reals at,
+                                RayMask lanes) const {
+#ifdef OCTAVO_HAS_SAMPLE_BLOCKS
+    if constexpr (!kIsWide) {
+      std::array<std::int32_t, 3> low;
+      const RayMask beside = hn::And(lanes, hn::Ne(at, real(k)));
+      if (hn::AllFalse(kRays, beside) && course_.find_block(brick, k, low)) {
+        return value_at(block_at(f_.bricks, course_.block_begin(brick, low)),
+                        block_corners(lines_, k, low));
+      }
     }
-    const Corners corner = near_corners(inside, hit_before_, hit_at_);
-    Gradients gradient = gradient_at<kIsWide>(f_.bricks, corner);
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const auto is_axis = hn::Eq(enter_axis_, whole(static_cast<std::int32_t>(axis)));
-      const Reals face = hn::IfThenElseZero(of_reals(is_axis), real(kCutGradient));
-      gradient.along[axis] = hn::IfThenElse(is_cut, face, gradient.along[axis]);
+#endif
+    return value_at(Rows{f_.bricks}, corners_at(at, lanes, base_of(brick)));
+  }
+
+  HWY_INLINE Gradients common_gradients(const CommonBrick& brick, float k, Reals at,
+                                        RayMask lanes) const {
+#ifdef OCTAVO_HAS_SAMPLE_BLOCKS
+    if constexpr (!kIsWide) {
+      std::array<std::int32_t, 3> low;
+      const RayMask beside = hn::And(lanes, hn::Ne(at, real(k)));
+      const bool is_short = f_.has_cell_gradients || f_.bricks.has_short_differences;
+      if (is_short && hn::AllFalse(kRays, beside) && course_.find_block(brick, k, low)) {
+        const std::int64_t begin = course_.block_begin(brick, low);
+        const Corners corners = block_corners(lines_, k, low);
+        const BrickTables& b = f_.bricks;
+        if (f_.has_cell_gradients) return cell_gradient_at(block_at(b, begin), corners);
+        return {{value_at(differences_at(b, begin, 1), corners),
+                 value_at(differences_at(b, begin, b.row), corners),
+                 value_at(differences_at(b, begin, b.plane), corners)}};
+      }
     }
-    const PacketLight light = light_on(f_, gradient, shade_around(inside));
-    red_ = hn::IfThenElse(lanes, light.light, red_);
-    green_ = hn::IfThenElse(lanes, light.highlight, green_);
-    blue_ = hn::IfThenElse(lanes, inside, blue_);
-    Reals shown = real(1);
-    if (f_.bricks.looks != nullptr) {
-      shown = hn::Add(shown, hn::ConvertTo(kRays, looks_at(f_.bricks, corner)));
-    }
-    gathered_ = hn::IfThenElse(lanes, shown, gathered_);
+#endif
+    return brick_gradients(lanes, at, base_of(brick));
   }
 
   HWY_INLINE void keep(Wholes waits_for) {
-    k_ = hn::IfThenElse(hn::Le(k_, leave_), k_, real(kRayDone));
+    k_ = hn::IfThenElse(hn::Le(k_, lines_.leave), k_, real(kRayDone));
     if constexpr (kMode == RayMode::volume) {
       const RayMask is_kept = hn::And(is_done_before(), hn::Lt(k_, real(kRayDone)));
       k_ = hn::IfThenElse(is_kept, hn::Sub(hn::Zero(kRays), k_), k_);
     }
     hn::Store(waits_for, kWhole, tile_.waits_for.data() + first_);
     hn::Store(k_, kRays, tile_.k.data() + first_);
-    hn::Store(gathered_, kRays, tile_.gathered.data() + first_);
-    if constexpr (kMode != RayMode::extreme) hn::Store(red_, kRays, tile_.red.data() + first_);
+    hn::Store(sums_.gathered, kRays, tile_.gathered.data() + first_);
+    if constexpr (kMode != RayMode::extreme) {
+      hn::Store(sums_.red, kRays, tile_.red.data() + first_);
+    }
     if constexpr (kMode == RayMode::volume || kMode == RayMode::iso) {
-      hn::Store(green_, kRays, tile_.green.data() + first_);
-      hn::Store(blue_, kRays, tile_.blue.data() + first_);
+      hn::Store(sums_.green, kRays, tile_.green.data() + first_);
+      hn::Store(sums_.blue, kRays, tile_.blue.data() + first_);
     }
   }
 
@@ -527,33 +553,24 @@ class Packet {
   RayTile& tile_;
   std::int64_t taken_ = 0;
   std::size_t first_;
-  Reals origin_[3];
-  Reals step_[3];
-  Reals enter_;
-  Reals leave_;
-  Wholes enter_axis_;
+  PacketLines lines_;
+  PacketCourse course_;
   Reals stop_;
   Reals from_;
   Reals k_;
-  Reals place_[3];
-  Wholes before_[3];
-  Wholes inside_[3];
   Wholes brick_ = whole(-1);
-  Wholes brick_begin_[3];
-  Wholes slot_;
-  Wholes brick_at_;
+  Wholes brick_begin_[3] = {hn::Zero(kWhole), hn::Zero(kWhole), hn::Zero(kWhole)};
+  Wholes slot_ = whole(-1);
+  Wholes base_;          // the sample of cell 0, if the brick went as far
   Reals brick_bound_;
+  Reals brick_next_;     // the first sample behind the brick
   RayMask done_before_;  // what lies before the next sample
   Reals back_k_;         // samples whose entries are known
   Wholes back_entry_;
   RayMask hits_;
   Reals hit_k_;
-  Wholes hit_at_;
-  Wholes hit_before_[3];
-  Reals gathered_;
-  Reals red_;
-  Reals green_;
-  Reals blue_;
+  Wholes hit_base_;
+  PacketSums sums_;
 };
 
 template <RayMode kMode, bool kIsWide>

@@ -24,6 +24,7 @@ struct RaySpan {
 struct PortableRay {
   RayPlace origin{};
   RayPlace step{};
+  RayPlace inverse{};  // 1 / step
 };
 
 PortableRay ray_at(const RayFrame& f, float u, float v) {
@@ -62,13 +63,18 @@ PortableRay on_planes(PortableRay ray) {
   return ray;
 }
 
+PortableRay with_inverse(PortableRay ray) {
+  for (std::size_t axis = 0; axis < 3; ++axis) ray.inverse[axis] = 1 / ray.step[axis];
+  return ray;
+}
+
 RaySpan span_of(const RayFrame& f, const PortableRay& ray) {
   RaySpan span{0, kRayDone, 2};
   bool is_inner_begin = false;
   bool is_inner_end = false;
   float end = kRayDone;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto at = [&](float face) { return (face - ray.origin[axis]) / ray.step[axis]; };
+    const auto at = [&](float face) { return (face - ray.origin[axis]) * ray.inverse[axis]; };
     const float low = at(f.low[axis]);
     const float high = at(f.high[axis]);
     const bool rises = ray.step[axis] > 0;
@@ -113,13 +119,6 @@ float row_value(const BrickTables& b, std::int32_t at, float share) {
 }
 
 template <bool kIsWide>
-float row_slope(const BrickTables& b, std::int32_t at, float share) {
-  const float first = sample_at<kIsWide>(b, at + 1) - sample_at<kIsWide>(b, at - 1);
-  const float second = sample_at<kIsWide>(b, at + 2) - sample_at<kIsWide>(b, at);
-  return ray_mixed(first, second, share);
-}
-
-template <bool kIsWide>
 float value_at(const BrickTables& b, const SampleCorner& c) {
   const auto row = [&](std::int32_t at) { return row_value<kIsWide>(b, at, c.share[0]); };
   const float near = ray_mixed(row(c.at), row(c.at + b.row), c.share[1]);
@@ -136,26 +135,21 @@ std::uint16_t look_at(const BrickTables& b, const SampleCorner& c) {
   return b.looks[at];
 }
 
-/// Of the values between samples, by central differences a sample wide.
+/// Differences over two samples, straight between samples.
 template <bool kIsWide>
 RayPlace gradient_at(const BrickTables& b, const SampleCorner& c) {
-  const auto row = [&](std::int32_t y, std::int32_t z) {
-    return row_value<kIsWide>(b, c.at + y * b.row + z * b.plane, c.share[0]);
+  const auto along = [&](std::int32_t stride) {
+    const auto slope = [&](std::int32_t at) {
+      return sample_at<kIsWide>(b, at + stride) - sample_at<kIsWide>(b, at - stride);
+    };
+    const auto row = [&](std::int32_t at) {
+      return ray_mixed(slope(at), slope(at + 1), c.share[0]);
+    };
+    const float near = ray_mixed(row(c.at), row(c.at + b.row), c.share[1]);
+    const float far = ray_mixed(row(c.at + b.plane), row(c.at + b.plane + b.row), c.share[1]);
+    return ray_mixed(near, far, c.share[2]);
   };
-  const auto slope = [&](std::int32_t y, std::int32_t z) {
-    return row_slope<kIsWide>(b, c.at + y * b.row + z * b.plane, c.share[0]);
-  };
-  const float r00 = row(0, 0);
-  const float r10 = row(1, 0);
-  const float r01 = row(0, 1);
-  const float r11 = row(1, 1);
-  const float x = ray_mixed(ray_mixed(slope(0, 0), slope(1, 0), c.share[1]),
-                            ray_mixed(slope(0, 1), slope(1, 1), c.share[1]), c.share[2]);
-  const float y = ray_mixed(ray_mixed(r10 - row(-1, 0), row(2, 0) - r00, c.share[1]),
-                            ray_mixed(r11 - row(-1, 1), row(2, 1) - r01, c.share[1]), c.share[2]);
-  const float z = ray_mixed(ray_mixed(r01 - row(0, -1), row(0, 2) - r00, c.share[2]),
-                            ray_mixed(r11 - row(1, -1), row(1, 2) - r10, c.share[2]), c.share[1]);
-  return {x, y, z};
+  return {along(1), along(b.row), along(b.plane)};
 }
 
 /// Differences within the cell of a place, twice.
@@ -320,7 +314,7 @@ class PortableFollower {
  private:
   static PortableRay start(const RayFrame& frame, float u, float v) {
     const PortableRay ray = ray_at(frame, u, v);
-    return kMode == RayMode::extreme ? on_planes(ray) : ray;
+    return with_inverse(kMode == RayMode::extreme ? on_planes(ray) : ray);
   }
 
   bool is_before_end(float k) const {
@@ -392,21 +386,22 @@ class PortableFollower {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const bool rises = ray_.step[axis] > 0;
       const std::int32_t begin = inside[axis] >> shift << shift;
-      const float end = static_cast<float>(rises ? begin + (1 << shift) : begin);
-      const float stop = rises ? end - f_.margin : end + f_.margin;
-      nearest = std::min(nearest, (stop - ray_.origin[axis]) / ray_.step[axis]);
+      const float ahead = rises ? static_cast<float>(1 << shift) - f_.margin : f_.margin;
+      const float face = static_cast<float>(begin) + ahead;
+      nearest = std::min(nearest, (face - ray_.origin[axis]) * ray_.inverse[axis]);
     }
     return std::max(std::floor(k) + 1, std::ceil(nearest));
   }
 
-  /// The corner of a place less than a step from one in the cell `before`.
-  SampleCorner near_corner(float k, const RayCell& before, const SampleCorner& corner) const {
+  /// The corner of a place near one in the cell `before`: no farther than `reach` cells.
+  SampleCorner near_corner(float k, const RayCell& before, const SampleCorner& corner,
+                           std::int32_t reach = kApronBelow) const {
     SampleCorner moved = corner;
     const RayPlace place = place_at(k);
     std::array<std::int32_t, 3> by;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const auto floor = static_cast<std::int32_t>(std::floor(place[axis]));
-      const std::int32_t cell = std::clamp(floor, before[axis] - 1, before[axis] + 1);
+      const std::int32_t cell = std::clamp(floor, before[axis] - reach, before[axis] + reach);
       by[axis] = cell - before[axis];
       moved.share[axis] = place[axis] - static_cast<float>(cell);
     }
@@ -434,7 +429,7 @@ class PortableFollower {
       tile_.gathered[number_] += length;
       return next;
     }
-    const float value = value_at<kIsWide>(f_.bricks, corner) * f_.sign;
+    const float value = value_near(k, before, corner) * f_.sign;
     if constexpr (kMode == RayMode::extreme) {
       if (is_seen(corner)) tile_.gathered[number_] = std::max(tile_.gathered[number_], value);
       return next;
@@ -498,24 +493,63 @@ class PortableFollower {
     tile_.gathered[number_] += weight;
   }
 
+  float excess_at(float k, const RayCell& before, const SampleCorner& corner) const {
+    return value_at<kIsWide>(f_.bricks, near_corner(k, before, corner, 1)) * f_.sign -
+           f_.isovalue;
+  }
+
+  bool is_inside(float k, const RayCell& before, const SampleCorner& corner) const {
+    const SampleCorner near = near_corner(k, before, corner, 1);
+    return value_at<kIsWide>(f_.bricks, near) * f_.sign >= f_.isovalue && is_seen(near);
+  }
+
+  float halved(float outside, float inside, const RayCell& before,
+               const SampleCorner& corner) const {
+    for (int i = 0; i < kHitHalvings; ++i) {
+      const float middle = (outside + inside) * 0.5f;
+      if (is_inside(middle, before, corner)) inside = middle;
+      else outside = middle;
+    }
+    return inside;
+  }
+
+  float narrowed(float outside, float inside, const RayCell& before,
+                 const SampleCorner& corner) const {
+    float below = std::min(excess_at(outside, before, corner), -kSmallestExcess);
+    float above = std::max(excess_at(inside, before, corner), 0.0f);
+    const auto crossing = [&] {
+      return outside + (inside - outside) * (below / (below - above));
+    };
+    int side = 0;  // where the place before lay
+    for (int i = 0; i < kHitLines; ++i) {
+      const float middle = crossing();
+      const float excess = excess_at(middle, before, corner);
+      if (excess >= 0) {
+        if (side > 0) below = below * 0.5f;
+        inside = middle;
+        above = excess;
+        side = 1;
+      } else {
+        if (side < 0) above = above * 0.5f;
+        outside = middle;
+        below = excess;
+        side = -1;
+      }
+    }
+    return crossing();
+  }
+
   /// Between the sample at k, which lies inside, and the one before it.
   void hit(float k, const RayCell& before, const SampleCorner& corner) {
     const float k_before = std::ceil(k) - 1;
     const bool is_at_face = span_.enter > k_before;
-    float outside = std::max(k_before, span_.enter);
+    const float outside = std::max(k_before, span_.enter);
     float inside = k;
-    const auto is_inside = [&](float at) {
-      const SampleCorner near = near_corner(at, before, corner);
-      return value_at<kIsWide>(f_.bricks, near) * f_.sign >= f_.isovalue && is_seen(near);
-    };
-    const bool is_cut = is_at_face && is_inside(outside);
+    const bool is_cut = is_at_face && is_inside(outside, before, corner);
     if (is_cut) inside = outside;
-    for (int i = 0; i < kHitHalvings; ++i) {
-      const float middle = (outside + inside) * 0.5f;
-      if (is_inside(middle)) inside = middle;
-      else outside = middle;
-    }
-    const SampleCorner at_hit = near_corner(inside, before, corner);
+    else if (f_.bricks.looks != nullptr) inside = halved(outside, inside, before, corner);
+    else inside = narrowed(outside, inside, before, corner);
+    const SampleCorner at_hit = near_corner(inside, before, corner, 1);
     RayPlace gradient = gradient_at<kIsWide>(f_.bricks, at_hit);
     if (is_cut) {
       // A cut has the side of the face, whatever lies behind.

@@ -82,8 +82,14 @@ TEST(RayCaster, BricksThreadsAndMemoryChangeNoBit) {
       const CastScene few = cast_scene(ball, setup);
       EXPECT_EQ(gathered(first.field), gathered(small.field)) << static_cast<int>(mode);
       EXPECT_EQ(gathered(first.field), gathered(few.field)) << static_cast<int>(mode);
-      EXPECT_EQ(first.field.samples, few.field.samples);
       EXPECT_GE(few.loaded, small.loaded);
+      // One by one rays take the same samples.
+      setup.follow = follow_rays_portable;
+      const CastScene single = cast_scene(ball, setup);
+      setup.memory_bytes = RaySetup{}.memory_bytes;
+      setup.brick_shift = RaySetup{}.brick_shift;
+      EXPECT_EQ(cast_scene(ball, setup).field.samples, single.field.samples);
+      EXPECT_EQ(gathered(first.field), gathered(single.field)) << static_cast<int>(mode);
     }
   }
 }
@@ -192,6 +198,35 @@ TEST(RayCaster, ASphereIsHitWithinAThousandthOfAVoxel) {
     ASSERT_NEAR(std::sqrt(dot(off, off)), kRadius, 1e-3);
   });
   EXPECT_GT(hits, 500);
+}
+
+TEST(RayCaster, AnEyeInsideSeesAllAroundIt) {
+  const auto shell = ray_volume<float>({40, 40, 40}, [](auto x, auto y, auto z) {
+    return std::hypot(static_cast<double>(x) - 19.5, static_cast<double>(y) - 19.5,
+                      static_cast<double>(z) - 19.5);
+  });
+  RaySetup setup;
+  setup.mode = RayMode::iso;
+  setup.isovalue = 17;
+  setup.angle_degrees = 150;
+  const CastScene scene = cast_scene(shell, setup);
+  const RayFrame& f = scene.frame;
+  ASSERT_LT(std::hypot(f.origin[0] - 19.5f, f.origin[1] - 19.5f, f.origin[2] - 19.5f), 12);
+  scene.field.for_each_pixel([&](auto column, auto row, const RayTile& tile, std::size_t ray) {
+    ASSERT_EQ(tile.gathered[ray], 1) << column << ' ' << row;
+    const double u = static_cast<double>(column) + 0.5 - static_cast<double>(scene.view.width) / 2;
+    const double v = static_cast<double>(row) + 0.5 - static_cast<double>(scene.view.height) / 2;
+    const double steps = tile.blue[ray] * f.step_pixels / std::hypot(u, v, f.eye_pixels);
+    Point3 off;
+    for (std::size_t i = 0; i < 3; ++i) {
+      off[i] = f.origin[i] - 19.5 +
+               steps * (f.direction[i] + u * f.direction_across[i] + v * f.direction_down[i]);
+    }
+    ASSERT_NEAR(std::sqrt(dot(off, off)), 17, 0.02);
+  });
+  setup.mode = RayMode::volume;
+  setup.follow = follow_rays_portable;
+  expect_levels_alike(shell, setup, cast_scene(shell, setup));
 }
 
 TEST(RayCaster, AHighVoxelKeepsItsHeightFromAllSides) {

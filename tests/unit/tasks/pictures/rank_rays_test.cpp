@@ -19,23 +19,52 @@ class RankRays : public ::testing::Test {
 
   /// Rings of fog around a hard middle, with noise.
   void SetUp() override {
-    testing::Volume volume;
-    volume.description.size = kSize;
-    volume.description.type = VoxelType::uint8;
-    volume.description.metadata = Metadata::read(R"({"spacing_known":true,"place_known":true})");
-    visit_cells(box_of(kSize), {1, 1, 1}, [&](const Index3& at) {
+    build("fog.8vo", VolumeKind::grey, [](const Index3& at) {
       const double r = std::hypot(static_cast<double>(at.x) - 70, static_cast<double>(at.y) - 60,
                                   static_cast<double>(at.z) - 75);
       const auto noise = static_cast<double>((at.x * 73 + at.y * 151 + at.z * 283) % 17);
-      volume.voxels.push_back(
-          static_cast<std::byte>(r > 64 ? 0 : 100 + 80 * std::cos(r / 4) + noise));
-      return true;
+      return static_cast<int>(r > 64 ? 0 : 100 + 80 * std::cos(r / 4) + noise);
     });
-    testing::build_volume(volume, folder_.file("fog.8vo"), 1);
     options_.input = folder_.file("fog.8vo");
     options_.width = 140;
     options_.height = 120;
     context_.threads = 1;
+  }
+
+  template <class F>
+  void build(const std::string& name, VolumeKind kind, F&& value_of) {
+    testing::Volume volume;
+    volume.description.kind = kind;
+    volume.description.size = kSize;
+    volume.description.type = VoxelType::uint8;
+    volume.description.metadata = Metadata::read(R"({"spacing_known":true,"place_known":true})");
+    visit_cells(box_of(kSize), {1, 1, 1}, [&](const Index3& at) {
+      volume.voxels.push_back(static_cast<std::byte>(value_of(at)));
+      return true;
+    });
+    testing::build_volume(volume, folder_.file(name), 1);
+  }
+
+  void expect_as_on_one_machine() {
+    options_.output = {folder_.file("one.png"), true};
+    const RenderResult one = render(options_, context_);
+    const Picture whole = picture(options_.output.path);
+    for (const int count : {1, 2, 5}) {
+      options_.output = {folder_.file("ranks.png"), true};
+      RenderResult result;
+      run_thread_ranks(count, [&](Communicator& ranks) {
+        const RenderResult of_rank = render_by_ranks(options_, ranks, context_);
+        if (ranks.is_first()) result = of_rank;
+      });
+      const Picture parts = picture(options_.output.path);
+      ASSERT_EQ(parts.pixels.size(), whole.pixels.size());
+      for (std::size_t i = 0; i < parts.pixels.size(); ++i) {
+        ASSERT_NEAR(parts.pixels[i], whole.pixels[i], 1)
+            << static_cast<int>(options_.mode) << ' ' << i;
+      }
+      EXPECT_GE(result.counts.rays.samples, one.counts.rays.samples);
+      EXPECT_GE(result.counts.decoded_bricks, one.counts.decoded_bricks);
+    }
   }
 
   Picture picture(const std::string& path) const {
@@ -58,25 +87,25 @@ TEST_F(RankRays, PicturesAreThoseOfOneMachine) {
     if (mode == RenderMode::iso) options_.isovalue = 150;
     options_.angle_degrees.reset();
     if (mode != RenderMode::mean) options_.angle_degrees = 40;
-    options_.output = {folder_.file("one.png"), true};
-    const RenderResult one = render(options_, context_);
-    const Picture whole = picture(options_.output.path);
-    for (const int count : {1, 2, 5}) {
-      options_.output = {folder_.file("ranks.png"), true};
-      RenderResult result;
-      run_thread_ranks(count, [&](Communicator& ranks) {
-        const RenderResult of_rank = render_by_ranks(options_, ranks, context_);
-        if (ranks.is_first()) result = of_rank;
-      });
-      const Picture parts = picture(options_.output.path);
-      ASSERT_EQ(parts.pixels.size(), whole.pixels.size());
-      for (std::size_t i = 0; i < parts.pixels.size(); ++i) {
-        ASSERT_NEAR(parts.pixels[i], whole.pixels[i], 1) << static_cast<int>(mode) << ' ' << i;
-      }
-      EXPECT_GE(result.counts.rays.samples, one.counts.rays.samples);
-      EXPECT_GE(result.counts.decoded_bricks, one.counts.decoded_bricks);
-    }
+    expect_as_on_one_machine();
   }
+}
+
+TEST_F(RankRays, MasksAndLabelsAreSeenAsOnOneMachine) {
+  build("slab.8vo", VolumeKind::labels, [](const Index3& at) {
+    return at.x + at.y > 90 && at.z < 110 ? 1 : 0;
+  });
+  build("parts.8vo", VolumeKind::labels, [](const Index3& at) {
+    return 1 + (at.x / 50 + at.y / 40) % 3;
+  });
+  options_.mode = RenderMode::volume;
+  options_.mask = folder_.file("slab.8vo");
+  expect_as_on_one_machine();
+  options_.label_map = folder_.file("parts.8vo");
+  expect_as_on_one_machine();
+  options_.mode = RenderMode::iso;
+  options_.isovalue = 150;
+  expect_as_on_one_machine();
 }
 
 TEST_F(RankRays, OptionsThatRanksDoNotHaveAreRejected) {
