@@ -62,7 +62,8 @@ class RankRays : public ::testing::Test {
         ASSERT_NEAR(parts.pixels[i], whole.pixels[i], 1)
             << static_cast<int>(options_.mode) << ' ' << i;
       }
-      EXPECT_GE(result.counts.rays.samples, one.counts.rays.samples);
+      // How many rays that go together take besides depends on where nodes end.
+      EXPECT_GT(10 * result.counts.rays.samples, 9 * one.counts.rays.samples);
       EXPECT_GE(result.counts.decoded_bricks, one.counts.decoded_bricks);
     }
   }
