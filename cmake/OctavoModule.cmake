@@ -47,6 +47,21 @@ set(CMAKE_BUILD_RPATH_USE_ORIGIN ON)
 # Half of a compiler's time goes into headers that every source of a target reads again.
 option(OCTAVO_UNITY "Compile the sources of a target sixteen at a time" OFF)
 
+# octavo_small(TARGET ROOM): in the wheel, which everybody downloads, rooms without loops over
+# voxels are compiled for size, and others without what makes code long for a few percent.
+set(octavo_rooms_for_size dist io tasks)
+function(octavo_small target room)
+  if(OCTAVO_WHEEL)
+    if(room IN_LIST octavo_rooms_for_size)
+      target_compile_options(${target} PRIVATE -Os)
+    else()
+      target_compile_options(${target} PRIVATE -O2)
+    endif()
+    target_compile_options(${target} PRIVATE -ffunction-sections -fdata-sections)
+    target_compile_definitions(${target} PRIVATE OCTAVO_FEW_TARGETS)
+  endif()
+endfunction()
+
 # octavo_unity(TARGET): names in its anonymous namespaces are unique within the target.
 function(octavo_unity target)
   set_target_properties(${target} PROPERTIES
@@ -74,6 +89,7 @@ function(octavo_module_read name variable)
     target_include_directories(octavo_${name}_read PRIVATE ${CMAKE_SOURCE_DIR}/src)
     target_link_libraries(octavo_${name}_read PRIVATE octavo_flags)
     octavo_unity(octavo_${name}_read)
+    octavo_small(octavo_${name}_read ${name})
     list(APPEND others $<TARGET_OBJECTS:octavo_${name}_read>)
   endif()
   set(${variable} ${others} PARENT_SCOPE)
@@ -92,6 +108,7 @@ function(octavo_module name)
   target_compile_features(octavo_${name} PUBLIC cxx_std_20)
   set_target_properties(octavo_${name} PROPERTIES EXPORT_NAME ${name})
   octavo_unity(octavo_${name})
+  octavo_small(octavo_${name} ${name})
   add_library(octavo::${name} ALIAS octavo_${name})
   install(TARGETS octavo_${name} EXPORT octavoTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 endfunction()
