@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "octavo/core/error.h"
+#include "octavo/tasks/outputs.h"
 #include "text/quantities.h"
 #include "text/usage_words.h"
 

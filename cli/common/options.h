@@ -16,12 +16,15 @@
 #include <vector>
 
 #include "common/context.h"
-#include "octavo/tasks/outputs.h"
 
 namespace CLI {
 class App;
 class Option;
 }  // namespace CLI
+
+namespace octavo {
+struct Output;
+}
 
 namespace octavo::cli {
 
