@@ -13,6 +13,7 @@
 
 #include <array>
 #include <bit>
+#include <type_traits>
 
 #include "octavo/codec/grey/grey_portable.h"
 
@@ -30,7 +31,6 @@ constexpr hn::CappedTag<std::uint32_t, 8> kWords{};
 constexpr hn::Rebind<std::uint16_t, decltype(kWords)> kShortWords{};
 using Words = hn::Vec<decltype(kWords)>;
 inline constexpr int kStateLanes = static_cast<int>(hn::MaxLanes(kWords));
-inline constexpr unsigned kAllLanes = (1u << kStateLanes) - 1;
 
 /// Symbols whose plain bits are taken together: their bits fit in 64.
 inline constexpr int kChunk = 8;
@@ -55,37 +55,48 @@ constexpr WordPlaces make_word_places() {
 }
 alignas(64) inline constexpr WordPlaces kWordPlaces = make_word_places();
 
-/// The table entries at the places of every lane. Single loads overlap better than a gather
-/// instruction where that is microcode.
-HWY_INLINE Words load_each(const std::uint32_t* from, Words index) {
-  alignas(64) std::uint32_t places[hn::MaxLanes(kWords)];
-  hn::Store(index, kWords, places);
-#if HWY_COMPILER_GCC || HWY_COMPILER_CLANG
-  // Reloading is cheaper than taking lanes out of the vector, which compilers would make of it.
-  __asm__("" : "+m"(places));
-#endif
+constexpr hn::FixedTag<std::uint32_t, 4> kFourWords{};
+constexpr hn::CappedTag<std::uint32_t, 8> kEightWords{};
+
+/// Single loads overlap better than a gather instruction where that is microcode.
+HWY_INLINE hn::Vec<decltype(kFourWords)> load_four(const std::uint32_t* from,
+                                                   const std::uint32_t* places) {
 #if HWY_ARCH_WASM
   // Loads into lanes, of which Highway makes shuffles.
   v128_t found = wasm_v128_load32_zero(from + places[0]);
   found = wasm_v128_load32_lane(from + places[1], found, 1);
   found = wasm_v128_load32_lane(from + places[2], found, 2);
-  return Words{wasm_v128_load32_lane(from + places[3], found, 3)};
+  return hn::Vec<decltype(kFourWords)>{wasm_v128_load32_lane(from + places[3], found, 3)};
 #else
   const hn::FixedTag<std::uint32_t, 1> single;
   const hn::FixedTag<std::uint32_t, 2> two;
-  const hn::FixedTag<std::uint32_t, 4> quad;
-  const auto one = [&](std::size_t lane)
-                       HWY_ATTR { return hn::Load(single, from + places[lane]); };
-  const auto four = [&](std::size_t lane) HWY_ATTR {
-    return hn::Combine(quad, hn::Combine(two, one(lane + 3), one(lane + 2)),
-                       hn::Combine(two, one(lane + 1), one(lane)));
-  };
+  const auto first = hn::Combine(two, hn::Load(single, from + places[1]),
+                                 hn::Load(single, from + places[0]));
+  const auto last = hn::Combine(two, hn::Load(single, from + places[3]),
+                                hn::Load(single, from + places[2]));
+  return hn::Combine(kFourWords, last, first);
+#endif
+}
+HWY_INLINE hn::Vec<decltype(kEightWords)> load_eight(const std::uint32_t* from,
+                                                     const std::uint32_t* places) {
 #if HWY_MAX_BYTES >= 32
-  return hn::Combine(kWords, four(4), four(0));
+  return hn::Combine(kEightWords, load_four(from, places + 4), load_four(from, places));
 #else
-  return four(0);
+  return load_four(from, places);
 #endif
+}
+
+/// The table entries at the places of every lane.
+template <class D>
+HWY_INLINE hn::Vec<D> load_each(D d, const std::uint32_t* from, hn::Vec<D> index) {
+  alignas(64) std::uint32_t places[hn::MaxLanes(d)];
+  hn::Store(index, d, places);
+#if HWY_COMPILER_GCC || HWY_COMPILER_CLANG
+  // Reloading is cheaper than taking lanes out of the vector, which compilers would make of it.
+  __asm__("" : "+m"(places));
 #endif
+  if constexpr (hn::MaxLanes(d) <= 8) return load_eight(from, places);
+  else return hn::Combine(d, load_eight(from, places + 8), load_eight(from, places));
 }
 
 #if HWY_ARCH_WASM
@@ -110,72 +121,151 @@ constexpr WordBytes make_word_bytes() {
 alignas(16) inline constexpr WordBytes kWordBytes = make_word_bytes();
 #endif
 
-/// The words from `words` on that the lanes of a set get.
-HWY_INLINE Words spread_words(const std::uint8_t* words, std::uint8_t lanes) {
-#if HWY_ARCH_WASM
-  return Words{wasm_i8x16_swizzle(wasm_v128_load64_zero(words),
-                                  wasm_v128_load(kWordBytes.from[lanes]))};
+/// States with the next words below those that became low.
+/// moving  a bit for each lane that gets a word then
+template <class D>
+HWY_INLINE hn::Vec<D> refilled(D d, hn::Vec<D> stepped, unsigned moving,
+                               const std::uint8_t*& words) {
+  const auto is_low = hn::Eq(hn::ShiftRight<16>(stepped), hn::Zero(d));
+#if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX3
+  const unsigned low = static_cast<unsigned>(is_low.raw) & moving;
+  const hn::Rebind<std::uint16_t, D> shorts;
+  const auto next =
+      hn::PromoteTo(d, hn::LoadU(shorts, reinterpret_cast<const std::uint16_t*>(words)));
+  hn::Vec<D> spread;
+  if constexpr (hn::MaxLanes(d) == 16) {
+    spread.raw = _mm512_maskz_expand_epi32(static_cast<__mmask16>(low), next.raw);
+  } else {
+    spread.raw = _mm256_maskz_expand_epi32(static_cast<__mmask8>(low), next.raw);
+  }
 #else
-  const hn::Rebind<std::uint8_t, decltype(kWords)> bytes;
-  const Words places = hn::PromoteTo(
-      kWords, hn::LoadU(bytes, reinterpret_cast<const std::uint8_t*>(kWordPlaces.places + lanes)));
-  const Words next = hn::PromoteTo(
-      kWords, hn::LoadU(kShortWords, reinterpret_cast<const std::uint16_t*>(words)));
-  return hn::TableLookupLanes(next, hn::IndicesFromVec(kWords, places));
-#endif
-}
-
-HWY_INLINE void store_tokens(Words token, std::uint16_t* tokens) {
-  const hn::RebindToSigned<decltype(kWords)> ints;
-  hn::StoreU(hn::DemoteTo(kShortWords, hn::BitCast(ints, token)), kShortWords, tokens);
-}
-
-/// One step of as many states as there are lanes, of which some stand still; gives their tokens.
-/// moving  a bit for each lane that does not
-HWY_INLINE Words step_states(const std::uint32_t* slots, Words context, unsigned moving,
-                             Words& state, const std::uint8_t*& words) {
-  const auto set = [](std::uint32_t value) HWY_ATTR { return hn::Set(kWords, value); };
-  const Words slot =
-      hn::Or(hn::ShiftLeft<kTableBits>(context), hn::And(state, set(kTableSize - 1)));
-  const Words entry = load_each(slots, slot);
-  const Words stepped = hn::Add(hn::Mul(hn::And(hn::ShiftRight<6>(entry), set(0xfff)),
-                                        hn::ShiftRight<kTableBits>(state)),
-                                hn::ShiftRight<18>(entry));
-  const auto is_low = hn::Eq(hn::ShiftRight<16>(stepped), hn::Zero(kWords));
   std::uint8_t low_lanes[8];
-  hn::StoreMaskBits(kWords, is_low, low_lanes);
+  hn::StoreMaskBits(d, is_low, low_lanes);
   const auto low = static_cast<std::uint8_t>(low_lanes[0] & moving);
-  const Words refilled = hn::Or(hn::ShiftLeft<16>(stepped), spread_words(words, low));
-  state = hn::IfThenElse(is_low, refilled, stepped);
+#if HWY_ARCH_WASM
+  const hn::Vec<D> spread{wasm_i8x16_swizzle(wasm_v128_load64_zero(words),
+                                             wasm_v128_load(kWordBytes.from[low]))};
+#else
+  const hn::Rebind<std::uint16_t, D> shorts;
+  const hn::Rebind<std::uint8_t, D> bytes;
+  const auto next =
+      hn::PromoteTo(d, hn::LoadU(shorts, reinterpret_cast<const std::uint16_t*>(words)));
+  const auto places = hn::PromoteTo(
+      d, hn::LoadU(bytes, reinterpret_cast<const std::uint8_t*>(kWordPlaces.places + low)));
+  const auto spread = hn::TableLookupLanes(next, hn::IndicesFromVec(d, places));
+#endif
+#endif
   words += 2 * std::popcount(low);
-  return hn::And(entry, set(63));
+  return hn::IfThenElse(is_low, hn::Or(hn::ShiftLeft<16>(stepped), spread), stepped);
 }
+
+/// What the states of a stream share while tokens are taken off them.
+template <class D>
+struct TokenStream {
+  static constexpr D kStates{};
+  static constexpr int kLanes = static_cast<int>(hn::MaxLanes(D()));
+  static constexpr hn::Rebind<std::uint16_t, D> kShorts{};
+  using V = hn::Vec<D>;
+
+  const std::uint32_t* slots;
+  const std::uint8_t* words;
+  V all;  ///< the bits that any token has
+
+  /// One symbol off each state of a vector.
+  HWY_INLINE void take(const std::uint16_t* contexts, V& state, std::uint16_t* tokens) {
+    put(step(contexts_at(contexts), (1u << kLanes) - 1, state), tokens);
+  }
+  /// The same of the first `count` states.
+  HWY_INLINE void take_some(const std::uint16_t* contexts, int count, V& state,
+                            std::uint16_t* tokens) {
+    const auto is_moving = hn::FirstN(kStates, static_cast<std::size_t>(count));
+    const V before = state;
+    const V token = step(hn::IfThenElseZero(is_moving, contexts_at(contexts)), (1u << count) - 1,
+                         state);
+    state = hn::IfThenElse(is_moving, state, before);
+    put(hn::IfThenElseZero(is_moving, token), tokens);
+  }
+
+ private:
+  static HWY_INLINE V contexts_at(const std::uint16_t* contexts) {
+    return hn::And(hn::PromoteTo(kStates, hn::LoadU(kShorts, contexts)),
+                   hn::Set(kStates, 0xff));
+  }
+  HWY_INLINE V step(V context, unsigned moving, V& state) {
+    const auto set = [](std::uint32_t value) HWY_ATTR { return hn::Set(kStates, value); };
+    const V slot = hn::Or(hn::ShiftLeft<kTableBits>(context), hn::And(state, set(kTableSize - 1)));
+    const V entry = load_each(kStates, slots, slot);
+    const V stepped = hn::Add(hn::Mul(hn::And(hn::ShiftRight<6>(entry), set(0xfff)),
+                                      hn::ShiftRight<kTableBits>(state)),
+                              hn::ShiftRight<18>(entry));
+    state = refilled(kStates, stepped, moving, words);
+    return hn::And(entry, set(63));
+  }
+  HWY_INLINE void put(V token, std::uint16_t* tokens) {
+    const hn::RebindToSigned<D> ints;
+    all = hn::Or(all, token);
+    hn::StoreU(hn::DemoteTo(kShorts, hn::BitCast(ints, token)), kShorts, tokens);
+  }
+};
+
+/// No states: what stands behind the last vector of them.
+template <class D>
+struct NoStates {
+  HWY_INLINE void load(const std::uint32_t*) {}
+  HWY_INLINE void store(std::uint32_t*) const {}
+  HWY_INLINE void take_round(TokenStream<D>&, const std::uint16_t*, std::uint16_t*) {}
+  HWY_INLINE void take_rest(TokenStream<D>&, const std::uint16_t*, int, std::uint16_t*) {}
+};
+
+/// Vectors of states, one by one: compilers keep no arrays in registers.
+template <class D, int kVectors>
+struct StateVectors {
+  static constexpr int kLanes = TokenStream<D>::kLanes;
+
+  HWY_INLINE void load(const std::uint32_t* from) {
+    first = hn::Load(D(), from);
+    others.load(from + kLanes);
+  }
+  HWY_INLINE void store(std::uint32_t* to) const {
+    hn::Store(first, D(), to);
+    others.store(to + kLanes);
+  }
+  HWY_INLINE void take_round(TokenStream<D>& stream, const std::uint16_t* contexts,
+                             std::uint16_t* tokens) {
+    stream.take(contexts, first, tokens);
+    others.take_round(stream, contexts + kLanes, tokens + kLanes);
+  }
+  /// Less than a round.
+  HWY_INLINE void take_rest(TokenStream<D>& stream, const std::uint16_t* contexts, int count,
+                            std::uint16_t* tokens) {
+    if (count >= kLanes) {
+      stream.take(contexts, first, tokens);
+      others.take_rest(stream, contexts + kLanes, count - kLanes, tokens + kLanes);
+    } else if (count > 0) {
+      stream.take_some(contexts, count, first, tokens);
+    }
+  }
+
+  hn::Vec<D> first;
+  std::conditional_t<kVectors == 1, NoStates<D>, StateVectors<D, kVectors - 1>> others;
+};
 
 /// The kStates states of a stream, held in registers while tokens are taken off them.
 template <int kStates>
 class TokenStates {
  public:
   HWY_INLINE explicit TokenStates(const SymbolReader& symbols)
-      : slots_(symbols.slots), words_(symbols.words), all_(hn::Zero(kWords)) {
-    for (int k = 0; k < kVectors; ++k) {
-      states_[k] = hn::Load(kWords, symbols.states + k * kStateLanes);
-    }
+      : stream_{symbols.slots, symbols.words, hn::Zero(D())} {
+    states_.load(symbols.states);
   }
   HWY_INLINE void give_back(SymbolReader& symbols) const {
-    for (int k = 0; k < kVectors; ++k) {
-      hn::Store(states_[k], kWords, symbols.states + k * kStateLanes);
-    }
-    symbols.words = words_;
+    states_.store(symbols.states);
+    symbols.words = stream_.words;
   }
 
   /// One symbol off each state.
   HWY_INLINE void take_round(const std::uint16_t* contexts, std::uint16_t* tokens) {
-#if HWY_COMPILER_GCC || HWY_COMPILER_CLANG
-#pragma GCC unroll 8
-#endif
-    for (int k = 0; k < kVectors; ++k) {
-      take_vector(k, contexts + k * kStateLanes, tokens + k * kStateLanes);
-    }
+    states_.take_round(stream_, contexts, tokens);
   }
 
   /// The tokens of a row from its i-th symbol on, a multiple of kStates. What lies behind the last
@@ -183,51 +273,22 @@ class TokenStates {
   HWY_INLINE void take_rest(const std::uint16_t* contexts, int i, int count,
                             std::uint16_t* tokens) {
     for (; i + kStates <= count; i += kStates) take_round(contexts + i, tokens + i);
-#if HWY_COMPILER_GCC || HWY_COMPILER_CLANG
-#pragma GCC unroll 8
-#endif
-    for (int k = 0; k < kVectors; ++k) {
-      const int at = i + k * kStateLanes;
-      if (at + kStateLanes <= count) take_vector(k, contexts + at, tokens + at);
-      else if (at < count) take_some(k, contexts + at, count - at, tokens + at);
-    }
+    states_.take_rest(stream_, contexts + i, count - i, tokens + i);
   }
 
   /// Whether any token has bits of its own, beyond the plain bits of its context.
   HWY_INLINE bool is_any_big() const {
-    const hn::RebindToSigned<decltype(kWords)> ints;
+    const hn::RebindToSigned<D> ints;
     return !hn::AllFalse(
-        ints, hn::TestBit(hn::BitCast(ints, all_), hn::Set(ints, kDirectTokens)));
+        ints, hn::TestBit(hn::BitCast(ints, stream_.all), hn::Set(ints, kDirectTokens)));
   }
 
  private:
-  static constexpr int kVectors = kStates / kStateLanes;
+  using D = hn::CappedTag<std::uint32_t, std::min(kStates, 16)>;
+  static constexpr int kVectors = kStates / TokenStream<D>::kLanes;
 
-  static HWY_INLINE Words contexts_at(const std::uint16_t* contexts) {
-    return hn::And(hn::PromoteTo(kWords, hn::LoadU(kShortWords, contexts)),
-                   hn::Set(kWords, 0xff));
-  }
-  HWY_INLINE void take_vector(int k, const std::uint16_t* contexts, std::uint16_t* tokens) {
-    const Words token = step_states(slots_, contexts_at(contexts), kAllLanes, states_[k], words_);
-    all_ = hn::Or(all_, token);
-    store_tokens(token, tokens);
-  }
-  HWY_INLINE void take_some(int k, const std::uint16_t* contexts, int count,
-                            std::uint16_t* tokens) {
-    const auto is_moving = hn::FirstN(kWords, static_cast<std::size_t>(count));
-    const Words context = hn::IfThenElseZero(is_moving, contexts_at(contexts));
-    const Words before = states_[k];
-    const Words token = hn::IfThenElseZero(
-        is_moving, step_states(slots_, context, (1u << count) - 1, states_[k], words_));
-    states_[k] = hn::IfThenElse(is_moving, states_[k], before);
-    all_ = hn::Or(all_, token);
-    store_tokens(token, tokens);
-  }
-
-  const std::uint32_t* slots_;
-  const std::uint8_t* words_;
-  Words all_;
-  Words states_[kVectors];
+  TokenStream<D> stream_;
+  StateVectors<D, kVectors> states_;
 };
 
 /// Symbols of some rows, side by side: how many each row has, all their contexts, and room for
@@ -239,15 +300,22 @@ struct TokenRows {
   std::uint16_t* tokens = nullptr;
 };
 
-/// Takes the tokens of some rows; gives whether any is big. Every row starts with the first state.
+/// Takes the tokens of some rows from one of them on, whose contexts and tokens come first. Every
+/// row starts with the first state.
 template <int kStates>
-bool take_rows_of(SymbolReader& symbols, const TokenRows& rows) {
-  TokenStates<kStates> states(symbols);
+HWY_INLINE void take_rows_from(TokenStates<kStates>& states, int first, const TokenRows& rows) {
   int at = 0;
-  for (int r = 0; r < rows.row_count; ++r) {
+  for (int r = first; r < rows.row_count; ++r) {
     states.take_rest(rows.contexts + at, 0, rows.counts[r], rows.tokens + at);
     at += rows.counts[r];
   }
+}
+
+/// Takes the tokens of some rows; gives whether any is big.
+template <int kStates>
+bool take_rows_of(SymbolReader& symbols, const TokenRows& rows) {
+  TokenStates<kStates> states(symbols);
+  take_rows_from(states, 0, rows);
   states.give_back(symbols);
   return states.is_any_big();
 }
@@ -299,15 +367,8 @@ std::array<bool, 2> take_rows_of_both(SymbolReader& first, const TokenRows& rows
     of_b.contexts += count_b;
     of_b.tokens += count_b;
   }
-  const auto take_others = [both](TokenStates<kStates>& states, TokenRows& left) HWY_ATTR {
-    for (int r = both; r < left.row_count; ++r) {
-      states.take_rest(left.contexts, 0, left.counts[r], left.tokens);
-      left.contexts += left.counts[r];
-      left.tokens += left.counts[r];
-    }
-  };
-  take_others(a, of_a);
-  take_others(b, of_b);
+  take_rows_from(a, both, of_a);
+  take_rows_from(b, both, of_b);
   a.give_back(first);
   b.give_back(second);
   return {a.is_any_big(), b.is_any_big()};

@@ -1,6 +1,6 @@
-// Prediction from neighbors, vectorized: four rows of pairs at a time, in four planes, each two
-// rows behind the plane before it (see grey_stage.h). A sample waits for the one to its left; four
-// rows that do not wait for each other keep the machine busy.
+// Prediction from neighbors, vectorized: four or eight rows of pairs at a time, in as many planes,
+// each two rows behind the plane before it (see grey_stage.h). A sample waits for the one to its
+// left; rows that do not wait for each other keep the machine busy.
 // Included once per instruction set by grey_stage_simd.cpp.
 
 #if defined(OCTAVO_CODEC_GREY_WAVES_INL_H) == defined(HWY_TARGET_TOGGLE)
@@ -25,14 +25,18 @@ namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-inline constexpr int kWaves = 4;
 inline constexpr int kLag = 2;  ///< rows between neighboring planes
 
 constexpr hn::FixedTag<std::int16_t, 8> kTaps{};
 constexpr hn::FixedTag<std::int32_t, 4> kQuad{};
 constexpr hn::CappedTag<std::int16_t, 16> kTapRows{};
+/// A number for each row on its way; the partial sums of a row are as many.
+constexpr hn::CappedTag<std::int32_t, 8> kWave{};
 using Taps = hn::Vec<decltype(kTaps)>;
 using Quad = hn::Vec<decltype(kQuad)>;
+using Wave = hn::Vec<decltype(kWave)>;
+inline constexpr int kWaves = static_cast<int>(hn::MaxLanes(kWave));
+inline constexpr int kQuads = kWaves / 4;
 
 /// A row of pairs on its way.
 struct WaveRow {
@@ -58,39 +62,33 @@ class Chain {
   HWY_INLINE Chain(Taps written, Taps written_partner)
       : written_(written), written_partner_(written_partner) {}
 
-  /// Four partial sums of weight times tap.
-  HWY_INLINE Quad sums(const std::int16_t* at, const std::int16_t* weights) const {
+  /// Partial sums of weight times tap.
+  HWY_INLINE Wave sums(const std::int16_t* at, const std::int16_t* weights) const {
+    auto even = hn::Zero(kWave);
+    auto odd = hn::Zero(kWave);
+    auto unused = hn::Zero(kWave);
 #if HWY_MAX_BYTES >= 32
-    const hn::FixedTag<std::int32_t, 8> octet;
-    auto even = hn::Zero(octet);
-    auto odd = hn::Zero(octet);
-    auto unused = hn::Zero(octet);
 #pragma GCC unroll 6
     for (int r = 0; r < kRows; r += 4) {
       even =
-          hn::ReorderWidenMulAccumulate(octet, hn::Combine(kTapRows, taps(at, r + 1), taps(at, r)),
+          hn::ReorderWidenMulAccumulate(kWave, hn::Combine(kTapRows, taps(at, r + 1), taps(at, r)),
                                         hn::LoadU(kTapRows, weights + 8 * r), even, unused);
       if (r + 2 < kRows) {
         odd = hn::ReorderWidenMulAccumulate(
-            octet, hn::Combine(kTapRows, taps(at, r + 3), taps(at, r + 2)),
+            kWave, hn::Combine(kTapRows, taps(at, r + 3), taps(at, r + 2)),
             hn::LoadU(kTapRows, weights + 8 * r + 16), odd, unused);
       }
     }
-    const auto all = hn::Add(hn::Add(even, odd), unused);
-    return hn::Add(hn::LowerHalf(kQuad, all), hn::UpperHalf(kQuad, all));
 #else
-    auto even = hn::Zero(kQuad);
-    auto odd = hn::Zero(kQuad);
-    auto unused = hn::Zero(kQuad);
 #pragma GCC unroll 6
     for (int r = 0; r < kRows; r += 2) {
-      even = hn::ReorderWidenMulAccumulate(kQuad, taps(at, r), hn::LoadU(kTaps, weights + 8 * r),
+      even = hn::ReorderWidenMulAccumulate(kWave, taps(at, r), hn::LoadU(kTaps, weights + 8 * r),
                                            even, unused);
       odd = hn::ReorderWidenMulAccumulate(
-          kQuad, taps(at, r + 1), hn::LoadU(kTaps, weights + 8 * r + 8), odd, unused);
+          kWave, taps(at, r + 1), hn::LoadU(kTaps, weights + 8 * r + 8), odd, unused);
     }
-    return hn::Add(hn::Add(even, odd), unused);
 #endif
+    return hn::Add(hn::Add(even, odd), unused);
   }
 
   /// Notes pair number kLane of the four: `a` and `b` hold its samples, `both` a | b << 16.
@@ -134,29 +132,62 @@ class Chain {
   Taps written_partner_;
 };
 
-/// Sums each of four vectors: lane k of the result is the sum of the lanes of the k-th.
-HWY_INLINE Quad sum_each(Quad v0, Quad v1, Quad v2, Quad v3) {
-  const Quad even = hn::Add(hn::InterleaveLower(kQuad, v0, v2), hn::InterleaveUpper(kQuad, v0, v2));
-  const Quad odd = hn::Add(hn::InterleaveLower(kQuad, v1, v3), hn::InterleaveUpper(kQuad, v1, v3));
-  return hn::Add(hn::InterleaveLower(kQuad, even, odd), hn::InterleaveUpper(kQuad, even, odd));
+/// Four numbers of eight.
+template <int kHalf>
+HWY_INLINE Quad four_of_all(Wave v) {
+#if HWY_MAX_BYTES >= 32
+  if constexpr (kHalf == 1) return hn::UpperHalf(kQuad, v);
+  else return hn::LowerHalf(kQuad, v);
+#else
+  return v;
+#endif
 }
 
-/// What four rows need or give, pair by pair.
+/// Sums each of four vectors, or of each half of them: lane k of the result, or of its half, is the
+/// sum of the lanes of the k-th.
+HWY_INLINE Wave sum_halves(Wave v0, Wave v1, Wave v2, Wave v3) {
+  const Wave even = hn::Add(hn::InterleaveLower(kWave, v0, v2), hn::InterleaveUpper(kWave, v0, v2));
+  const Wave odd = hn::Add(hn::InterleaveLower(kWave, v1, v3), hn::InterleaveUpper(kWave, v1, v3));
+  return hn::Add(hn::InterleaveLower(kWave, even, odd), hn::InterleaveUpper(kWave, even, odd));
+}
+HWY_INLINE Quad sum_each(Wave v0, Wave v1, Wave v2, Wave v3) {
+  const Wave sums = sum_halves(v0, v1, v2, v3);
+  if constexpr (kQuads == 1) return four_of_all<0>(sums);
+  else return hn::Add(four_of_all<0>(sums), four_of_all<1>(sums));
+}
+
+/// What the rows on their way need or give, pair by pair: by fours of them.
 struct WaveBuffers {
-  static constexpr int kLength = kWaves * (static_cast<int>(kBrickSide) + 8);
-  alignas(64) std::int32_t limits[kLength];
-  alignas(64) std::int32_t edges[kLength];
-  alignas(64) std::int32_t residuals[kLength];
-  alignas(64) std::int32_t means[kLength];
+  static constexpr int kLength = 4 * (static_cast<int>(kBrickSide) + 8);
+  using Numbers = std::int32_t[kQuads][kLength];
+  alignas(64) Numbers limits;
+  alignas(64) Numbers edges;
+  alignas(64) Numbers residuals;
+  alignas(64) Numbers means;
   // Where values have gaps: details, their highest number, and the number that a residual has
   // beyond the nearer end
-  const ValueGaps::Details* details[kLength];
-  alignas(64) std::int32_t last[kLength];
-  alignas(64) std::int32_t beyond[kLength];
+  const ValueGaps::Details* details[kQuads][kLength];
+  alignas(64) Numbers last;
+  alignas(64) Numbers beyond;
+
+  /// Those of the pairs number x.
+  static HWY_INLINE Wave load(const Numbers& numbers, int x) {
+#if HWY_MAX_BYTES >= 32
+    return hn::Combine(kWave, hn::Load(kQuad, numbers[1] + 4 * x),
+                       hn::Load(kQuad, numbers[0] + 4 * x));
+#else
+    return hn::Load(kQuad, numbers[0] + 4 * x);
+#endif
+  }
+  static HWY_INLINE void store(Wave v, Numbers& numbers, int x) {
+    hn::Store(four_of_all<0>(v), kQuad, numbers[0] + 4 * x);
+    if constexpr (kQuads > 1) hn::Store(four_of_all<1>(v), kQuad, numbers[kQuads - 1] + 4 * x);
+  }
 };
 
-/// What is between `first` and `last` of four rows; both are multiples of 4.
-inline void weave(const WaveRow* rows, int first, int last, WaveBuffers& woven) {
+/// What is between `first` and `last` of four rows, the fours number `four`; both are multiples of
+/// 4.
+inline void weave(const WaveRow* rows, int first, int last, WaveBuffers& woven, int four) {
   const hn::Rebind<std::int16_t, decltype(kQuad)> short_quad;
   const auto load = [](const std::int32_t* from) { return hn::LoadU(kQuad, from); };
   const auto widen = [&](const std::int16_t* from) HWY_ATTR {
@@ -169,33 +200,35 @@ inline void weave(const WaveRow* rows, int first, int last, WaveBuffers& woven) 
   for (int x = first; x < last; x += 4) {
     hn::StoreInterleaved4(limit(rows[0].limits + x), limit(rows[1].limits + x),
                           limit(rows[2].limits + x), limit(rows[3].limits + x), kQuad,
-                          woven.limits + 4 * x);
+                          woven.limits[four] + 4 * x);
     hn::StoreInterleaved4(load(rows[0].edges + x), load(rows[1].edges + x),
                           load(rows[2].edges + x), load(rows[3].edges + x), kQuad,
-                          woven.edges + 4 * x);
+                          woven.edges[four] + 4 * x);
     hn::StoreInterleaved4(load(rows[0].residuals + x), load(rows[1].residuals + x),
                           load(rows[2].residuals + x), load(rows[3].residuals + x), kQuad,
-                          woven.residuals + 4 * x);
+                          woven.residuals[four] + 4 * x);
     hn::StoreInterleaved4(widen(rows[0].means + x), widen(rows[1].means + x),
                           widen(rows[2].means + x), widen(rows[3].means + x), kQuad,
-                          woven.means + 4 * x);
+                          woven.means[four] + 4 * x);
   }
 }
 
 /// The details that the means allow where values have gaps. Residuals are brought to where numbers
 /// of details end for certain.
-inline void weave_gaps(const ValueGaps& gaps, int first, int last, WaveBuffers& woven) {
+inline void weave_gaps(const ValueGaps& gaps, int first, int last, WaveBuffers& woven, int four) {
   const Quad most = hn::Set(kQuad, 2 * ValueGaps::kReach);
+  std::int32_t* const residuals = woven.residuals[four];
+  std::int32_t* const highest = woven.last[four];
   for (int at = 4 * first; at < 4 * last; at += 4) {
     for (int k = at; k < at + 4; ++k) {
-      woven.details[k] = &gaps.of(woven.means[k]);
-      woven.last[k] = woven.details[k]->last;
+      woven.details[four][k] = &gaps.of(woven.means[four][k]);
+      highest[k] = woven.details[four][k]->last;
     }
-    const Quad residual = brought_within(hn::Load(kQuad, woven.residuals + at), most);
-    hn::Store(residual, kQuad, woven.residuals + at);
+    const Quad residual = brought_within(hn::Load(kQuad, residuals + at), most);
+    hn::Store(residual, kQuad, residuals + at);
     const Quad left = hn::Add(hn::ShiftLeft<1>(hn::Abs(residual)), hn::BroadcastSignBit(residual));
-    const Quad beyond = hn::Sub(hn::Load(kQuad, woven.last + at), left);
-    hn::Store(hn::Max(beyond, hn::Zero(kQuad)), kQuad, woven.beyond + at);
+    const Quad beyond = hn::Sub(hn::Load(kQuad, highest + at), left);
+    hn::Store(hn::Max(beyond, hn::Zero(kQuad)), kQuad, woven.beyond[four] + at);
   }
 }
 
@@ -212,35 +245,53 @@ HWY_INLINE Quad four_of(NumberOf&& number_of) {
 }
 
 /// Of four pairs where values have gaps: predictions and residuals to details.
-HWY_INLINE Quad four_through_gaps(const WaveBuffers& woven, int at, Quad prediction,
+HWY_INLINE Quad four_through_gaps(const WaveBuffers& woven, int four, int at, Quad prediction,
                                   Quad residual) {
-  const ValueGaps::Details* const* const details = woven.details + at;
+  const ValueGaps::Details* const* const details = woven.details[four] + at;
   const Quad reach = hn::Set(kQuad, ValueGaps::kReach);
   alignas(16) std::int32_t places[4];
   hn::Store(hn::Add(brought_within(prediction, reach), reach), kQuad, places);
   const Quad nearest = four_of([&](int k) { return details[k]->numbers[places[k]]; });
   // unfolded
-  const Quad last = hn::Load(kQuad, woven.last + at);
+  const Quad last = hn::Load(kQuad, woven.last[four] + at);
   const Quad other = hn::Sub(last, nearest);
   const auto is_low = hn::Lt(nearest, other);
   const Quad inside = hn::Add(hn::Max(nearest, other), residual);
   const auto is_beyond = hn::Gt(hn::Abs(residual), hn::Min(nearest, other));
   const Quad number =
-      hn::IfThenElse(is_beyond, hn::Load(kQuad, woven.beyond + at), inside);
+      hn::IfThenElse(is_beyond, hn::Load(kQuad, woven.beyond[four] + at), inside);
   hn::Store(hn::IfThenElse(is_low, hn::Sub(last, number), number), kQuad, places);
   return four_of([&](int k) { return details[k]->values[places[k]]; });
 }
 
 /// Predictions and details to residuals.
-HWY_INLINE Quad four_into_gaps(const WaveBuffers& woven, int at, Quad prediction, Quad detail) {
+HWY_INLINE Quad four_into_gaps(const WaveBuffers& woven, int four, int at, Quad prediction,
+                               Quad detail) {
   alignas(16) std::int32_t predictions[4];
   alignas(16) std::int32_t given[4];
   hn::Store(prediction, kQuad, predictions);
   hn::Store(detail, kQuad, given);
   return four_of([&](int k) {
-    const ValueGaps::Details& possible = *woven.details[at + k];
+    const ValueGaps::Details& possible = *woven.details[four][at + k];
     return folded(possible.nearest(given[k]), possible.nearest(predictions[k]), possible.last);
   });
+}
+
+/// The same of all pairs number x of some fours, 0 of the others.
+template <bool kIsEncoding>
+HWY_INLINE Wave wave_through_gaps(const WaveBuffers& woven, unsigned fours, int x, Wave prediction,
+                                  Wave given) {
+  const auto four = [&](int k, Quad expected, Quad number) HWY_ATTR {
+    if ((fours >> k & 1) == 0) return hn::Zero(kQuad);
+    if constexpr (kIsEncoding) return four_into_gaps(woven, k, 4 * x, expected, number);
+    else return four_through_gaps(woven, k, 4 * x, expected, number);
+  };
+  const Quad lower = four(0, four_of_all<0>(prediction), four_of_all<0>(given));
+#if HWY_MAX_BYTES >= 32
+  return hn::Combine(kWave, four(1, four_of_all<1>(prediction), four_of_all<1>(given)), lower);
+#else
+  return lower;
+#endif
 }
 
 template <int kAxis>
@@ -253,22 +304,108 @@ HWY_INLINE void store_pair(std::int16_t* at, std::int32_t both) {
   }
 }
 
-/// The samples of the pairs of two weights among the pairs number `x` of four rows.
-HWY_NOINLINE void weigh_pairs(const Stage& stage, const WaveRow* rows, int x, Quad mean,
-                              Quad detail, Quad& a, Quad& b) {
-  alignas(16) std::int32_t means[kWaves], details[kWaves], first[kWaves], second[kWaves];
-  hn::Store(mean, kQuad, means);
-  hn::Store(detail, kQuad, details);
-  hn::Store(a, kQuad, first);
-  hn::Store(b, kQuad, second);
+/// The samples of the pairs of two weights among the pairs number `x` of the rows.
+HWY_NOINLINE void weigh_pairs(const Stage& stage, const WaveRow* rows, int x, Wave mean,
+                              Wave detail, Wave& a, Wave& b) {
+  alignas(64) std::int32_t means[kWaves], details[kWaves], first[kWaves], second[kWaves];
+  hn::Store(mean, kWave, means);
+  hn::Store(detail, kWave, details);
+  hn::Store(a, kWave, first);
+  hn::Store(b, kWave, second);
   for (int k = 0; k < kWaves; ++k) {
     if (x < rows[k].first_weighted) continue;
     const auto pair = weighted_pair<std::int16_t>(stage, means[k], details[k]);
     first[k] = pair.a;
     second[k] = pair.b;
   }
-  a = hn::Load(kQuad, first);
-  b = hn::Load(kQuad, second);
+  a = hn::Load(kWave, first);
+  b = hn::Load(kWave, second);
+}
+
+/// Four of the rows in step.
+template <int kAxis>
+class FourChains {
+ public:
+  HWY_INLINE FourChains(const WaveRow* rows, std::int64_t start)
+      : rows_(rows),
+        c0_(rows[0].at + start),
+        c1_(rows[1].at + start),
+        c2_(rows[2].at + start),
+        c3_(rows[3].at + start) {}
+
+  /// sum_halves of pair number x.
+  HWY_INLINE Wave sums(const std::int16_t* weights, int x) const {
+    return sum_halves(c0_.sums(at(0, x), weights_of(weights, 0, x)),
+                      c1_.sums(at(1, x), weights_of(weights, 1, x)),
+                      c2_.sums(at(2, x), weights_of(weights, 2, x)),
+                      c3_.sums(at(3, x), weights_of(weights, 3, x)));
+  }
+
+  /// a, b  the samples of pair number x; both: a | b << 16
+  HWY_INLINE void put(int x, Quad a, Quad b, Quad both) {
+    c0_.template advance<0>(a, b, both);
+    c1_.template advance<1>(a, b, both);
+    c2_.template advance<2>(a, b, both);
+    c3_.template advance<3>(a, b, both);
+    store_pair<kAxis>(at(0, x), hn::ExtractLane(both, 0));
+    store_pair<kAxis>(at(1, x), hn::ExtractLane(both, 1));
+    store_pair<kAxis>(at(2, x), hn::ExtractLane(both, 2));
+    store_pair<kAxis>(at(3, x), hn::ExtractLane(both, 3));
+  }
+
+ private:
+  HWY_INLINE std::int16_t* at(int row, int x) const {
+    return rows_[row].at + pair_stretch(kAxis) * x;
+  }
+  /// weights: those of class 0; the others follow.
+  HWY_INLINE const std::int16_t* weights_of(const std::int16_t* weights, int row, int x) const {
+    return weights + rows_[row].activities[x] * kMaxTaps;
+  }
+
+  const WaveRow* rows_;
+  Chain<kAxis> c0_, c1_, c2_, c3_;
+};
+
+/// All of the rows in step.
+template <int kAxis>
+class WaveChains {
+ public:
+  HWY_INLINE WaveChains(const WaveRow* rows, std::int64_t start)
+      : first_(rows, start), last_(rows + 4 * (kQuads - 1), start) {}
+
+  /// Weight times tap, summed up, of pair number x of each row of some fours, 0 of the others.
+  HWY_INLINE Wave sums(const std::int16_t* weights, int x, unsigned fours) const {
+    const Wave first = (fours & 1) != 0 ? first_.sums(weights, x) : hn::Zero(kWave);
+#if HWY_MAX_BYTES >= 32
+    const Wave last = (fours & 2) != 0 ? last_.sums(weights, x) : hn::Zero(kWave);
+    return hn::Add(hn::ConcatLowerLower(kWave, last, first),
+                   hn::ConcatUpperUpper(kWave, last, first));
+#else
+    return first;
+#endif
+  }
+  /// The samples of all of them, or of the first four.
+  HWY_INLINE void put(int x, Wave a, Wave b, Wave both, unsigned fours) {
+    first_.put(x, four_of_all<0>(a), four_of_all<0>(b), four_of_all<0>(both));
+    if (kQuads > 1 && (fours & 2) != 0) {
+      last_.put(x, four_of_all<kQuads - 1>(a), four_of_all<kQuads - 1>(b),
+                four_of_all<kQuads - 1>(both));
+    }
+  }
+
+ private:
+  FourChains<kAxis> first_;
+  FourChains<kAxis> last_;
+};
+
+/// A bit for each four of which a pair has a limit.
+HWY_INLINE unsigned fours_with_room(Wave limit) {
+  const auto has_room = [](Quad limits) HWY_ATTR {
+    return hn::AllTrue(kQuad, hn::Eq(limits, hn::Zero(kQuad))) ? 0u : 1u;
+  };
+  const unsigned first = has_room(four_of_all<0>(limit));
+  if constexpr (kQuads == 1) return first;
+  else return first | has_room(four_of_all<kQuads - 1>(limit)) << 1;
 }
 
 /// The pairs of a row that have a limit.
@@ -295,90 +432,72 @@ struct WaveSpan {
   }
 };
 
-/// Four rows in step. weights: those of class 0; the others follow.
+/// Rows in step, of which the first `count` are no idle ones. weights: those of class 0; the others
+/// follow.
 template <int kAxis, bool kIsEncoding, bool kHasGaps>
-void run_waves(const std::int16_t* weights, const Stage& stage, const WaveRow* rows,
+void run_waves(const std::int16_t* weights, const Stage& stage, const WaveRow* rows, int count,
                const WaveSpan& span, WaveBuffers& woven) {
   const int end = std::min(span.last, static_cast<int>(stage.pairs.x));
   std::int64_t first_weighted = end;
   for (int k = 0; k < kWaves; ++k) {
     first_weighted = std::min(first_weighted, rows[k].first_weighted);
   }
-  const ResidualMap<decltype(kQuad)> map(stage.step);
-  weave(rows, span.first, span.last, woven);
-  if constexpr (kHasGaps) weave_gaps(*stage.gaps, span.first, span.last, woven);
-  const std::int64_t start = pair_stretch(kAxis) * span.first;
-  Chain<kAxis> c0(rows[0].at + start), c1(rows[1].at + start), c2(rows[2].at + start),
-      c3(rows[3].at + start);
-  const Quad half = hn::Set(kQuad, 1 << (kWeightBits - 1));
-  const Quad round = hn::Set(kQuad, stage.rounding);
-  const Quad one = hn::Set(kQuad, 1);
-  const Quad low_half = hn::Set(kQuad, 0xffff);
-  const auto weights_of = [&](const WaveRow& row, int x) {
-    return weights + row.activities[x] * kMaxTaps;
-  };
+  const ResidualMap<decltype(kWave)> map(stage.step);
+  for (int four = 0; 4 * four < count; ++four) {
+    weave(rows + 4 * four, span.first, span.last, woven, four);
+    if constexpr (kHasGaps) weave_gaps(*stage.gaps, span.first, span.last, woven, four);
+  }
+  const unsigned fours = count > 4 ? 3 : 1;
+  WaveChains<kAxis> chains(rows, pair_stretch(kAxis) * span.first);
+  const Wave half = hn::Set(kWave, 1 << (kWeightBits - 1));
+  const Wave round = hn::Set(kWave, stage.rounding);
+  const Wave one = hn::Set(kWave, 1);
+  const Wave low_half = hn::Set(kWave, 0xffff);
   for (int x = span.first; x < end; ++x) {
-    const std::int64_t at = pair_stretch(kAxis) * x;
     // Predict a sample of each row; without room, as an edge or a uniform cell, it is known.
-    const Quad limit = hn::Load(kQuad, woven.limits + 4 * x);
-    const Quad known = hn::Load(kQuad, woven.edges + 4 * x);
-    const bool has_room = !hn::AllTrue(kQuad, hn::Eq(limit, hn::Zero(kQuad)));
-    Quad sum = hn::Zero(kQuad);
-    if (has_room) {
-      sum = sum_each(c0.sums(rows[0].at + at, weights_of(rows[0], x)),
-                     c1.sums(rows[1].at + at, weights_of(rows[1], x)),
-                     c2.sums(rows[2].at + at, weights_of(rows[2], x)),
-                     c3.sums(rows[3].at + at, weights_of(rows[3], x)));
-    }
-    const Quad mean = hn::Load(kQuad, woven.means + 4 * x);
-    const Quad prediction = hn::ShiftRight<kWeightBits>(hn::Add(sum, half));
+    const Wave limit = WaveBuffers::load(woven.limits, x);
+    const Wave known = WaveBuffers::load(woven.edges, x);
+    const unsigned rooms = fours_with_room(limit) & fours;
+    const Wave sum = chains.sums(weights, x, rooms);
+    const Wave mean = WaveBuffers::load(woven.means, x);
+    const Wave prediction = hn::ShiftRight<kWeightBits>(hn::Add(sum, half));
     // Detail to residual, or residual to detail, counted from those of edges
-    Quad detail = hn::Load(kQuad, woven.residuals + 4 * x);
-    if (!kIsEncoding && !has_room) {
-      detail = hn::Zero(kQuad);
-    } else if constexpr (kHasGaps) {
-      const Quad expected = hn::Add(known, brought_within(prediction, limit));
-      if constexpr (kIsEncoding) {
-        hn::Store(four_into_gaps(woven, 4 * x, expected, detail), kQuad, woven.residuals + 4 * x);
-      } else {
-        detail = four_through_gaps(woven, 4 * x, expected, detail);
-      }
+    Wave detail = WaveBuffers::load(woven.residuals, x);
+    if constexpr (kHasGaps) {
+      const Wave expected = hn::Add(known, brought_within(prediction, limit));
+      const Wave found = wave_through_gaps<kIsEncoding>(woven, kIsEncoding ? fours : rooms, x,
+                                                        expected, detail);
+      if constexpr (kIsEncoding) WaveBuffers::store(found, woven.residuals, x);
+      else detail = found;
       detail = brought_within(hn::Sub(detail, known), limit);
     } else if constexpr (kIsEncoding) {
       detail = hn::Sub(detail, known);
-      hn::Store(map.residual(detail, prediction, limit), kQuad, woven.residuals + 4 * x);
+      WaveBuffers::store(map.residual(detail, prediction, limit), woven.residuals, x);
     } else {
       detail = map.detail(detail, prediction, limit);
     }
     detail = hn::Add(detail, known);
     // Mean and detail to the two samples, which the next predictions see
-    const Quad total = hn::Add(hn::Sub(hn::Add(mean, mean), round),
+    const Wave total = hn::Add(hn::Sub(hn::Add(mean, mean), round),
                                hn::And(hn::Add(detail, round), one));
-    Quad a = hn::ShiftRight<1>(hn::Add(total, detail));
-    Quad b = hn::ShiftRight<1>(hn::Sub(total, detail));
+    Wave a = hn::ShiftRight<1>(hn::Add(total, detail));
+    Wave b = hn::ShiftRight<1>(hn::Sub(total, detail));
     if (x >= first_weighted) weigh_pairs(stage, rows, x, mean, detail, a, b);
-    const Quad both = hn::Or(hn::And(a, low_half), hn::ShiftLeft<16>(b));
-    c0.template advance<0>(a, b, both);
-    c1.template advance<1>(a, b, both);
-    c2.template advance<2>(a, b, both);
-    c3.template advance<3>(a, b, both);
-    store_pair<kAxis>(rows[0].at + at, hn::ExtractLane(both, 0));
-    store_pair<kAxis>(rows[1].at + at, hn::ExtractLane(both, 1));
-    store_pair<kAxis>(rows[2].at + at, hn::ExtractLane(both, 2));
-    store_pair<kAxis>(rows[3].at + at, hn::ExtractLane(both, 3));
+    chains.put(x, a, b, hn::Or(hn::And(a, low_half), hn::ShiftLeft<16>(b)), fours);
   }
   if constexpr (kIsEncoding) {
-    const auto count = static_cast<int>(stage.pairs.x);
-    for (int row = 0; row < kWaves; ++row) {
+    for (int row = 0; row < count; ++row) {
       std::int32_t* const residuals = rows[row].residuals;
       std::fill(residuals, residuals + span.first, 0);
-      for (int x = span.first; x < end; ++x) residuals[x] = woven.residuals[4 * x + row];
-      std::fill(residuals + end, residuals + count, 0);
+      for (int x = span.first; x < end; ++x) {
+        residuals[x] = woven.residuals[row / 4][4 * x + row % 4];
+      }
+      std::fill(residuals + end, residuals + stage.pairs.x, 0);
     }
   }
 }
 
-/// A row that stands in where fewer than four are on their way.
+/// A row that stands in where fewer are on their way.
 struct IdleRow {
   std::vector<std::int16_t> samples =
       std::vector<std::int16_t>(static_cast<std::size_t>(5 * SampleGrid<std::int16_t>::kPlane));
@@ -416,36 +535,37 @@ void reconstruct_waves(const Parameters& p, const Stage& stage, Workspace<std::i
   for (int wave = 0; wave < kWaves; ++wave) plane[wave] = wave;
   for (std::int64_t tick = 0; tick < end; ++tick) {
     WaveRow rows[kWaves];
+    int count = 0;
     WaveSpan span;
-    for (int wave = 0; wave < kWaves; ++wave) {
-      rows[wave] = idle.row();
-      const std::int64_t z = plane[wave];
+    for (std::int64_t& z : plane) {
       if (z >= pairs.z || tick < starts[static_cast<std::size_t>(z)]) continue;
+      const std::int64_t at_z = z;
       const std::int64_t y = tick - starts[static_cast<std::size_t>(z)];
-      if (y + 1 == pairs.y) plane[wave] += kWaves;
-      const std::uint16_t* const limits = work.limits.row(y, z);
-      const std::int32_t* const edges = edge_details(stage, work, y, z);
+      if (y + 1 == pairs.y) z += kWaves;
+      const std::uint16_t* const limits = work.limits.row(y, at_z);
+      const std::int32_t* const edges = edge_details(stage, work, y, at_z);
       RowMask moving = pairs_with_limits(limits, static_cast<int>(pairs.x));
-      if (edges != nullptr) moving |= work.edges.row(y, z);
+      if (edges != nullptr) moving |= work.edges.row(y, at_z);
       if (moving == 0) {
-        if constexpr (kIsEncoding) std::fill_n(work.residuals.row(y, z), pairs.x, 0);
+        if constexpr (kIsEncoding) std::fill_n(work.residuals.row(y, at_z), pairs.x, 0);
         continue;
       }
       span.add(moving);
-      rows[wave] = {first_of_row(work.fine, kAxis, y, z),
-                    work.means.row(y, z),
-                    work.activities.row(y, z),
-                    limits,
-                    work.residuals.row(y, z),
-                    edges != nullptr ? edges : idle.edges,
-                    stage.first_weighted(y, z)};
+      rows[count++] = {first_of_row(work.fine, kAxis, y, at_z),
+                       work.means.row(y, at_z),
+                       work.activities.row(y, at_z),
+                       limits,
+                       work.residuals.row(y, at_z),
+                       edges != nullptr ? edges : idle.edges,
+                       stage.first_weighted(y, at_z)};
     }
-    if (span.last == 0) continue;
+    if (count == 0) continue;
+    std::fill(rows + count, rows + kWaves, idle.row());
     const std::int16_t* const weights = p.weights[stage.group][kAxis][0];
     if (stage.gaps != nullptr) {
-      run_waves<kAxis, kIsEncoding, true>(weights, stage, rows, span, woven);
+      run_waves<kAxis, kIsEncoding, true>(weights, stage, rows, count, span, woven);
     } else {
-      run_waves<kAxis, kIsEncoding, false>(weights, stage, rows, span, woven);
+      run_waves<kAxis, kIsEncoding, false>(weights, stage, rows, count, span, woven);
     }
   }
 }

@@ -7,7 +7,7 @@ namespace octavo::grey {
 namespace {
 
 /// A symbol takes at most one word and so many plain bits, 16 of them for wide samples alone;
-/// vectors read ahead by 16 bytes.
+/// vectors read ahead by 32 bytes.
 constexpr std::size_t kMaxSymbolBits = kEscapeBits + kMaxPlainBits + 16;
 constexpr std::size_t kWordPadding = kMaxUnchecked * 2 + 32;
 constexpr std::size_t kPlainPadding = kMaxUnchecked * kMaxSymbolBits / 8 + 32;
