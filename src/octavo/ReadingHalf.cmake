@@ -24,6 +24,7 @@ set(OCTAVO_READ_SOURCES
   core/work_part.cpp
   octree/label_words.cpp
   octree/o_code.cpp
+  codec/brick_codec.cpp
   codec/codec_of_kind.cpp
   codec/exact/absent_samples.cpp
   codec/exact/exact_codec.cpp

@@ -125,6 +125,13 @@ class BrickParts {
   }
 };
 
+/// A box of the voxels of one in-brick level, and where they go: from the first of the box on.
+struct LevelBox {
+  int level = 0;
+  Box box;
+  VoxelTarget out;
+};
+
 class BrickCodec {
  public:
   virtual ~BrickCodec() = default;
@@ -153,6 +160,16 @@ class BrickCodec {
   ///           `out`, never reads outside the segments
   virtual void decode(const BrickShape& shape, VoxelType type, const ValueRange& range,
                       std::span<const ByteSpan> segments, int level, void* out) const = 0;
+
+  /// Whether planes along axis_order()[2] are decoded one after the other, so that boxes which end
+  /// early there take less time.
+  virtual bool decodes_planes() const noexcept { return false; }
+
+  /// Decodes a box of an in-brick level, of type `type`, and no more of the level than it needs.
+  /// segments  as for `decode`
+  /// Throws    as `decode`; what is inconsistent behind the box may remain unnoticed
+  virtual void decode_box(const BrickShape& shape, VoxelType type, const ValueRange& range,
+                          std::span<const ByteSpan> segments, const LevelBox& wanted) const;
 
   /// The brick's sample at the first level of the next tier, as EncodedBrick::parent, from its
   /// coarsest segment; from segment 0 where the brick is stored.

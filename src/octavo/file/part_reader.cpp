@@ -5,6 +5,8 @@
 #include <exception>
 #include <functional>
 
+#include "octavo/file/held_planes.h"
+
 namespace octavo {
 
 namespace {
@@ -40,25 +42,6 @@ void run_to_end(const ForEach* run, std::size_t count,
   for (const std::exception_ptr& error : errors) {
     if (error) std::rethrow_exception(error);
   }
-}
-
-/// Of a part of which nobody has asked before, requests of so few planes get no more planes than
-/// they need: half of the work on average. Who asks for further ones gets all of the part.
-constexpr std::int64_t kFewPlanes = 4;
-
-/// What is kept of a part: as many of its planes along an axis, from the first on, as there are
-/// bytes.
-Box held_of(const Box& part, int axis, std::uint64_t bytes, std::size_t voxel_bytes) {
-  const Size3 size = part.size();
-  const auto plane = static_cast<std::uint64_t>(size.voxel_count() / size[axis]) * voxel_bytes;
-  Box held = part;
-  held.hi[axis] = part.lo[axis] + static_cast<std::int64_t>(bytes / plane);
-  return held;
-}
-
-/// Whether voxels may be written there as what they are.
-bool is_aligned(const BoxTarget& out) {
-  return reinterpret_cast<std::uintptr_t>(out.bytes) % out.voxel_bytes == 0;
 }
 
 }  // namespace
@@ -154,19 +137,18 @@ void PartReader::decode_found(const Request& request, std::span<const Found> par
   std::array<BrickParts::Wanted, kPartsAtOnce> wanted;
   std::array<std::uint8_t*, kPartsAtOnce> dense{};
   for (std::size_t i = 0; i < parts.size(); ++i) {
-    Box own = request.brick.parts->parts()[parts[i].number].box;
-    const Box shared = intersection(moved(own, request.at), request.box);
-    if (parts[i].is_new && request.box.size()[request.axis] <= kFewPlanes) {
-      own.hi[request.axis] = shared.hi[request.axis] - request.at[request.axis];
-    }
+    const Index3& at = request.at;
+    const Index3 back{-at.x, -at.y, -at.z};
+    const Box all = moved(request.brick.parts->parts()[parts[i].number].box, at);
+    const Box shared = intersection(all, request.box);
+    const Box own = moved(decoded_for(request.box, all, request.axis, parts[i].is_new), back);
     const Size3 size = own.size();
     const auto bytes = static_cast<std::size_t>(size.voxel_count()) * out.voxel_bytes;
     const bool is_kept = request.keeps && bytes <= decoded_.capacity();
     wanted[i] = {parts[i].number, parts[i].bytes, own, {}};
     if (!is_kept && !volume.coding && is_aligned(out)) {
       // Straight to where they are asked for
-      const Index3& at = request.at;
-      wanted[i].box = moved(shared, {-at.x, -at.y, -at.z});
+      wanted[i].box = moved(shared, back);
       wanted[i].out = {out.from(shared.lo, request.box.lo).bytes, out.row_stride,
                        out.plane_stride};
       continue;

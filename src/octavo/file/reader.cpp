@@ -8,6 +8,7 @@
 #include "octavo/codec/label_bricks.h"
 #include "octavo/file/box_plan.h"
 #include "octavo/file/box_target.h"
+#include "octavo/file/held_planes.h"
 #include "octavo/file/open_file.h"
 #include "octavo/file/part_reader.h"
 
@@ -149,8 +150,11 @@ class FileReaderImpl final : public FileReader {
   /// one of its levels needs.
   template <class Decode>
   void decode_brick(const BrickEntry& entry, int in_brick_level, Decode decode) const;
-  std::shared_ptr<const Bytes> decoded(const BrickEntry& entry, const BrickShape& shape,
-                                       int in_brick_level, bool keep) const;
+  int plane_axis(const BrickEntry& entry) const {
+    return file_.codec(entry.model)->axis_order()[2];
+  }
+  void decode_shared(const BrickEntry& entry, int level, const Box& box, bool keeps,
+                     const BoxTarget& out) const;
   void read_shared(const BrickEntry& entry, int level, const Box& box, const BrickReading& how,
                    const BoxTarget& out) const;
   void read_bricks(const Box& box, int level, const VoxelTarget& out, const ForEach* run) const;
@@ -247,23 +251,55 @@ void FileReaderImpl::read_words(const BrickEntry& entry, LabelWords& words) cons
   });
 }
 
-// The samples of a brick that is not uniform, from the cache where it has them.
-std::shared_ptr<const Bytes> FileReaderImpl::decoded(const BrickEntry& entry,
-                                                     const BrickShape& shape, int in_brick_level,
-                                                     bool keep) const {
-  const auto level = static_cast<std::uint64_t>(shape.first_level + in_brick_level);
-  const LruCache<Bytes>::Key key{level, entry.code};
-  if (auto kept = cache_.find(key)) return kept;
-  const Size3& size = shape.size[static_cast<std::size_t>(in_brick_level)];
-  const std::int64_t bytes = size.voxel_count() * bytes_per_voxel(description().type);
-  auto samples = std::make_shared<Bytes>(static_cast<std::size_t>(bytes));
-  read_brick(entry, in_brick_level, samples->data());
-  if (keep) cache_.insert(key, samples, samples->size() + sizeof(Bytes));
-  return samples;
+// Reads what `box` and a brick share that is not uniform, from the cache where it has them.
+void FileReaderImpl::decode_shared(const BrickEntry& entry, int level, const Box& box, bool keeps,
+                                   const BoxTarget& out) const {
+  const LruCache<Bytes>::Key key{static_cast<std::uint64_t>(level), entry.code};
+  const Box all = brick_box_at(levels(), level, entry.brick);
+  const Box part = intersection(box, all);
+  const int axis = plane_axis(entry);
+  const auto kept = cache_.find(key);
+  const Box held = kept ? held_of(all, axis, kept->size(), out.voxel_bytes) : Box{};
+  if (held.contains(part)) return copy_shared(kept->data(), held, box, out);
+
+  // Decode all of it, or the planes that are asked for first
+  const Box own = file_.codec(entry.model)->decodes_planes()
+                      ? decoded_for(box, all, axis, kept == nullptr)
+                      : all;
+  const auto& coding = description().coding;
+  const bool is_scaled = coding && !coding->is_exact;
+  const auto decode = [&](const Box& wanted, const VoxelTarget& to) {
+    const Box inside = moved(wanted, {-all.lo.x, -all.lo.y, -all.lo.z});
+    const int in_brick = level - Levels::first_level(entry.tier);
+    decode_brick(entry, in_brick, [&](const BrickCodec& codec, const BrickShape& shape,
+                                      std::span<const ByteSpan> segments) {
+      codec.decode_box(shape, description().codec_type(), entry.range, segments,
+                       {in_brick, inside, to});
+    });
+  };
+  const Size3 size = own.size();
+  const auto count = static_cast<std::size_t>(size.voxel_count());
+  const bool is_kept = keeps && count * out.voxel_bytes <= cache_.capacity();
+  if (!is_kept && !is_scaled && is_aligned(out)) {
+    decode(part, {out.from(part.lo, box.lo).bytes, out.row_stride, out.plane_stride});
+    return;
+  }
+  const auto samples = std::make_shared<Bytes>(count * out.voxel_bytes);
+  decode(own, {samples->data(), size.x, size.x * size.y});
+  if (is_scaled) {
+    decode_samples(*coding, samples->data(), {reinterpret_cast<float*>(samples->data()), count});
+  }
+  copy_shared(samples->data(), own, box, out);
+  if (is_kept) cache_.insert(key, samples, samples->size() + sizeof(Bytes));
 }
 
 bool FileReaderImpl::has_decoded(const BrickEntry& entry, int level, const Box& part) const {
-  if (cache_.find({static_cast<std::uint64_t>(level), entry.code})) return true;
+  if (const auto kept = cache_.find({static_cast<std::uint64_t>(level), entry.code})) {
+    const Box all = brick_box_at(levels(), level, entry.brick);
+    const auto voxel_bytes = static_cast<std::size_t>(bytes_per_voxel(description().type));
+    return held_of(all, plane_axis(entry), kept->size(), voxel_bytes)
+        .contains(intersection(part, all));
+  }
   if (level != Levels::first_level(entry.tier)) return false;
   return parts_.has_decoded(entry, part);
 }
@@ -272,8 +308,6 @@ bool FileReaderImpl::has_decoded(const BrickEntry& entry, int level, const Box& 
 void FileReaderImpl::read_shared(const BrickEntry& entry, int level, const Box& box,
                                  const BrickReading& how, const BoxTarget& out) const {
   stop_if_cancelled();
-  const BrickShape shape = brick_shape(levels(), entry.tier, entry.brick);
-  const int in_brick = level - shape.first_level;
   const Box whole = brick_box_at(levels(), level, entry.brick);
   const Box part = intersection(box, whole);
   if (entry.is_uniform()) {
@@ -286,10 +320,10 @@ void FileReaderImpl::read_shared(const BrickEntry& entry, int level, const Box& 
     return;
   }
   const BrickReading own{how.keeps || part != whole, how.run};
-  const bool is_in_parts = in_brick == 0 && (part != whole || how.run != nullptr);
+  const bool is_first = level == Levels::first_level(entry.tier);
+  const bool is_in_parts = is_first && (part != whole || how.run != nullptr);
   if (is_in_parts && parts_.read(entry, box, own, out)) return;
-  const auto samples = decoded(entry, shape, in_brick, own.keeps);
-  copy_shared(samples->data(), whole, box, out);
+  decode_shared(entry, level, box, own.keeps, out);
 }
 
 void FileReaderImpl::read_bricks(const Box& box, int level, const VoxelTarget& out,

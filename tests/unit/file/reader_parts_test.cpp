@@ -1,4 +1,4 @@
-// Boxes of files whose bricks have parts that decode alone.
+// Boxes of files, whose bricks have parts that decode alone or decode plane by plane.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -48,19 +48,20 @@ std::vector<std::uint8_t> built(VoxelType type, const BuildOptions& options) {
   return *storage.files.at("parts.8vo");
 }
 
-Bytes box_of_reader(const FileReader& reader, const Box& box) {
+Bytes box_of_reader(const FileReader& reader, const Box& box, int level = 0) {
   Bytes out(static_cast<std::size_t>(box.size().voxel_count() *
                                      bytes_per_voxel(reader.description().type)));
-  reader.read(box, 0, out.data());
+  reader.read(box, level, out.data());
   return out;
 }
 
-/// The same box cut out of all voxels.
-Bytes cut_out(const Bytes& all, const Box& box, std::size_t voxel_bytes) {
+/// The same box cut out of all voxels of a level.
+Bytes cut_out(const Bytes& all, const Box& box, std::size_t voxel_bytes,
+              const Size3& size = kSize) {
   Bytes out;
   for (std::int64_t z = box.lo.z; z < box.hi.z; ++z) {
     for (std::int64_t y = box.lo.y; y < box.hi.y; ++y) {
-      const auto at = static_cast<std::size_t>((z * kSize.y + y) * kSize.x + box.lo.x);
+      const auto at = static_cast<std::size_t>((z * size.y + y) * size.x + box.lo.x);
       const auto* const row = all.data() + at * voxel_bytes;
       out.insert(out.end(), row, row + static_cast<std::size_t>(box.size().x) * voxel_bytes);
     }
@@ -70,10 +71,25 @@ Bytes cut_out(const Bytes& all, const Box& box, std::size_t voxel_bytes) {
 
 Box voxel_at(const Index3& p) { return {p, {p.x + 1, p.y + 1, p.z + 1}}; }
 
-TEST(ReaderParts, EveryBoxIsThatOfTheWholeVolume) {
+/// A voxel (3), a plane along the axis of that number, or a small box (4).
+Box random_box(const Size3& size, int form, std::mt19937& random) {
+  Box box = box_of(size);
+  for (int axis = 0; axis < 3; ++axis) {
+    if (form < 3 && axis != form) continue;
+    const std::int64_t most = form == 4 ? 40 : 1;
+    box.lo[axis] = static_cast<std::int64_t>(random()) % size[axis];
+    const std::int64_t length = 1 + static_cast<std::int64_t>(random()) % most;
+    box.hi[axis] = std::min(box.lo[axis] + length, size[axis]);
+  }
+  return box;
+}
+
+TEST(ReaderParts, EveryBoxOfEveryLevelIsThatOfTheWholeVolume) {
   std::mt19937 random(7);
-  const BuildOptions options[] = {{.preset = Preset::small, .access = Access::boxes},
+  const BuildOptions options[] = {{.preset = Preset::small},
+                                  {.preset = Preset::small, .access = Access::boxes},
                                   {.preset = Preset::fast, .access = Access::slices},
+                                  {.preset = Preset::fast, .access = Access::none, .max_error = 4},
                                   {.preset = Preset::fast,
                                    .access = Access::boxes,
                                    .max_error = 9}};
@@ -81,20 +97,21 @@ TEST(ReaderParts, EveryBoxIsThatOfTheWholeVolume) {
     for (const BuildOptions& how : options) {
       const auto bytes = built(type, how);
       const auto whole = FileReader::open(byte_source_of(bytes, "whole"), {.cache_bytes = 0});
-      const Bytes all = box_of_reader(*whole, box_of(kSize));
       const auto voxel_bytes = static_cast<std::size_t>(bytes_per_voxel(type));
+      std::vector<Bytes> all;
+      for (int level = 0; level < whole->levels().count(); ++level) {
+        all.push_back(box_of_reader(*whole, box_of(whole->levels().size(level)), level));
+      }
       for (const std::uint64_t cache_bytes : {std::uint64_t{0}, std::uint64_t{64} << 20}) {
         const auto reader =
             FileReader::open(byte_source_of(bytes, "parts"), {.cache_bytes = cache_bytes});
-        for (int i = 0; i < 40; ++i) {
-          Box box;
-          for (int axis = 0; axis < 3; ++axis) {
-            const auto a = static_cast<std::int64_t>(random() % 1000) * kSize[axis] / 1000;
-            const auto length = i % 3 == 0 ? 1 : 1 + static_cast<std::int64_t>(random() % 40);
-            box.lo[axis] = a;
-            box.hi[axis] = std::min(a + length, kSize[axis]);
-          }
-          ASSERT_EQ(box_of_reader(*reader, box), cut_out(all, box, voxel_bytes)) << i;
+        for (int i = 0; i < 60; ++i) {
+          const int level = i % 2 == 0 ? 0 : static_cast<int>(random() % all.size());
+          const Size3& size = reader->levels().size(level);
+          const Box box = random_box(size, i % 5, random);
+          ASSERT_EQ(box_of_reader(*reader, box, level),
+                    cut_out(all[static_cast<std::size_t>(level)], box, voxel_bytes, size))
+              << "options " << &how - options << " level " << level << " box " << i;
         }
       }
     }
@@ -131,7 +148,7 @@ TEST(ReaderParts, AVoxelTakesTheBytesOfItsPartAndOfTheCoarserLevels) {
 /// One plane after the other, along every axis: the first one is decoded by itself, the next one
 /// with all that are left.
 TEST(ReaderParts, PlanesThatFollowEachOtherTakeTheBytesTwiceAtMost) {
-  for (const Access access : {Access::slices, Access::boxes}) {
+  for (const Access access : {Access::none, Access::slices, Access::boxes}) {
     const auto bytes = built(VoxelType::int16, {.preset = Preset::fast, .access = access});
     const auto whole = FileReader::open(byte_source_of(bytes, "whole"), {.cache_bytes = 0});
     const Bytes all = box_of_reader(*whole, box_of(kSize));

@@ -249,7 +249,13 @@ EncodedBrick GreyCodec::encode(const BrickShape& shape, const BrickView& view) c
 
 void GreyCodec::decode(const BrickShape& shape, VoxelType type, const ValueRange& range,
                        std::span<const ByteSpan> segments, int level, void* out) const {
-  decode_brick(*model_, shape, type, range, segments, level, out);
+  const Size3& size = shape.size[static_cast<std::size_t>(level)];
+  decode_box(shape, type, range, segments, {level, box_of(size), dense_target(out, size)});
+}
+
+void GreyCodec::decode_box(const BrickShape& shape, VoxelType type, const ValueRange& range,
+                           std::span<const ByteSpan> segments, const LevelBox& wanted) const {
+  decode_brick(*model_, shape, type, range, segments, wanted);
 }
 
 std::int64_t GreyCodec::decode_parent(const BrickShape& shape, VoxelType type,

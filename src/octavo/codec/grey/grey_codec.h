@@ -23,6 +23,9 @@ class GreyCodec final : public BrickCodec {
   EncodedBrick encode(const BrickShape& shape, const BrickView& brick) const override;
   void decode(const BrickShape& shape, VoxelType type, const ValueRange& range,
               std::span<const ByteSpan> segments, int level, void* out) const override;
+  bool decodes_planes() const noexcept override { return true; }
+  void decode_box(const BrickShape& shape, VoxelType type, const ValueRange& range,
+                  std::span<const ByteSpan> segments, const LevelBox& wanted) const override;
   std::int64_t decode_parent(const BrickShape& shape, VoxelType type, const ValueRange& range,
                              std::span<const ByteSpan> segments) const override;
   bool has_parts(const BrickShape& shape) const noexcept override;

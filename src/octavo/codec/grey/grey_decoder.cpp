@@ -32,18 +32,27 @@ struct Source {
   }
 };
 
+/// A box of the voxels of a level of a brick, or of a part of level 0, along the brick's own axes.
+struct WantedBox {
+  Box box;
+  VoxelTarget out;
+};
+
 template <class Sample>
-void decode_stored(const Source& source, ByteSpan segment, int level, const VoxelTarget& out) {
+void decode_stored(const Source& source, ByteSpan segment, int level, const WantedBox& wanted) {
   const BrickShape& shape = source.shape;
   std::vector<Sample> samples = decode_plain<Sample>(source.scale, segment, shape.size[0]);
   for (int i = 0; i < level; ++i) {
     samples = coarser_level(std::move(samples), shape, i);
   }
   const Size3& size = shape.size[static_cast<std::size_t>(level)];
+  const Box box = in_order(wanted.box, source.parameters().axis_order);
   source.writer().write(
-      size,
-      [&](std::int64_t y, std::int64_t z) { return samples.data() + (z * size.y + y) * size.x; },
-      out);
+      box.size(),
+      [&](std::int64_t y, std::int64_t z) {
+        return samples.data() + ((z + box.lo.z) * size.y + y + box.lo.y) * size.x + box.lo.x;
+      },
+      wanted.out);
 }
 
 template <class Sample>
@@ -148,8 +157,10 @@ void decode_details(const Source& source, const Part& part, int level, ByteSpan 
 }
 
 /// Decodes the levels from the coarsest to `level`, but not level 0, into the work space.
+/// planes  of `level` that are looked at
 template <class Sample>
-LevelState decode_coarser(const Source& source, std::span<const ByteSpan> segments, int level) {
+LevelState decode_coarser(const Source& source, std::span<const ByteSpan> segments, int level,
+                          std::int64_t planes = kAllPlanes) {
   const BrickShape& shape = source.shape;
   const Parameters& p = source.parameters();
   const auto last = static_cast<std::size_t>(shape.level_count) - 1;
@@ -165,19 +176,12 @@ LevelState decode_coarser(const Source& source, std::span<const ByteSpan> segmen
     if (at == 1 && has_cells(shape)) {
       state.cells = decode_cells(take_counted(segment), shape.size[2]);
     }
-    decode_details<Sample>(source, Part{shape, {}, {}, kAllFaces}, at, segment,
-                           state.hints(p), kMaxStates);
+    decode_details<Sample>(source, Part{shape, {}, {}, kAllFaces}, at, segment, state.hints(p),
+                           kMaxStates, at == level ? planes : kAllPlanes);
   }
   if (level == 0) state.gaps = gaps_of(p.value_map, source.map, shape, source.scale);
   return state;
 }
-
-/// What is wanted of level 0 of a brick or of a part of it: a box of its voxels, along the brick's
-/// own axes.
-struct WantedBox {
-  Box box;
-  VoxelTarget out;
-};
 
 /// Decodes level 0 of a brick, or a part of it, to voxels; its means stand in the work space.
 template <class Sample>
@@ -209,6 +213,13 @@ class PartDecoder {
     WantedBox wanted;
   };
 
+  /// Decodes parts one after the other, or two by two.
+  void decode(std::span<const Task> tasks) const {
+    for (; tasks.size() > 1; tasks = tasks.subspan(2)) decode_two(tasks[0], tasks[1]);
+    if (!tasks.empty()) decode(tasks[0]);
+  }
+
+ private:
   void decode(const Task& task) const {
     coarse_.put(task.part, thread_workspace<Sample>().means);
     const PartHints own(task.part, hints_);
@@ -229,7 +240,6 @@ class PartDecoder {
     decode(second);
   }
 
- private:
   /// A part whose splits are run one by one.
   struct Running {
     Running(const PartDecoder& decoder, const Task& own, Workspace<Sample>& space)
@@ -318,32 +328,36 @@ std::vector<ByteSpan> split_segment(ByteSpan segment, const std::vector<PartByte
 
 template <class Sample>
 void decode_samples(const Source& source, std::span<const ByteSpan> segments, int level,
-                    const VoxelTarget& out) {
+                    const WantedBox& wanted) {
   const Parameters& p = source.parameters();
-  const LevelState state = decode_coarser<Sample>(source, segments, level);
+  const Box samples = in_order(wanted.box, p.axis_order);
+  const LevelState state = decode_coarser<Sample>(source, segments, level, samples.hi.z);
   Workspace<Sample>& work = thread_workspace<Sample>();
   if (level > 0 || source.shape.level_count == 1) {
-    source.writer().write(work.means, out);
+    source.writer().write(work.means, samples, wanted.out);
     return;
   }
   if (state.entries.empty()) {
     const Part all{source.shape, {}, {}, kAllFaces};
-    decode_finest<Sample>(source, all, segments[0], state.hints(p), kMaxStates,
-                          {own_box(all, p.axis_order), out});
+    decode_finest<Sample>(source, all, segments[0], state.hints(p), kMaxStates, wanted);
     return;
   }
   const std::vector<ByteSpan> bytes = split_segment(segments[0], state.entries);
   const std::vector<Part> parts = parts_of(source.shape, p.cut_axes);
   const CoarseSamples<Sample> coarse(work.means);
   const PartDecoder<Sample> decoder(source, state, coarse);
-  const auto task_of = [&](std::size_t i) -> typename PartDecoder<Sample>::Task {
+  std::vector<typename PartDecoder<Sample>::Task> tasks;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
     const Box own = own_box(parts[i], p.axis_order);
-    return {parts[i], bytes[i], {box_of(own.size()), target_from(out, own.lo, source.type)}};
-  };
-  for (std::size_t i = 0; i + 1 < parts.size(); i += 2) {
-    decoder.decode_two(task_of(i), task_of(i + 1));
+    const Box shared = intersection(own, wanted.box);
+    if (shared.is_empty()) continue;
+    const Index3& lo = wanted.box.lo;
+    const Index3 at{shared.lo.x - lo.x, shared.lo.y - lo.y, shared.lo.z - lo.z};
+    tasks.push_back({parts[i], bytes[i],
+                     {moved(shared, {-own.lo.x, -own.lo.y, -own.lo.z}),
+                      target_from(wanted.out, at, source.type)}});
   }
-  if (parts.size() % 2 != 0) decoder.decode(task_of(parts.size() - 1));
+  decoder.decode(tasks);
 }
 
 /// Decodes a level that has no details.
@@ -351,7 +365,7 @@ void decode_samples(const Source& source, std::span<const ByteSpan> segments, in
 /// whole     the shape of all of it, in the codec's axes
 template <class Sample>
 void decode_interpolated(const Source& source, const BrickShape& whole, bool is_stored,
-                         std::span<const ByteSpan> segments, int level, const VoxelTarget& out) {
+                         std::span<const ByteSpan> segments, int level, const WantedBox& wanted) {
   const BrickShape& shape = source.shape;
   Workspace<Sample>& work = thread_workspace<Sample>();
   if (is_stored) {
@@ -365,7 +379,8 @@ void decode_interpolated(const Source& source, const BrickShape& whole, bool is_
     }
   }
   interpolate_levels(work, whole, source.scale, whole.level_count - shape.level_count, level);
-  source.writer().write(work.means, out);
+  source.writer().write(work.means, in_order(wanted.box, source.parameters().axis_order),
+                        wanted.out);
 }
 
 template <class Sample>
@@ -382,16 +397,13 @@ class GreyParts final : public BrickParts {
 
   void decode(std::span<const Wanted> wanted) const override {
     for (const Wanted& one : wanted) prove_part(one.bytes, state_.entries[one.number]);
-    const PartDecoder<Sample> decoder(source_, state_, coarse_);
-    const auto task_of = [&](const Wanted& one) -> typename PartDecoder<Sample>::Task {
+    std::vector<typename PartDecoder<Sample>::Task> tasks;
+    for (const Wanted& one : wanted) {
       const Index3& at = own_parts_[one.number].box.lo;
-      return {parts_[one.number], one.bytes,
-              {moved(one.box, {-at.x, -at.y, -at.z}), one.out}};
-    };
-    for (; wanted.size() > 1; wanted = wanted.subspan(2)) {
-      decoder.decode_two(task_of(wanted[0]), task_of(wanted[1]));
+      tasks.push_back({parts_[one.number], one.bytes,
+                       {moved(one.box, {-at.x, -at.y, -at.z}), one.out}});
     }
-    if (!wanted.empty()) decoder.decode(task_of(wanted[0]));
+    PartDecoder<Sample>(source_, state_, coarse_).decode(tasks);
   }
 
  private:
@@ -401,6 +413,21 @@ class GreyParts final : public BrickParts {
   std::vector<grey::Part> parts_;
   std::vector<BrickParts::Part> own_parts_;
 };
+
+/// Voxels of one value.
+void fill(VoxelType type, std::int64_t value, const WantedBox& wanted) {
+  const Size3 size = wanted.box.size();
+  with_voxel_type(type, [&](auto tag) {
+    using T = typename decltype(tag)::type;
+    T* const out = static_cast<T*>(wanted.out.voxels);
+    for (std::int64_t z = 0; z < size.z; ++z) {
+      for (std::int64_t y = 0; y < size.y; ++y) {
+        std::fill_n(out + z * wanted.out.plane_stride + y * wanted.out.row_stride, size.x,
+                    static_cast<T>(value));
+      }
+    }
+  });
+}
 
 /// plain  the segment with the plain samples, off which the brick's map is taken
 Source source_of(const Model& model, const BrickShape& shape, VoxelType type,
@@ -418,14 +445,11 @@ Source source_of(const Model& model, const BrickShape& shape, VoxelType type,
 }  // namespace
 
 void decode_brick(const Model& model, const BrickShape& shape, VoxelType type,
-                  const ValueRange& range, std::span<const ByteSpan> segments, int level,
-                  void* out) {
-  const Size3& size = shape.size[static_cast<std::size_t>(level)];
+                  const ValueRange& range, std::span<const ByteSpan> segments,
+                  const LevelBox& wanted) {
+  const WantedBox own{wanted.box, wanted.out};
   if (range.min == range.max) {
-    with_voxel_type(type, [&](auto tag) {
-      using T = typename decltype(tag)::type;
-      std::fill_n(static_cast<T*>(out), size.voxel_count(), static_cast<T>(range.min));
-    });
+    fill(type, range.min, own);
     return;
   }
   const int first = detailed_level(model.parameters, shape);
@@ -433,16 +457,16 @@ void decode_brick(const Model& model, const BrickShape& shape, VoxelType type,
   std::vector<ByteSpan> bytes(segments.begin() + (stored ? 0 : first), segments.end());
   const Source source = source_of(model, shape_from(shape, first), type, range,
                                   stored ? bytes.front() : bytes.back());
-  const VoxelTarget target = dense_target(out, size);
+  const int level = wanted.level;
   with_sample_type(source.scale, [&](auto sample) {
     using Sample = decltype(sample);
     if (level < first) {
       const BrickShape whole = in_order(shape, model.parameters.axis_order);
-      decode_interpolated<Sample>(source, whole, stored, bytes, level, target);
+      decode_interpolated<Sample>(source, whole, stored, bytes, level, own);
     } else if (stored) {
-      decode_stored<Sample>(source, bytes[0], level - first, target);
+      decode_stored<Sample>(source, bytes[0], level - first, own);
     } else {
-      decode_samples<Sample>(source, bytes, level - first, target);
+      decode_samples<Sample>(source, bytes, level - first, own);
     }
   });
 }

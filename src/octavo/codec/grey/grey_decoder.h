@@ -10,10 +10,10 @@
 
 namespace octavo::grey {
 
-/// As BrickCodec::decode. Throws Error{corrupt, unsupported_version}.
+/// As BrickCodec::decode_box. Throws Error{corrupt, unsupported_version}.
 void decode_brick(const Model& model, const BrickShape& shape, VoxelType type,
-                  const ValueRange& range, std::span<const ByteSpan> segments, int level,
-                  void* out);
+                  const ValueRange& range, std::span<const ByteSpan> segments,
+                  const LevelBox& wanted);
 
 /// As BrickCodec::decode_parent. Throws Error{corrupt, unsupported_version}.
 std::int64_t decode_parent(const Model& model, const BrickShape& shape, VoxelType type,

@@ -459,5 +459,65 @@ TEST(GreyCodec, EveryTruncationOfASegmentIsNoticed) {
   }
 }
 
+/// Random boxes of every level, into arrays larger than they are.
+void expect_boxes(const BrickCodec& codec, const BrickShape& shape, const EncodedBrick& brick) {
+  std::mt19937 random(6);
+  for (int level = 0; level < shape.level_count; ++level) {
+    const Size3& size = shape.size[static_cast<std::size_t>(level)];
+    std::vector<std::int16_t> whole(static_cast<std::size_t>(size.voxel_count()));
+    codec.decode(shape, VoxelType::int16, brick.range, spans_of(brick), level, whole.data());
+    for (int i = 0; i < 6; ++i) {
+      Box box;
+      for (int axis = 0; axis < 3; ++axis) {
+        box.lo[axis] = static_cast<std::int64_t>(random()) % size[axis];
+        const std::int64_t left = size[axis] - box.lo[axis];
+        box.hi[axis] = box.lo[axis] + 1 + static_cast<std::int64_t>(random()) % left;
+      }
+      const Size3 own = box.size();
+      const std::int64_t row = own.x + 3;
+      const std::int64_t plane = row * (own.y + 1);
+      constexpr std::int16_t kUntouched = 0x5a5a;
+      std::vector<std::int16_t> found(static_cast<std::size_t>(plane * own.z), kUntouched);
+      std::vector<std::int16_t> expected = found;
+      for (std::int64_t z = 0; z < own.z; ++z) {
+        for (std::int64_t y = 0; y < own.y; ++y) {
+          const std::int64_t from =
+              ((z + box.lo.z) * size.y + y + box.lo.y) * size.x + box.lo.x;
+          std::copy_n(whole.begin() + from, own.x, expected.begin() + z * plane + y * row);
+        }
+      }
+      codec.decode_box(shape, VoxelType::int16, brick.range, spans_of(brick),
+                       {level, box, {found.data(), row, plane}});
+      ASSERT_EQ(found, expected) << "level " << level << " box " << i;
+    }
+  }
+}
+
+/// Whole bricks and such that have parts, stored and uniform ones.
+TEST(GreyCodec, EveryBoxOfEveryLevelIsThatOfTheLevel) {
+  const Size3 size{40, 64, 33};
+  const BrickShape shape = shape_of(size);
+  const AxisOrder turned{2, 0, 1};
+  const CodecSettings some_settings[] = {
+      {.preset = Preset::small, .axis_order = kStraightOrder},
+      {.preset = Preset::small, .axis_order = turned, .access = Access::boxes},
+      {.preset = Preset::small, .max_error = 5, .axis_order = turned},
+      {.preset = Preset::fast, .axis_order = turned, .access = Access::none},
+      {.preset = Preset::fast, .axis_order = kStraightOrder, .access = Access::slices},
+      {.preset = Preset::fast, .max_error = 5, .access = Access::boxes}};
+  for (const CodecSettings& settings : some_settings) {
+    for (const Content content : {Content::smooth, Content::sparse, Content::noise}) {
+      const auto voxels = make_voxels<std::int16_t>(size, content, 5);
+      const TrainingBrick sample{shape, view_of(voxels, size)};
+      const auto codec = train_grey_model(VoxelType::int16, {&sample, 1}, settings);
+      SCOPED_TRACE(::testing::Message() << "settings " << &settings - some_settings << " content "
+                                        << static_cast<int>(content));
+      expect_boxes(*codec, shape, codec->encode(shape, sample.view));
+      const std::vector<std::int16_t> even(voxels.size(), 12);
+      expect_boxes(*codec, shape, codec->encode(shape, view_of(even, size)));
+    }
+  }
+}
+
 }  // namespace
 }  // namespace octavo
