@@ -109,12 +109,25 @@ struct LevelState {
   }
 };
 
-/// A split of which some planes of the level that it leads to are looked at. Nothing in the first
-/// planes of the last split looks at later ones.
+/// All samples of any level.
+inline constexpr Box kAllSamples{{0, 0, 0}, {kBrickSide, kBrickSide, kBrickSide}};
+
+/// A split of a level of which a box is looked at.
 Stage needed_of(Stage stage, const Split& split, const BrickShape& shape, int level,
-                std::int64_t planes) {
-  if (split.fine_size != shape.size[static_cast<std::size_t>(level)]) return stage;
-  const std::int64_t pairs = stage.axis == 2 ? (planes + 1) / 2 : planes;
+                const Box& box) {
+  const Size3& fine = shape.size[static_cast<std::size_t>(level)];
+  int coarse_axes = 0;
+  for (int axis = 0; axis < 3; ++axis) coarse_axes += split.fine_size[axis] != fine[axis] ? 1 : 0;
+  const auto pairs_of = [&](std::int64_t planes) {
+    return stage.axis == 2 ? (planes + 1) / 2 : planes;
+  };
+  // The last split looks at the means of one plane more.
+  if (coarse_axes == 1) stage.last_plane = pairs_of(box.hi.z + 1);
+  if (coarse_axes > 0) return stage;
+  // Nothing in the first planes of the last split looks at later ones.
+  stage.first_row = stage.axis == 1 ? box.lo.y / 2 : box.lo.y;
+  stage.last_row = stage.axis == 1 ? (box.hi.y + 1) / 2 : box.hi.y;
+  const std::int64_t pairs = pairs_of(box.hi.z);
   if (pairs >= stage.pairs.z) return stage;
   stage.pairs.z = pairs;
   // The last pair of all is left out.
@@ -122,15 +135,12 @@ Stage needed_of(Stage stage, const Split& split, const BrickShape& shape, int le
   return stage;
 }
 
-/// All planes.
-inline constexpr std::int64_t kAllPlanes = kBrickSide;
-
 /// Decodes the splits of a level, or of a part of it, from its edges and residuals; its means stand
 /// in the work space.
-/// planes  of the result that are looked at
+/// box  of the result that is looked at
 template <class Sample>
 void decode_details(const Source& source, const Part& part, int level, ByteSpan segment,
-                    const BrickHints& hints, int most_states, std::int64_t planes = kAllPlanes) {
+                    const BrickHints& hints, int most_states, const Box& box = kAllSamples) {
   const Parameters& p = source.parameters();
   Workspace<Sample>& work = thread_workspace<Sample>();
   // A level without details repeats its means
@@ -149,7 +159,7 @@ void decode_details(const Source& source, const Part& part, int level, ByteSpan 
   run_level(work, part, source.scale, p, level, hints, reach_of(p.predictor),
             [&](const Stage& stage, const Split& split) {
               if (stage.has_edges) take_edges(stage, work, symbols);
-              const Stage own = needed_of(stage, split, part.shape, level, planes);
+              const Stage own = needed_of(stage, split, part.shape, level, box);
               is_whole = is_whole && own.pairs == stage.pairs;
               stage_functions().of<Sample>().decode(p, {own, work, symbols});
             });
@@ -157,10 +167,10 @@ void decode_details(const Source& source, const Part& part, int level, ByteSpan 
 }
 
 /// Decodes the levels from the coarsest to `level`, but not level 0, into the work space.
-/// planes  of `level` that are looked at
+/// box  of `level` that is looked at
 template <class Sample>
 LevelState decode_coarser(const Source& source, std::span<const ByteSpan> segments, int level,
-                          std::int64_t planes = kAllPlanes) {
+                          const Box& box = kAllSamples) {
   const BrickShape& shape = source.shape;
   const Parameters& p = source.parameters();
   const auto last = static_cast<std::size_t>(shape.level_count) - 1;
@@ -177,7 +187,7 @@ LevelState decode_coarser(const Source& source, std::span<const ByteSpan> segmen
       state.cells = decode_cells(take_counted(segment), shape.size[2]);
     }
     decode_details<Sample>(source, Part{shape, {}, {}, kAllFaces}, at, segment, state.hints(p),
-                           kMaxStates, at == level ? planes : kAllPlanes);
+                           kMaxStates, at == level ? box : kAllSamples);
   }
   if (level == 0) state.gaps = gaps_of(p.value_map, source.map, shape, source.scale);
   return state;
@@ -192,7 +202,7 @@ void decode_finest(const Source& source, const Part& part, ByteSpan segment,
   const Size3 size = own_box(part, order).size();
   if (source.is_corrected()) corrections = take_corrections(segment, size);
   const Box samples = in_order(wanted.box, order);
-  decode_details<Sample>(source, part, 0, segment, hints, most_states, samples.hi.z);
+  decode_details<Sample>(source, part, 0, segment, hints, most_states, samples);
   source.writer().write(thread_workspace<Sample>().means, samples, wanted.out);
   if (source.is_corrected()) apply(corrections, source, size, wanted.box, wanted.out);
 }
@@ -297,7 +307,7 @@ class PartDecoder {
     const Split& split = part.splits[i];
     const Stage all = begin_split(part.work, part.task.part, source_.scale, source_.parameters(), 0,
                                   part.hints.hints, split);
-    const Stage own = needed_of(all, split, part.task.part.shape, 0, part.box.hi.z);
+    const Stage own = needed_of(all, split, part.task.part.shape, 0, part.box);
     part.is_whole = part.is_whole && own.pairs == all.pairs;
     return own;
   }
@@ -331,7 +341,7 @@ void decode_samples(const Source& source, std::span<const ByteSpan> segments, in
                     const WantedBox& wanted) {
   const Parameters& p = source.parameters();
   const Box samples = in_order(wanted.box, p.axis_order);
-  const LevelState state = decode_coarser<Sample>(source, segments, level, samples.hi.z);
+  const LevelState state = decode_coarser<Sample>(source, segments, level, samples);
   Workspace<Sample>& work = thread_workspace<Sample>();
   if (level > 0 || source.shape.level_count == 1) {
     source.writer().write(work.means, samples, wanted.out);

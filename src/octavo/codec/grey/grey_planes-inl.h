@@ -101,7 +101,8 @@ struct PlaneConstants {
 };
 
 /// Predictions, limits and contexts of a plane. What is predicted from slopes alone takes the place
-/// of the excesses behind. Where all pairs of a vector lie in uniform cells nothing is predicted.
+/// of the excesses behind. Where all pairs of a vector lie in uniform cells nothing is predicted,
+/// nor in rows that nobody looks at.
 template <int kAxis, class D>
 void prepare_rows(D d, const Parameters& p, const Stage& stage, Workspace<std::int16_t>& work,
                   std::int64_t z) {
@@ -124,6 +125,7 @@ void prepare_rows(D d, const Parameters& p, const Stage& stage, Workspace<std::i
     std::uint16_t* const contexts = work.contexts.row(y, z);
     const auto weighted = static_cast<std::int16_t>(stage.first_weighted(y, z));
     const RowMask open = open_pairs(stage, work, y, z);
+    const bool is_predicted = stage.is_looked_at(y);
     for (int x = 0; x < stage.pairs.x; x += kLanes) {
       if (!is_any_from(d, open, x)) {
         hn::StoreU(hn::Zero(d), d, excesses + x);
@@ -145,17 +147,7 @@ void prepare_rows(D d, const Parameters& p, const Stage& stage, Workspace<std::i
       const U e2 = hn::Add(hn::Add(size_of(step_to(-kAcross1)), size_of(step_to(kAcross1))),
                                 hn::Add(size_of(step_to(-kAcross2)), size_of(step_to(kAcross2))));
 
-      // The weights of the activity class
-      const U g = hn::SaturatedAdd(e0, e2);
-      V weight = constants.class_weights[0];
-      V behind_weight = constants.behind_weights[0];
-      for (int k = 1; k < kClasses; ++k) {
-        const auto is_reached = hn::RebindMask(
-            d, hn::Eq(hn::Max(g, constants.thresholds[k - 1]), g));
-        weight = hn::IfThenElse(is_reached, constants.class_weights[k], weight);
-        behind_weight = hn::IfThenElse(is_reached, constants.behind_weights[k], behind_weight);
-      }
-      // The prediction, within what the value range allows
+      // What the value range allows
       const V low = hn::Sub(c, constants.min);
       const V high = hn::Sub(constants.max, c);
       V limit = hn::Min(hn::Add(hn::Add(low, low), constants.odd_low),
@@ -165,18 +157,30 @@ void prepare_rows(D d, const Parameters& p, const Stage& stage, Workspace<std::i
         const auto is_before = hn::Lt(places, hn::Set(d, weighted));
         limit = hn::IfThenElse(is_before, limit, constants.range);
       }
-      const V far = hn::Sub(hn::LoadU(d, m + x - 2 * kAlong),
-                                       hn::LoadU(d, m + x + 2 * kAlong));
-      const V slope =
-          hn::Add(hn::Sub(before, after), hn::MulFixedPoint15(far, constants.far_share));
-      const V likely = brought_within(hn::MulFixedPoint15(slope, weight), limit);
-      const V behind =
-          z > 0 ? hn::LoadU(d, excesses + x) : hn::Zero(d);
-      const V expected =
-          hn::SaturatedAdd(likely, hn::MulFixedPoint15(behind, behind_weight));
-      hn::StoreU(likely, d, excesses + x);
-      hn::StoreU(brought_within(expected, limit), d, predictions + x);
-      hn::StoreU(hn::BitCast(u, limit), u, limits + x);
+      if (is_predicted) {
+        // The weights of the activity class
+        const U g = hn::SaturatedAdd(e0, e2);
+        V weight = constants.class_weights[0];
+        V behind_weight = constants.behind_weights[0];
+        for (int k = 1; k < kClasses; ++k) {
+          const auto is_reached =
+              hn::RebindMask(d, hn::Eq(hn::Max(g, constants.thresholds[k - 1]), g));
+          weight = hn::IfThenElse(is_reached, constants.class_weights[k], weight);
+          behind_weight = hn::IfThenElse(is_reached, constants.behind_weights[k], behind_weight);
+        }
+        // The prediction
+        const V far =
+            hn::Sub(hn::LoadU(d, m + x - 2 * kAlong), hn::LoadU(d, m + x + 2 * kAlong));
+        const V slope =
+            hn::Add(hn::Sub(before, after), hn::MulFixedPoint15(far, constants.far_share));
+        const V likely = brought_within(hn::MulFixedPoint15(slope, weight), limit);
+        const V behind = z > 0 ? hn::LoadU(d, excesses + x) : hn::Zero(d);
+        const V expected =
+            hn::SaturatedAdd(likely, hn::MulFixedPoint15(behind, behind_weight));
+        hn::StoreU(likely, d, excesses + x);
+        hn::StoreU(brought_within(expected, limit), d, predictions + x);
+        hn::StoreU(hn::BitCast(u, limit), u, limits + x);
+      }
 
       // The expected magnitude: features and earlier residuals, weighted
       auto lower = constants.constant;
@@ -310,8 +314,15 @@ template <int kAxis, class D>
 HWY_NOINLINE void settle_pairs(D d, const Stage& stage, Workspace<std::int16_t>& work,
                                const std::int16_t* residuals, std::int64_t y, std::int64_t z) {
   const PairRow<kAxis, D> row(stage, work, y, z);
+  constexpr int kLanes = static_cast<int>(hn::MaxLanes(D()));
+  if (!stage.is_looked_at(y)) {
+    for (int x = 0; x < stage.pairs.x; x += kLanes) {
+      row.keep_magnitudes(x, hn::LoadU(d, residuals + x));
+    }
+    return;
+  }
   const RowMask open = open_pairs(stage, work, y, z);
-  for (int x = 0; x < stage.pairs.x; x += static_cast<int>(hn::MaxLanes(d))) {
+  for (int x = 0; x < stage.pairs.x; x += kLanes) {
     if (!is_any_from(d, open, x)) {
       row.repeat_means(x);
       continue;
@@ -359,7 +370,7 @@ void predict_row(const Stage& stage, Workspace<std::int16_t>& work, std::int64_t
 template <class Residual>
 void settle_weighted_row(const Stage& stage, Workspace<std::int16_t>& work, std::int64_t y,
                          std::int64_t z, const Residual* residuals) {
-  if (stage.first_weighted(y, z) >= stage.pairs.x) return;
+  if (stage.first_weighted(y, z) >= stage.pairs.x || !stage.is_looked_at(y)) return;
   const std::int16_t* const predictions = work.predictions.row(y, z);
   const std::uint16_t* const limits = work.limits.row(y, z);
   settle_weighted(stage, work, y, z, [&](std::int64_t x) {
