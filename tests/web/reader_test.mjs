@@ -308,6 +308,36 @@ test("a server that trickles bytes is waited for", async () => {
   scan.close();
 });
 
+test("a server that trickles for ever is said to be slow, and can be asked again", async () => {
+  const bytes = golden("small-int16.8vo");
+  const url = serve(bytes);
+  host.misbehave = async (request, response) => {
+    if (host.log.length > 1) return false;
+    response.writeHead(206, { "Content-Length": bytes.length,
+      "Content-Range": `bytes 0-${bytes.length - 1}/${bytes.length}` });
+    for (let at = 0; !response.destroyed && at < bytes.length; at += 10) {
+      response.write(Buffer.from(bytes.subarray(at, at + 10)));
+      await new Promise((resolve) => setTimeout(resolve, 100));
+    }
+    return true;
+  };
+  const told = [];
+  const scan = await open(url, {
+    pool,
+    onSlow: (slow) => {
+      told.push(slow);
+      if (told.length === 1) slow.askAgain();
+    },
+  });
+  await scan.read(whole(scan.levels[0]), 0);
+  assert.ok(told[0].arrivedBytes > 0 && told[0].arrivedBytes < bytes.length, JSON.stringify(told));
+  assert.equal(told[0].wantedBytes, bytes.length);
+  assert.ok(told[0].seconds >= 5);
+  assert.equal(told.at(-1), null);
+  assert.equal(scan.statistics.retries, 1);
+  scan.close();
+});
+
 test("an answer that ends early is no file that ends early", async () => {
   const bytes = golden("small-int16.8vo");
   const url = serve(bytes);

@@ -1,8 +1,10 @@
-// What the viewer is made of, without a browser: the tests of web/viewer.
+// What the viewer is made of, without a browser: the tests of web/viewer, and its size.
+import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
-import { readdirSync } from "node:fs";
+import { readFileSync, readdirSync } from "node:fs";
 import { join } from "node:path";
 import { test } from "node:test";
+import { gzipSync } from "node:zlib";
 import { root } from "./support/golden.mjs";
 
 test("every test of web/viewer passes", () => {
@@ -15,4 +17,10 @@ test("every test of web/viewer passes", () => {
   // Its environment marks a test that runs within another one.
   const { NODE_TEST_CONTEXT, ...env } = process.env;
   execFileSync("node", ["--test", "--test-reporter=dot", ...paths], { stdio: "inherit", env });
+});
+
+test("the scripts of the page stay below 60 kB as gzip", () => {
+  const sizes = ["viewer.js", "worker.js"].map((name) =>
+    gzipSync(readFileSync(join(root, "web/viewer/dist", name)), { level: 9 }).length);
+  assert.ok(sizes[0] + sizes[1] < 60_000, `${sizes}`);
 });

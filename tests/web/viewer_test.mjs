@@ -232,6 +232,60 @@ test("a server that dies is named, and what is missing comes once it is back", a
   });
 });
 
+const isSlow = (shown, state) => shown.locator("#slow").waitFor({ state, timeout: 120_000 });
+
+test("a server that trickles is said to be slow until bytes flow", async () => {
+  let isFlowing = false;
+  const bytes = files.scan;
+  await withPage("?url=scan.8vo&layout=z", async (shown) => {
+    await isSlow(shown, "visible");
+    assert.match(await text(shown, "slow"),
+      /^the server is slow: [\d.]+ k?B of [\d.]+ kB after ([5-9]|\d\d+) s Try again$/);
+    isFlowing = true;
+    await isSlow(shown, "hidden");
+    await settled(shown);
+    assert.equal(await shown.locator("#message").isHidden(), true);
+  }, {
+    prepare: () => {
+      host.misbehave = async (request, response) => {
+        if (!request.url.startsWith("/scan.8vo") || isFlowing) return false;
+        const [first, last] = /=(\d+)-(\d+)$/.exec(request.headers.range).slice(1).map(Number);
+        const part = bytes.subarray(first, Math.min(last + 1, bytes.length));
+        response.writeHead(206, { "Content-Length": part.length,
+          "Content-Range": `bytes ${first}-${first + part.length - 1}/${bytes.length}` });
+        let at = 0;
+        for (; !isFlowing && !response.destroyed && at < part.length; at += 10) {
+          response.write(part.subarray(at, at + 10));
+          await new Promise((resolve) => setTimeout(resolve, 100));
+        }
+        response.end(part.subarray(at));
+        return true;
+      };
+    },
+  });
+});
+
+test("a server that falls silent is said to be slow, and asked again by a button", async () => {
+  // Larger than what opening fetches.
+  const noisy = Buffer.from((await builtScan(5)).bytes);
+  let asked = 0;
+  await withPage("?url=scan.8vo&layout=z", async (shown) => {
+    await isSlow(shown, "visible");
+    assert.match(await text(shown, "slow"), /slow: 0 B of [\d.]+ [kM]B after \d+ s/);
+    host.misbehave = null;
+    await shown.locator("#slow-again").click();
+    await isSlow(shown, "hidden");
+    await settled(shown);
+    assert.equal(await shown.evaluate(() => octavo.session.facts.levels[0].size[0]), 128);
+  }, {
+    prepare: () => {
+      host.files.set("/scan.8vo", noisy);
+      // True: somebody else answers, and nobody does.
+      host.misbehave = (request) => request.url.startsWith("/scan.8vo") && ++asked >= 4;
+    },
+  });
+});
+
 test("a file that is replaced is never mixed with the one that is shown", async () => {
   const [noisy, other] = [5, 6].map(async (seed) => Buffer.from((await builtScan(seed)).bytes));
   const before = await noisy;

@@ -5,7 +5,7 @@
 //                with --tests: the tests as scripts that node runs; the page over a volume that is
 //                made up
 import { build } from "esbuild";
-import { cp, mkdir, readdir, rm } from "node:fs/promises";
+import { cp, mkdir, readFile, readdir, rm } from "node:fs/promises";
 import { dirname, join, resolve } from "node:path";
 import { fileURLToPath } from "node:url";
 
@@ -27,6 +27,16 @@ const common = {
   absWorkingDir: here,
 };
 
+// Shaders are text to esbuild: their comments and indentation, like those around them, end here.
+const lean = {
+  name: "lean",
+  setup: ({ onLoad }) =>
+    onLoad({ filter: /view[/\\](\w+_painter|\w+_shader)\.ts$/ }, async ({ path }) => {
+      const text = await readFile(path, "utf8");
+      return { contents: text.replace(/^ +| *\/\/ .*$/gm, ""), loader: "ts" };
+    }),
+};
+
 async function page(entry, to) {
   await mkdir(to, { recursive: true });
   await build({
@@ -35,6 +45,7 @@ async function page(entry, to) {
     outdir: to,
     minify: true,
     legalComments: "none",
+    plugins: [lean],
     alias: { "@octavo/reader": resolve(here, "../reader/src/index.ts") },
   });
   for (const name of ["index.html", "style.css", "HOSTING.md"])

@@ -63,6 +63,18 @@ export interface ByteFetcher {
 /** A URL as text or object, a File or Blob, bytes in memory, or a fetcher. */
 export type Source = string | URL | Blob | ArrayBuffer | Uint8Array | ByteFetcher;
 
+/** A server that has brought less than 100 kB a second for five seconds, though more is wanted. */
+export interface SlowServer {
+  /** Of the requests under way. */
+  readonly arrivedBytes: number;
+  /** All that they ask for; NaN where the server does not say how much it sends. */
+  readonly wantedBytes: number;
+  /** Since the oldest of them was sent. */
+  readonly seconds: number;
+  /** Ends these requests and sends them anew. */
+  askAgain(): void;
+}
+
 export interface OpenOptions {
   /** Gives up opening. A volume that is open is ended by close(). */
   readonly signal?: AbortSignal;
@@ -78,6 +90,8 @@ export interface OpenOptions {
   readonly joinGapBytes?: number;
   /** Of a server that ignores ranges, a file up to here is fetched whole; 50 MB where absent. */
   readonly wholeFileBytes?: number;
+  /** Called about once a second while the server is slow, and with null once it no longer is. */
+  readonly onSlow?: (slow: SlowServer | null) => void;
   /** Sends cookies and the like to another origin; "omit" where absent. */
   readonly credentials?: RequestCredentials;
 }

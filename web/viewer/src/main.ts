@@ -5,9 +5,9 @@ import { App } from "./ui/app.js";
 import { startTheme } from "./ui/theme.js";
 
 startTheme();
-const app = new App(async (source) => {
+const app = new App(async (source, onSlow) => {
   try {
-    return new OctavoVolume(await open(source));
+    return new OctavoVolume(await open(source, { onSlow }));
   } catch (error) {
     throw asFailure(error);
   }

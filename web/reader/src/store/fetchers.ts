@@ -14,12 +14,16 @@ export interface FetchedBytes {
   readonly isWhole?: boolean;
 }
 
+/** Hears how many bytes of a request have come, of how many; NaN where nobody knows. */
+export type OnBytes = (arrived: number, wanted: number) => void;
+
 export interface Fetcher {
   readonly name: string;
   /** Of bytes at hand. */
   readonly size?: number;
   /** fresh  past all caches on the way */
-  fetchBytes(offset: number, length: number, signal: AbortSignal, fresh: boolean):
+  fetchBytes(
+    offset: number, length: number, signal: AbortSignal, fresh: boolean, onBytes: OnBytes):
     Promise<FetchedBytes>;
 }
 
@@ -66,24 +70,25 @@ class UrlFetcher implements Fetcher {
   }
 
   async fetchBytes(
-    offset: number, length: number, signal: AbortSignal, fresh: boolean): Promise<FetchedBytes> {
+    offset: number, length: number, signal: AbortSignal, fresh: boolean,
+    onBytes: OnBytes): Promise<FetchedBytes> {
     const stalled = new AbortController();
-    const watch = new Watch(stalled);
+    const watch = new Watch(stalled, onBytes);
     let hasAnswered = false;
     try {
-      const response = await this.ask(offset, length, AbortSignal.any
-        ? AbortSignal.any([signal, stalled.signal]) : chained(signal, stalled), fresh);
+      const response = await this.ask(offset, length, chained(signal, stalled), fresh);
       hasAnswered = true;
       if (response.status === 200) return await this.readWhole(response, watch);
       const range = /^bytes (\d+)-\d+\/(\d+)$/.exec(response.headers.get("Content-Range") ?? "");
       if (range && Number(range[1]) !== offset) {
         throw new OctavoError("io", `${this.name}: the server sent other bytes than asked for`);
       }
+      const total = range ? Number(range[2]) : undefined;
+      watch.wanted = Math.min(length, (total ?? Infinity) - offset);
       const bytes = await readBody(response, length, watch);
       if (bytes.length > length) {
         throw new OctavoError("io", `${this.name}: the server sent more bytes than asked for`);
       }
-      const total = range ? Number(range[2]) : undefined;
       if (total !== undefined && bytes.length < Math.min(length, total - offset)) {
         throw new Unsettled("the connection ended early");
       }
@@ -134,6 +139,7 @@ class UrlFetcher implements Fetcher {
       void response.body?.cancel();
       throw tooLarge();
     }
+    watch.wanted = length;
     const bytes = await readBody(response, most, watch);
     if (bytes.length > most) throw tooLarge();
     if (bytes.length < length) throw new Unsettled("the connection ended early");
@@ -141,8 +147,8 @@ class UrlFetcher implements Fetcher {
   }
 }
 
-/** AbortSignal.any for browsers that lack it. */
-function chained(signal: AbortSignal, controller: AbortController): AbortSignal {
+/** The controller's signal, aborted when `signal` is: AbortSignal.any, which browsers may lack. */
+export function chained(signal: AbortSignal, controller: AbortController): AbortSignal {
   if (signal.aborted) controller.abort(signal.reason);
   signal.addEventListener("abort", () => controller.abort(signal.reason), { once: true });
   return controller.signal;
@@ -150,15 +156,18 @@ function chained(signal: AbortSignal, controller: AbortController): AbortSignal 
 
 /** Aborts what brings no byte for too long. */
 class Watch {
+  wanted = NaN;
   private timer: ReturnType<typeof setTimeout>;
 
-  constructor(private readonly controller: AbortController) {
+  constructor(
+    private readonly controller: AbortController, private readonly onBytes: OnBytes) {
     this.timer = this.start();
   }
 
-  restart(): void {
+  arrived(count: number): void {
     clearTimeout(this.timer);
     this.timer = this.start();
+    this.onBytes(count, this.wanted);
   }
 
   end(): void {
@@ -180,9 +189,9 @@ async function readBody(
   for (;;) {
     const { done, value } = await reader.read();
     if (done) break;
-    watch.restart();
     parts.push(value);
     count += value.length;
+    watch.arrived(count);
     if (count > most) {
       void reader.cancel();
       break;

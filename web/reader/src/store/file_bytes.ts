@@ -3,13 +3,16 @@
 // Ranges are joined into few requests, of which some run at a time. Who waits for bytes that
 // somebody else has asked for waits for that request; one that nobody waits for any more is ended.
 import { cancelled, failureOf, OctavoError, orCancelled } from "../errors.js";
-import { type FetchedBytes, type Fetcher, Unsettled } from "./fetchers.js";
+import { chained, type FetchedBytes, type Fetcher, Unsettled } from "./fetchers.js";
+import type { SlowServer } from "../api.js";
 import { type ByteRange, endOf, joined, RangeStore } from "./ranges.js";
+import { SlowWatch, type WatchedRequest } from "./slow_watch.js";
 
 export interface BytesSettings {
   readonly cacheBytes: number;
   readonly parallelRequests: number;
   readonly joinGapBytes: number;
+  readonly onSlow?: ((slow: SlowServer | null) => void) | undefined;
 }
 
 /** Bytes of a file and where they stand. */
@@ -32,11 +35,16 @@ const mostGapBytes = 256 * 1024;
 const mostRequestBytes = 16 * 1024 * 1024;
 const tries = 4;
 
-interface FileRequest {
+interface FileRequest extends WatchedRequest {
   readonly range: ByteRange;
   readonly isFresh: boolean;
   readonly controller: AbortController;
   readonly promise: Promise<void>;
+  /** The try under way. */
+  attempt: AbortController;
+  startedAt: number;
+  arrivedBytes: number;
+  wantedBytes: number;
   priority: number;
   waiters: number;
   start(): void;
@@ -56,10 +64,14 @@ export class FileBytes {
   private waiting: FileRequest[] = [];
   private running = new Set<FileRequest>();
   private isClosed = false;
+  /** Of servers alone, and only where somebody listens. */
+  private readonly watch: SlowWatch | undefined;
 
   constructor(readonly fetcher: Fetcher, private readonly settings: BytesSettings) {
     this.store = new RangeStore(settings.cacheBytes);
     this.size = fetcher.size;
+    const { onSlow } = settings;
+    if (onSlow && fetcher.size === undefined) this.watch = new SlowWatch(this.running, onSlow);
   }
 
   get name(): string {
@@ -171,6 +183,8 @@ export class FileBytes {
     const request: FileRequest = {
       range, isFresh: options.fresh ?? false, controller, promise, waiters: 0,
       priority: options.priority ?? 0, start,
+      attempt: controller, startedAt: 0, arrivedBytes: 0, wantedBytes: range.length,
+      askAgain: () => request.attempt.abort(),
     };
     this.waiting.push(request);
     return request;
@@ -182,7 +196,9 @@ export class FileBytes {
       const next = this.waiting.shift();
       if (!next) return;
       this.running.add(next);
+      next.startedAt = performance.now();
       next.start();
+      this.watch?.changed();
     }
   }
 
@@ -197,6 +213,7 @@ export class FileBytes {
     } finally {
       this.running.delete(request);
       this.startSome();
+      this.watch?.changed();
     }
   }
 
@@ -204,21 +221,34 @@ export class FileBytes {
     const { signal } = request.controller;
     for (let attempt = 1; ; ++attempt) {
       if (signal.aborted) throw new OctavoError("cancelled", `${this.name}: cancelled`);
+      request.attempt = new AbortController();
+      const either = chained(signal, request.attempt);
+      request.arrivedBytes = 0;
       try {
         this.requests += 1;
         const { offset, length } = request.range;
-        this.take(request.range,
-          await this.fetcher.fetchBytes(offset, length, signal, request.isFresh));
+        this.take(request.range, await this.fetcher.fetchBytes(
+          offset, length, either, request.isFresh, (arrived, wanted) => {
+            this.watch?.arrived(arrived - request.arrivedBytes);
+            request.arrivedBytes = arrived;
+            request.wantedBytes = wanted;
+          }));
         return;
       } catch (cause) {
         if (signal.aborted) throw new OctavoError("cancelled", `${this.name}: cancelled`);
+        if (either.aborted) {
+          // Somebody asked for another try.
+          this.retries += 1;
+          attempt = 0;
+          continue;
+        }
         if (!(cause instanceof Unsettled)) throw failureOf(cause, this.name);
         if (attempt === tries) {
           throw new OctavoError(
             "io", `${this.name}: ${cause.message}; tried ${tries} times`, { cause });
         }
         this.retries += 1;
-        await pause(Math.max(cause.waitMs, 250 * 3 ** (attempt - 1)), signal);
+        await pause(Math.max(cause.waitMs, 250 * 3 ** (attempt - 1)), either);
       }
     }
   }

@@ -49,6 +49,7 @@ export const open: Open = async (source, options = {}) => {
       cacheBytes,
       parallelRequests: Math.max(1, options.parallelRequests ?? 6),
       joinGapBytes: Math.max(0, options.joinGapBytes ?? 32 * 1024),
+      onSlow: options.onSlow,
     });
   const opening = new Opening(bytes, pool, source, options, cacheBytes);
   try {

@@ -62,6 +62,16 @@ export interface Traffic {
   readonly bytes: number;
 }
 
+/** A server that brings less than what is asked of it, for some seconds now. */
+export interface SlowServer {
+  readonly arrivedBytes: number;
+  /** NaN where the server does not say. */
+  readonly wantedBytes: number;
+  readonly seconds: number;
+  /** Ends the requests under way and sends them anew. */
+  askAgain(): void;
+}
+
 /** Coded bytes of a box: how many it needs, and how many of them are here. */
 export interface Need {
   readonly neededBytes: number;

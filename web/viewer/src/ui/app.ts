@@ -1,6 +1,13 @@
 // The viewer: opens volumes, joins panels and settings to the state, and says how true the picture
 // is.
-import { AXES, type Box, type Traffic, type Vec3, type Volume } from "../reader/volume.js";
+import {
+  AXES,
+  type Box,
+  type SlowServer,
+  type Traffic,
+  type Vec3,
+  type Volume,
+} from "../reader/volume.js";
 import {
   type Permalink,
   parsePermalink,
@@ -14,7 +21,7 @@ import { clampVoxel, orientationOf } from "../view/geometry.js";
 import { parallelAxes } from "../view/slice_look.js";
 import { byId, shownText } from "./dom.js";
 import { FailureDesk } from "./failure_desk.js";
-import { Fidelity } from "./fidelity.js";
+import { Fidelity, showSlow } from "./fidelity.js";
 import { RayGestures, SliceGestures } from "./gestures.js";
 import { listenToKeys } from "./keyboard.js";
 import { LabelList, MeasureList, showFacts } from "./lists.js";
@@ -37,8 +44,11 @@ function clippedTo(size: Vec3, clip: Box | undefined): Box {
   return { lo: clip.lo, hi: size.map((n, a) => Math.min(n, clip.hi[a as 0])) as unknown as Vec3 };
 }
 
-/** Opens a URL or a file; rejects with a ReadFailure. */
-export type Opener = (source: string | File) => Promise<Volume>;
+/** Opens a URL or a file, tells of a server while it is slow; rejects with a ReadFailure. */
+export type Opener = (
+  source: string | File,
+  onSlow: (slow: SlowServer | null) => void,
+) => Promise<Volume>;
 
 /** Decoded voxels that are kept: a quarter of what the browser says the machine has, at most. */
 function cellBudget(): number {
@@ -149,7 +159,7 @@ export class App {
   /** Labels that a link lays over its scan; anything else leaves the scan as it is. */
   private async openLabels(url: string): Promise<void> {
     try {
-      const volume = await this.opener(url);
+      const volume = await this.opener(url, showSlow);
       const { kind, name } = volume.facts;
       if (kind === "labels" && this.session?.facts.kind === "grey") this.openOverlay(volume, url);
       else {
@@ -170,7 +180,7 @@ export class App {
       `opening ${shownText(typeof source === "string" ? source : source.name, 80)} …`,
     );
     try {
-      const volume = await this.opener(source);
+      const volume = await this.opener(source, showSlow);
       const isOverlay = this.session?.facts.kind === "grey" && volume.facts.kind === "labels";
       const url = typeof source === "string" ? source : undefined;
       if (isOverlay) this.openOverlay(volume, url);

@@ -1,4 +1,5 @@
 // How true the picture is, in words and numbers: "1/4 shown; 3.1 of 12 MB".
+import { type SlowServer } from "../reader/volume.js";
 import { levelText } from "../view/geometry.js";
 import { byId, byteText } from "./dom.js";
 import { type RayPanel } from "./ray_panel.js";
@@ -6,6 +7,17 @@ import { type Session } from "./session.js";
 import { type SlicePanel } from "./slice_panel.js";
 
 const EVERY_MS = 250;
+
+/** "the server is slow: 12.0 kB of 65.5 kB after 8 s", with a button beside it. */
+export function showSlow(slow: SlowServer | null): void {
+  const line = byId("slow");
+  line.hidden = !slow;
+  if (!slow) return;
+  const { arrivedBytes, wantedBytes, seconds } = slow;
+  const wanted = wantedBytes > 0 ? ` of ${byteText(wantedBytes)}` : "";
+  byId("slow-count").textContent = `${byteText(arrivedBytes)}${wanted} after ${seconds} s`;
+  byId("slow-again").onclick = () => slow.askAgain();
+}
 
 export class Fidelity {
   private readonly line = byId("fidelity");
