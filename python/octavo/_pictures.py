@@ -131,7 +131,8 @@ class PictureTasks:
         marks : sequence of (z, y, x) or ((z, y, x), text) or ((z, y, x), text, color)
             Of rays: balls at places in mm (LPS), with names.
         ambient_shade, shadows : bool
-            Of modes "volume" and "iso": less light in hollows; the lamp throws shadows.
+            Of modes "volume" and "iso": less light in hollows; shadows of what
+            lies nearer to the lamp, voxels and meshes.
         smooth_edges, adaptive, moving : bool
             Of rays: four for a pixel at edges; one for 2 x 2 pixels that hardly differ; light of
             single cells, for pictures that move.

@@ -33,6 +33,7 @@
 
 namespace octavo {
 
+class MeshShadow;
 class RayMeshes;
 
 enum class RayMode {
@@ -128,6 +129,7 @@ struct ShadeTable {
   std::array<float, 3> offset{};
   std::array<float, 3> highest{};
   std::array<std::int32_t, 3> last_cell{};
+  const MeshShadow* meshes = nullptr;  ///< that the lamp's light has to pass besides; or none
 };
 
 /// One picture.
@@ -187,6 +189,8 @@ inline constexpr float kSmallestStep = 1e-9f;
 inline constexpr float kFlatLight = 0.75f;
 /// What part of it comes from all around.
 inline constexpr float kFlatAmbient = 0.25f;
+/// What is left of the lamp's light where nothing of it comes.
+inline constexpr float kDeepestShadow = 0.15f;
 /// Steps that give less to a picture have that light.
 inline constexpr float kUnlitWeight = 1.0f / 512;
 /// A highlight is the cosine squared so many times.

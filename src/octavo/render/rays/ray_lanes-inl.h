@@ -10,6 +10,7 @@
 
 #include <hwy/highway.h>
 
+#include "octavo/render/rays/mesh_shadow.h"
 #include "octavo/render/rays/ray_job.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -235,6 +236,20 @@ HWY_INLINE PacketShade mixed_shade(const PacketShade& a, const PacketShade& b, R
   return {mixed(a.ambient, b.ambient, share), mixed(a.direct, b.direct, share)};
 }
 
+/// One lane after the other: what each finds in its cell has its own length.
+HWY_NOINLINE Reals lanes_behind_meshes(const ShadeTable& t, const Reals* place, Reals direct) {
+  constexpr std::size_t kMostLanes = 16;
+  HWY_ALIGN float along[3][kMostLanes];
+  HWY_ALIGN float left[kMostLanes];
+  for (std::size_t axis = 0; axis < 3; ++axis) hn::Store(place[axis], kRays, along[axis]);
+  hn::Store(direct, kRays, left);
+  for (std::size_t lane = 0; lane < hn::Lanes(kRays); ++lane) {
+    const float at[3] = {along[0][lane], along[1][lane], along[2][lane]};
+    left[lane] = direct_behind_meshes(t, at, left[lane]);
+  }
+  return hn::Load(kRays, left);
+}
+
 HWY_INLINE PacketShade shade_at(const ShadeTable& t, const Reals* place) {
   if (t.pairs == nullptr) return {real(1), real(1)};
   Wholes cell[3];
@@ -254,7 +269,9 @@ HWY_INLINE PacketShade shade_at(const ShadeTable& t, const Reals* place) {
   const PacketShade near = mixed_shade(row(0, 0), row(1, 0), share[1]);
   const PacketShade far = mixed_shade(row(0, 1), row(1, 1), share[1]);
   const PacketShade all = mixed_shade(near, far, share[2]);
-  return {hn::Mul(all.ambient, real(1 / 255.0f)), hn::Mul(all.direct, real(1 / 255.0f))};
+  const Reals direct = hn::Mul(all.direct, real(1 / 255.0f));
+  return {hn::Mul(all.ambient, real(1 / 255.0f)),
+          t.meshes != nullptr ? lanes_behind_meshes(t, place, direct) : direct};
 }
 
 struct PacketLight {

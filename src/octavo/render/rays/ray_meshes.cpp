@@ -186,18 +186,20 @@ class MeshLight {
  public:
   MeshLight(const RayLight& light, const View& view) : light_(light), view_(view) {}
 
-  /// The color in light, 0xbbggrr. Requires a normal that has a length.
-  std::uint32_t color(const Point3& normal, const Color& color) const {
+  /// The color in light, 0xbbggrr, where a share of the lamp's comes. Requires a normal that has a
+  /// length.
+  std::uint32_t color(const Point3& normal, const Color& color, double lamp) const {
     Point3 seen = unit({dot(normal, view_.right), dot(normal, view_.up),
                         dot(normal, view_.toward)});
     if (seen[2] < 0) seen = scaled(seen, -1);
     const double lit =
-        light_.ambient + light_.diffuse * std::max(0.0, dot(seen, doubles(light_.toward_light)));
+        light_.ambient +
+        lamp * light_.diffuse * std::max(0.0, dot(seen, doubles(light_.toward_light)));
     double shine = std::max(0.0, dot(seen, doubles(light_.halfway)));
     for (int i = 0; i < kShineSquares; ++i) shine *= shine;
     std::uint32_t packed = 0;
     for (std::size_t i = 0; i < color.size(); ++i) {
-      const double share = color[i] / 255.0 * lit + light_.specular * shine;
+      const double share = color[i] / 255.0 * lit + lamp * light_.specular * shine;
       const long level = std::lround(std::clamp(share, 0.0, 1.0) * 255);
       packed |= static_cast<std::uint32_t>(level) << (8 * i);
     }
@@ -437,8 +439,18 @@ class MeshTiles {
     Fragment fragment;
     fragment.k = static_cast<float>(plane.k_at(shares, at.x, at.y, camera_));
     fragment.opacity = static_cast<float>(mesh.opacity);
-    fragment.color = light_.color(normal, mesh.color);
+    fragment.color = light_.color(normal, mesh.color, lamp_at(points, triangle, shares));
     return fragment;
+  }
+
+  double lamp_at(const std::vector<MeshPoint>& points, const MeshTriangle& triangle,
+                 const Point3& shares) const {
+    if (!options_.lamp_share) return 1;
+    Point3 place{};
+    for (std::size_t i = 0; i < 3; ++i) {
+      place = sum(place, scaled(doubles(points[triangle[i]]), shares[i]));
+    }
+    return options_.lamp_share(place);
   }
 
   const std::vector<RayMesh>& meshes_;

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
@@ -43,6 +44,8 @@ class RayMeshes {
     Geometry geometry;  ///< of the grid whose samples rays cross
     View view;
     std::uint64_t memory_bytes = std::uint64_t{1} << 30;  ///< for lists of triangles and layers
+    /// Which share of the lamp's light comes to a place in world space; none: all.
+    std::function<double(const Point3& world)> lamp_share{};
   };
 
   RayMeshes(std::vector<RayMesh> meshes, const Options& options);

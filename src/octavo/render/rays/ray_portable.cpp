@@ -1,10 +1,10 @@
 // Rays one by one: what the functions on vectors compute, step for step.
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 
+#include "octavo/render/rays/mesh_shadow.h"
 #include "octavo/render/rays/ray_job.h"
 
 namespace octavo {
@@ -204,8 +204,8 @@ PortableShade shade_at(const ShadeTable& t, const RayPlace& place) {
   };
   const PortableShade near = mixed_shade(row(0, 0), row(1, 0), share[1]);
   const PortableShade far = mixed_shade(row(0, 1), row(1, 1), share[1]);
-  const PortableShade all = mixed_shade(near, far, share[2]);
-  return {all.ambient * (1 / 255.0f), all.direct * (1 / 255.0f)};
+  const auto [ambient, direct] = mixed_shade(near, far, share[2]);
+  return {ambient * (1 / 255.0f), direct_behind_meshes(t, place.data(), direct * (1 / 255.0f))};
 }
 
 PortableLight light_on(const RayFrame& f, const RayPlace& gradient, const PortableShade& shade) {

@@ -23,7 +23,6 @@ constexpr std::size_t kPairPadding = 8;      // bytes that are read behind the l
 constexpr int kLitAround = 2;                // cells
 constexpr double kAmbientBegin = 1.5;        // where cones begin, cells from the middle
 constexpr double kLampBegin = 2.5;
-constexpr float kDeepestShadow = 0.15f;      // of the lamp's light
 
 /// The middles of the faces and the corners of a cube.
 std::array<Point3, 14> cone_directions() {
@@ -66,6 +65,10 @@ std::vector<float> halved(const Size3& size, const std::vector<float>& cells, co
     }
   }
   return means;
+}
+
+std::array<float, 3> middle_of(const Index3& cell) {
+  return {static_cast<float>(cell.x), static_cast<float>(cell.y), static_cast<float>(cell.z)};
 }
 
 /// Nothing around the cells.
@@ -111,7 +114,7 @@ RayShade::RayShade(ExtinctionGrid grid, const Progress& watcher) : geometry_(gri
   }
   fill(ambient_, watcher, [&](const Index3& cell) {
     float sum = 0;
-    for (const LightCone& cone : cones) sum += passed(cell, cone);
+    for (const LightCone& cone : cones) sum += passed(middle_of(cell), cone);
     // Half of the cones at a plane surface are in what it bounds.
     return 2 * sum / static_cast<float>(cones.size());
   });
@@ -119,10 +122,16 @@ RayShade::RayShade(ExtinctionGrid grid, const Progress& watcher) : geometry_(gri
 }
 
 void RayShade::set_lamp(const Point3& toward_light, const Progress& watcher) {
-  const LightCone to_lamp = cone(toward_light, kLampWidening, kLampBegin * side_mm_, reach_mm_);
+  to_lamp_ = cone(toward_light, kLampWidening, kLampBegin * side_mm_, reach_mm_);
   fill(direct_, watcher, [&](const Index3& cell) {
-    return kDeepestShadow + (1 - kDeepestShadow) * passed(cell, to_lamp);
+    return kDeepestShadow + (1 - kDeepestShadow) * passed(middle_of(cell), to_lamp_);
   });
+}
+
+float RayShade::passed_to_lamp(const Point3& world) const {
+  const Point3 at = geometry_.to_index(world);
+  return passed({static_cast<float>(at[0]), static_cast<float>(at[1]), static_cast<float>(at[2])},
+                to_lamp_);
 }
 
 ShadeTable RayShade::table(const Geometry& rays, bool has_ambient) {
@@ -210,10 +219,8 @@ RayShade::LightCone RayShade::cone(const Point3& direction, double widening, dou
   return cone;
 }
 
-/// The share of light that comes to a cell through a cone.
-float RayShade::passed(const Index3& from, const LightCone& cone) const {
-  const std::array<float, 3> begin{static_cast<float>(from.x), static_cast<float>(from.y),
-                                   static_cast<float>(from.z)};
+/// The share of light that comes to a place, in cells, through a cone.
+float RayShade::passed(const std::array<float, 3>& begin, const LightCone& cone) const {
   float passed = 1;
   for (const ConeStep& step : cone) {
     std::array<float, 3> place;

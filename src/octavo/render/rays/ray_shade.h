@@ -40,6 +40,10 @@ class RayShade {
   /// Throws Error{cancelled}
   void set_lamp(const Point3& toward_light, const Progress& watcher);
 
+  /// The share of the lamp's light that comes through the grid to a place in world space, 0 .. 1.
+  /// All of it before there is a lamp.
+  float passed_to_lamp(const Point3& world) const;
+
   /// For rays through a grid.
   /// has_ambient  false: as if light came from all around
   ShadeTable table(const Geometry& rays, bool has_ambient);
@@ -65,7 +69,7 @@ class RayShade {
 
   float at(const std::vector<std::uint8_t>& shares, const Index3& cell) const;
   LightCone cone(const Point3& direction, double widening, double begin, double end) const;
-  float passed(const Index3& from, const LightCone& cone) const;
+  float passed(const std::array<float, 3>& begin, const LightCone& cone) const;
   template <class Share>
   void fill(std::vector<std::uint8_t>& shares, const Progress& watcher, Share&& share_of) const;
   void find_lit(const Size3& size, const std::vector<float>& opacities);
@@ -74,6 +78,7 @@ class RayShade {
   double side_mm_ = 1;  // the longest of a cell
   double reach_mm_ = 1;
   std::vector<PyramidLevel> levels_;
+  LightCone to_lamp_;
   std::vector<std::uint8_t> is_lit_;
   std::vector<std::uint8_t> ambient_;
   std::vector<std::uint8_t> direct_;

@@ -11,6 +11,7 @@
 #include "octavo/core/text.h"
 #include "octavo/render/numbers.h"
 #include "octavo/render/rays/file_samples.h"
+#include "octavo/render/rays/mesh_shadow.h"
 #include "octavo/render/rays/ray_camera.h"
 #include "octavo/render/rays/ray_caster.h"
 #include "octavo/render/rays/ray_picture.h"
@@ -43,7 +44,8 @@ RayMode ray_mode_of(RenderMode mode) {
   }
 }
 
-/// Lists of layers where there are meshes: a share of the memory limit.
+/// Lists of layers where there are meshes, and of what throws shadows: each a share of the memory
+/// limit.
 constexpr std::uint64_t kLayerShare = 8;
 
 std::unique_ptr<SceneLooks> make_looks(const RenderOptions& asked, const FileReader& reader,
@@ -61,6 +63,7 @@ RayBricks::Options brick_options(const RenderOptions& asked, const SceneMeshes& 
     const std::uint64_t left = context.max_memory_bytes / 2;
     std::uint64_t taken = field_bytes(asked) + meshes.memory_bytes();
     if (!meshes.is_empty()) taken += context.max_memory_bytes / kLayerShare;
+    if (!meshes.is_empty() && asked.has_shadows) taken += context.max_memory_bytes / kLayerShare;
     if (!asked.mask.empty()) taken += context.max_memory_bytes / kLookShare;
     if (!asked.label_map.empty()) taken += context.max_memory_bytes / kLookShare;
     options.memory_bytes = std::min(options.memory_bytes, left - std::min(left, taken));
@@ -148,12 +151,14 @@ class RayScene final : public RenderScene {
     const double colored = table_ ? table_->colored_width() : 0;
     frame.light.soft_gradient = static_cast<float>(kSoftShare * colored);
 
-    const RayMeshes surfaces(meshes_.meshes(), {geometry_, view, layer_bytes()});
-    if (!meshes_.is_empty()) frame.meshes = &surfaces;
     const RayRegion grown = region_of(grown_);
     frame.low = grown.low;
     frame.high = grown.high;
     if (light_) context_.on_threads([&] { set_shade(frame, view); });
+    RayMeshes::Options of_meshes{geometry_, view, layer_bytes()};
+    if (mesh_shadow_) of_meshes.lamp_share = [this](const Point3& at) { return lamp_share(at); };
+    const RayMeshes surfaces(meshes_.meshes(), of_meshes);
+    if (!meshes_.is_empty()) frame.meshes = &surfaces;
     const RayRefinement refinement{asked_.is_adaptive, asked_.has_smooth_edges};
     const Picture picture = refined_picture(
         frame, view.width, view.height, refinement,
@@ -384,10 +389,23 @@ class RayScene final : public RenderScene {
                     static_cast<double>(lamp[2]) * view.toward[i];
       }
       light_->set_lamp(toward, context_.watcher());
+      if (!meshes_.is_empty()) {
+        mesh_shadow_ = std::make_unique<MeshShadow>(
+            meshes_.meshes(),
+            MeshShadow::Options{geometry_, toward, step_mm_ / 2, layer_bytes()},
+            context_.watcher());
+      }
     }
     frame.light.ambient = kShadedAmbient;
     frame.light.diffuse = kShadedDiffuse;
     frame.shade = light_->table(geometry_, asked_.has_ambient_shade);
+    frame.shade.meshes = mesh_shadow_.get();
+  }
+
+  /// Of places on meshes.
+  double lamp_share(const Point3& world) const {
+    const double passed = light_->passed_to_lamp(world) * mesh_shadow_->passed(world);
+    return kDeepestShadow + (1 - kDeepestShadow) * passed;
   }
 
   void set_texts(const RayFrame& frame, const View& view) {
@@ -506,6 +524,7 @@ class RayScene final : public RenderScene {
   float gradient_begin_ = 0;
   float gradient_rise_ = 0;
   std::unique_ptr<RayShade> light_;
+  std::unique_ptr<MeshShadow> mesh_shadow_;  // of the lamp of the last picture
   std::vector<PlacedText> texts_;
   std::optional<Window> window_;  // real values
   RayCounts rays_;

@@ -128,7 +128,7 @@ struct RenderOptions {
   std::string label_map;  ///< of volume and iso: how voxels look; `labels` chooses some
   std::vector<AskedLabelLook> label_looks;
   bool has_ambient_shade = false;        ///< of volume and iso: hollows are darker
-  bool has_shadows = false;              ///< of volume and iso
+  bool has_shadows = false;              ///< of volume and iso: of voxels and of meshes
   /// Of one picture of rays: coarse levels first, and the finest that is drawn in so many seconds.
   std::optional<double> time_budget_s;
   /// Of one picture of rays: coarse levels first, each in place of the one before.

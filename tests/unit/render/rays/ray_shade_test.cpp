@@ -53,6 +53,12 @@ TEST(RayShades, AWallThrowsItsShadowAwayFromTheLamp) {
   shade.set_lamp({-0.7071, 0, 0.7071}, silent);
   EXPECT_GT(shade.direct_at({8, 20, 2}), 0.9f);
   EXPECT_LT(shade.direct_at({26, 20, 2}), 0.3f);
+  // At places between cells, far from all matter and beside the grid as well.
+  EXPECT_GT(shade.passed_to_lamp({8.3, 20.2, 2.4}), 0.9f);
+  EXPECT_LT(shade.passed_to_lamp({26.4, 19.7, 2.2}), 0.2f);
+  EXPECT_LT(shade.passed_to_lamp({29.5, 20, 3.5}), 0.2f);
+  EXPECT_LT(shade.passed_to_lamp({42, 20, -7}), 0.2f);
+  EXPECT_EQ(shade.passed_to_lamp({60, 20, 2}), 1.0f);
   shade.set_lamp({0.7071, 0, 0.7071}, silent);
   EXPECT_LT(shade.direct_at({14, 20, 2}), 0.3f);
   EXPECT_GT(shade.direct_at({34, 20, 2}), 0.9f);

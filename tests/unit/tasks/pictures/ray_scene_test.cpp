@@ -192,6 +192,49 @@ TEST_F(RayScenes, AMeshIsSeenAmongTheRaysAndShadesDarkenThem) {
   }
 }
 
+TEST_F(RayScenes, MeshesAndTheVolumeThrowShadowsOnEachOther) {
+  // A wall behind the ball, and a plate before it.
+  std::ofstream(folder_.file("wall.obj"))
+      << "v -60 139 -60\nv 209 139 -60\nv 209 139 220\nv -60 139 220\nf 1 2 3 4\n";
+  std::ofstream(folder_.file("plate.obj"))
+      << "v 30 -30 70\nv 60 -30 70\nv 60 -30 110\nv 30 -30 110\nf 1 2 3 4\n";
+  const AskedMesh wall{folder_.file("wall.obj"), Color{0, 0, 200}, 1};
+  const AskedMesh plate{folder_.file("plate.obj"), Color{200, 0, 0}, 1};
+  options_.view.side = "front";
+  options_.level = 1;
+  options_.has_shadows = true;
+  const auto darker = [](const Picture& picture, const Picture& than, std::size_t channel) {
+    int count = 0;
+    for (std::size_t i = 0; i < picture.pixels.size(); i += 3) {
+      if (picture.pixels[i + channel] + 20 < than.pixels[i + channel]) ++count;
+    }
+    return count;
+  };
+  for (const RenderMode mode : {RenderMode::iso, RenderMode::volume}) {
+    options_.meshes = {wall};
+    options_.has_shadows = false;
+    const Picture bright = draw(mode);
+    options_.has_shadows = true;
+    const Picture behind = draw(mode);
+    EXPECT_GT(darker(behind, bright, 2), 100) << static_cast<int>(mode);
+    EXPECT_GT(testing::pixel(behind, 2, 2)[2], 60);
+    options_.meshes = {wall, plate};
+    const Picture both = draw(mode);
+    // What the plate covers is red.
+    Picture seen = both;
+    for (std::size_t i = 0; i < seen.pixels.size(); i += 3) {
+      const bool is_plate = both.pixels[i] > 2 * both.pixels[i + 1] + 20;
+      if (is_plate) seen.pixels[i + 1] = seen.pixels[i + 2] = 255;
+    }
+    EXPECT_GT(darker(seen, behind, 1) + darker(seen, behind, 2), 100) << static_cast<int>(mode);
+    context_.threads = 1;
+    context_.max_memory_bytes = 24 << 20;
+    EXPECT_EQ(draw(mode).pixels, both.pixels);
+    context_.threads = 2;
+    context_.max_memory_bytes = 0;
+  }
+}
+
 TEST_F(RayScenes, ABoxThatIsCutOutIsNotSeen) {
   options_.view.side = "front";
   const Picture whole = draw(RenderMode::iso);
