@@ -6,7 +6,7 @@ usage: check_unity.py [ROOT]
 A unity build joins sources of one library, so that their anonymous namespaces become one. Which
 ones it joins changes with every new source; so within a library no two sources may have
 
-- a type or a constant of the same name, or aliases of one name for several types
+- a type or a constant of the same name, or an alias of that name for another type
 - a function of the same name with parameters that one call fits alike: `const T&` and `T` are
   the same, and so is a function that a header of the library or of core defines
 """
@@ -160,9 +160,10 @@ def check(root: pathlib.Path) -> list[str]:
                     errors.append(f"{path.relative_to(root)}: {seen[name].relative_to(root)} "
                                   f"names {name} as well")
                 # The same alias twice is one.
-                key = name.split("=")[0] if name.startswith("using ") else name
+                is_alias = name.startswith("using ")
+                key = name.split("=")[0].split()[1] if is_alias else name
                 other, same = first.setdefault(key, (path, name))
-                if other != path and (key == name or same != name):
+                if other != path and not (is_alias and same == name):
                     errors.append(f"{path.relative_to(root)}: {other.relative_to(root)} names "
                                   f"{name} as well")
     if len(libraries) < 10:

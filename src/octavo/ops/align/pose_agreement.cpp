@@ -46,10 +46,10 @@ double stretch_of(const Affine& map) {
   return std::sqrt(dot(unit_step, unit_step));
 }
 
-using Cell = std::array<std::int64_t, 3>;
+using GridCell = std::array<std::int64_t, 3>;
 
-Cell cell_of(const Point3& q, double side_mm) {
-  Cell cell{};
+GridCell cell_of(const Point3& q, double side_mm) {
+  GridCell cell{};
   for (std::size_t a = 0; a < 3; ++a) {
     cell[a] = static_cast<std::int64_t>(std::floor(q[a] / side_mm));
   }
@@ -57,8 +57,9 @@ Cell cell_of(const Point3& q, double side_mm) {
 }
 
 /// Whether one of the points that cells hold is within their side.
-bool has_near(const std::map<Cell, std::vector<Point3>>& cells, const Point3& q, double side_mm) {
-  const Cell own = cell_of(q, side_mm);
+bool has_near(const std::map<GridCell, std::vector<Point3>>& cells, const Point3& q,
+              double side_mm) {
+  const GridCell own = cell_of(q, side_mm);
   for (int i = 0; i < 27; ++i) {
     const auto found = cells.find({own[0] + i % 3 - 1, own[1] + i / 3 % 3 - 1, own[2] + i / 9 - 1});
     if (found == cells.end()) continue;
@@ -72,7 +73,7 @@ bool has_near(const std::map<Cell, std::vector<Point3>>& cells, const Point3& q,
 
 /// The share of those points that lie in cells of which `agrees` holds; 0 where none does.
 template <class Agrees>
-double share_within(const std::set<Cell>& cells, double side_mm, std::span<const Point3> points,
+double share_within(const std::set<GridCell>& cells, double side_mm, std::span<const Point3> points,
                     const Agrees& agrees) {
   std::size_t asked = 0;
   std::size_t agreeing = 0;
@@ -96,7 +97,7 @@ PoseAgreement agreement_of(const PosedSurface& first, const PosedSurface& second
       std::clamp(first.voxel_mm * scale, second.voxel_mm, 2 * second.voxel_mm);
 
   const double side_mm = kCellTolerances * tolerance;
-  std::set<Cell> around;
+  std::set<GridCell> around;
   std::size_t agreeing = 0;
   for (const Point3& p : first.points) {
     const Point3 q = map(p);
@@ -118,8 +119,8 @@ PoseAgreement agreement_of(const PosedPoints& first, const PosedSurface& second,
   const double tolerance = 1.5 * second.voxel_mm;
   const double reach = std::max(tolerance, 1.5 * first.spacing_mm * scale);
   const double side_mm = kCellTolerances * tolerance;
-  std::map<Cell, std::vector<Point3>> laid;
-  std::set<Cell> around;
+  std::map<GridCell, std::vector<Point3>> laid;
+  std::set<GridCell> around;
   std::size_t agreeing = 0;
   for (const Point3& p : first.points) {
     const Point3 q = map(p);

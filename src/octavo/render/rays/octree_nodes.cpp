@@ -99,7 +99,7 @@ std::vector<OctreeNode> nodes_in_order(std::vector<OctreeNode> nodes, const RayF
       const std::int64_t half_b = b.lo[axis] >> (level - 1);
       if (half_a == half_b) continue;
       const std::int64_t plane = std::max(half_a, half_b) << (level - 1);
-      return is_low_first(axis, plane) == half_a < half_b;
+      return is_low_first(axis, plane) == (half_a < half_b);
     }
     return false;
   };

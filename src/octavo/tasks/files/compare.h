@@ -16,7 +16,7 @@ struct CompareOptions {
   std::string b;
   double max_error = 0;  ///< the largest difference, real units, that counts as equal
   bool voxels = false;   ///< read voxels even where the digests of two files are the same
-  ScanOptions scan;      ///< of those of the two that are scans
+  ScanOptions scan{};    ///< of those of the two that are scans
 };
 
 struct CompareResult {
