@@ -286,6 +286,28 @@ test("a server that falls silent is said to be slow, and asked again by a button
   });
 });
 
+test("a scan that comes late does not take the place of one that was opened after it", async () => {
+  let answer;
+  host.files.set("/late.8vo", files.scan);
+  await withPage("", async (shown) => {
+    const isLate = new Promise((resolve) => {
+      host.misbehave = (request) => {
+        if (!request.url.startsWith("/late.8vo")) return false;
+        resolve();
+        return new Promise((go) => { answer = () => go(false); });
+      };
+    });
+    await shown.evaluate(() => { globalThis.late = octavo.open("late.8vo"); });
+    await isLate;
+    await shown.evaluate(() => octavo.open("scan.8vo"));
+    host.misbehave = null;
+    answer();
+    await shown.evaluate(() => globalThis.late);
+    assert.equal(await text(shown, "title"), "scan.8vo");
+    await settled(shown);
+  });
+});
+
 test("a file that is replaced is never mixed with the one that is shown", async () => {
   const [noisy, other] = [5, 6].map(async (seed) => Buffer.from((await builtScan(seed)).bytes));
   const before = await noisy;

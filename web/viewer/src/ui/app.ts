@@ -77,6 +77,9 @@ export class App {
   private link: Permalink = {};
   private urls: { scan?: string; labels?: string } = {};
   private isFirstPicture = false;
+  /** How often something was to be opened, and which of these times the scan is of. */
+  private openings = 0;
+  private scanOpening = 0;
   /** What the first picture took. */
   firstTraffic: Traffic | undefined;
   private wantTimer: ReturnType<typeof setTimeout> | undefined;
@@ -175,6 +178,7 @@ export class App {
 
   /** Opens a scan; or labels over the one that is there. */
   async open(source: string | File): Promise<void> {
+    const opening = ++this.openings;
     this.messages.clear();
     this.fidelity.say(
       `opening ${shownText(typeof source === "string" ? source : source.name, 80)} …`,
@@ -184,7 +188,11 @@ export class App {
       const isOverlay = this.session?.facts.kind === "grey" && volume.facts.kind === "labels";
       const url = typeof source === "string" ? source : undefined;
       if (isOverlay) this.openOverlay(volume, url);
-      else this.openScan(volume, url);
+      else if (opening < this.scanOpening) volume.close();
+      else {
+        this.scanOpening = opening;
+        this.openScan(volume, url);
+      }
     } catch (error) {
       this.desk.couldNotOpen(error, () => void this.open(source));
     }
