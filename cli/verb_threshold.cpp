@@ -20,9 +20,11 @@ namespace {
 constexpr VerbText kThresholdText = {
     "threshold", "Make a mask of the voxels whose value lies in a range.",
     "Ranges are in real units (HU), both ends included; an end left out is open, but NaN and\n"
-    "infinities are in no range. Several ranges and tissues add up, and so do labels of a label\n"
-    "map. --class makes a label map of several classes in one pass; where classes overlap the one\n"
-    "named first counts. Bricks whose minimum and maximum decide are not decoded.\n\n"
+    "infinities are in no range. An end is the number that is read: of float32 voxels it is\n"
+    "rounded to float32, and where a slope makes decimals of integers, one that misses it by a\n"
+    "rounding of float32 is included. Several ranges and tissues add up, and so do labels of a\n"
+    "label map. --class makes a label map of several classes in one pass; where classes overlap\n"
+    "the one named first counts. Bricks whose minimum and maximum decide are not decoded.\n\n"
     "Tissues, in HU, ends included: air (:-900), lung (-900:-500), fat (-190:-30),\n"
     "soft (-30:225), contrast (130:600), bone (226:).\n\n"
     "Examples:\n"

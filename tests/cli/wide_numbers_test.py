@@ -67,6 +67,29 @@ class WideNumbers(cli_test.InFolder):
             self.assertIn("x,y,z = 2,3,4", said.stderr)
             self.assertEqual(sorted(p.name for p in self.folder.iterdir()), ["v.raw"])
 
+    def test_ranges_find_the_numbers_that_are_read(self):
+        self.build(0, "float32", [i % 37 * 0.1 for i in range(COUNT)])
+        for ends in ["0.7:", ":0.3", "0.1:0.1", "0.6:2.3"]:
+            low, high = ends.split(":")
+            expected = sum(round(float(low or 0) * 10) <= i % 37 <= round(float(high or 4) * 10)
+                           for i in range(COUNT))
+            self.expect(0, "threshold", "v.8vo", "--range", ends, "-o", "m.8vo", "--force")
+            told = json.loads(self.expect(0, "measure", "m.8vo", "--json").stdout)
+            self.assertEqual(told["objects"][0]["voxels"], expected, ends)
+            codes = self.expect(0, "codes", "v.8vo", "--range", ends, "--json").stdout
+            self.assertEqual(json.loads(codes)["voxels"], expected, ends)
+
+    def test_what_probe_prints_is_found_by_a_range(self):
+        numbers = [(-1) ** i / (i + 3) ** 1.5 for i in range(COUNT)]
+        self.build(0, "float32", numbers)
+        for x in range(3):
+            told = self.expect(0, "probe", "v.8vo", "--at", f"{x},0,0").stdout
+            value = told.split("value")[1].split()[0]
+            self.expect(0, "threshold", "v.8vo", f"--range={value}:{value}", "-o", "m.8vo",
+                        "--force")
+            found = json.loads(self.expect(0, "measure", "m.8vo", "--json").stdout)["objects"]
+            self.assertEqual([o["voxels"] for o in found], [1], value)
+
 
 if __name__ == "__main__":
     cli_test.OCTAVO = cli_test.os.path.abspath(sys.argv.pop(1))

@@ -29,15 +29,47 @@ constexpr std::array<Tissue, 6> kTissues = {{{"air", -kInfinity, -900},
                                              {"contrast", 130, 600},
                                              {"bone", 226, kInfinity}}};
 
+/// By how much real values of a stored one may differ from what is meant, because a header holds a
+/// slope and an intercept as float32, or as decimals. Whole numbers have no such rounding.
+double scale_rounding(const Rescale& rescale, double stored) {
+  constexpr double kFloatStep = std::numeric_limits<float>::epsilon();
+  const auto rounded_part = [](double part, double whole) {
+    return whole == std::trunc(whole) ? 0.0 : kFloatStep * std::abs(part);
+  };
+  return rounded_part(rescale.slope * stored, rescale.slope) +
+         rounded_part(rescale.intercept, rescale.intercept);
+}
+
 /// The smallest stored integer of first .. last whose real value is at least `real`, for a positive
-/// slope; last + 1 where there is none.
+/// slope; last + 1 where there is none. One that falls short by a rounding counts, but never by
+/// more than a quarter of a step.
 double first_stored(const Rescale& rescale, double real, double first, double last) {
+  const auto reaches = [&](double stored) {
+    const double rounding = std::min(scale_rounding(rescale, stored), rescale.slope / 4);
+    return rescale.to_real(stored) >= real - rounding;
+  };
   const double quotient = std::ceil((real - rescale.intercept) / rescale.slope);
   double stored = std::clamp(quotient, first, last + 1);
   // The quotient may have been rounded past a whole number.
-  while (stored > first && rescale.to_real(stored - 1) >= real) --stored;
-  while (stored <= last && rescale.to_real(stored) < real) ++stored;
+  while (stored > first && reaches(stored - 1)) --stored;
+  while (stored <= last && !reaches(stored)) ++stored;
   return stored;
+}
+
+/// The float32 that is nearest to an end of a range; ends beyond all of them stay what they are.
+double nearest_float(double end) {
+  constexpr double kMax = std::numeric_limits<float>::max();
+  return std::abs(end) > kMax ? end : static_cast<double>(static_cast<float>(end));
+}
+
+/// An end of a range of float32 values behind a scale, moved outwards by what rounding may hide.
+/// rising  has a positive slope
+double scaled_end(const Rescale& rising, double real, double outwards) {
+  if (std::isinf(real)) return real;
+  constexpr double kFloatStep = std::numeric_limits<float>::epsilon();
+  const double stored = (real - rising.intercept) / rising.slope;
+  return stored + outwards * (scale_rounding(rising, stored) / rising.slope +
+                              kFloatStep * std::abs(stored));
 }
 
 }  // namespace
@@ -65,7 +97,10 @@ void check_tissues(const std::vector<std::string>& names, const VolumeDescriptio
 ValueWindow stored_window(const AskedRange& range, const VolumeDescription& volume,
                           bool is_stored) {
   const Rescale& rescale = volume.rescale;
-  if (is_stored || rescale.is_identity()) return {range.lowest, range.highest};
+  if (is_stored || rescale.is_identity()) {
+    if (is_integer(volume.type)) return {range.lowest, range.highest};
+    return {nearest_float(range.lowest), nearest_float(range.highest)};
+  }
   if (rescale.slope == 0) {
     throw Error(ErrorKind::invalid_argument,
                 "the volume's rescale slope is 0: all its voxels have one real value, which no "
@@ -78,7 +113,7 @@ ValueWindow stored_window(const AskedRange& range, const VolumeDescription& volu
   const Rescale rising{std::abs(rescale.slope),
                        is_falling ? -rescale.intercept : rescale.intercept};
   if (!is_integer(volume.type)) {
-    return {(low - rising.intercept) / rising.slope, (high - rising.intercept) / rising.slope};
+    return {scaled_end(rising, low, -1), scaled_end(rising, high, 1)};
   }
   // The largest stored value at or below `high` is the negative of the smallest at or above it
   // in a mirrored scale.

@@ -11,7 +11,9 @@
 
 namespace octavo {
 
-/// A range of real values, or of stored ones where that is said; both ends included. NaN and
+/// A range of real values, or of stored ones where that is said; both ends included, as numbers are
+/// read: an end of float32 voxels is the nearest float32, and voxels behind a slope or an intercept
+/// that is no whole number reach an end that they miss by a rounding of float32 alone. NaN and
 /// infinities lie in none, not in open ones either.
 struct AskedRange {
   double lowest = -std::numeric_limits<double>::infinity();
@@ -29,7 +31,8 @@ AskedRange tissue_range(const std::string& name);
 void check_tissues(const std::vector<std::string>& names, const VolumeDescription& volume,
                    const std::string& path, const TaskContext& context);
 
-/// Whole stored values whose real ones lie in the range; for float32 the quotients.
+/// The stored values whose real ones lie in the range, for all that compares voxels with real
+/// values that were asked for.
 /// is_stored  the range is one of stored values
 /// Throws Error{invalid_argument} when the volume's rescale slope is 0.
 ValueWindow stored_window(const AskedRange& range, const VolumeDescription& volume,

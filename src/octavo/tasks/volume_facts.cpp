@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <limits>
 
 #include "octavo/core/error.h"
 #include "octavo/core/text.h"
@@ -14,6 +15,13 @@ namespace {
 
 std::string with_unit(const std::string& number, const std::string& unit) {
   return unit.empty() ? number : number + " " + unit;
+}
+
+/// With the digits that tell a number from all other float32, by which a range finds it.
+std::string float_digits(double value) {
+  if (!(std::abs(value) <= std::numeric_limits<float>::max())) return number_text(value);
+  // The sum makes -0 a 0.
+  return fmt::format("{}", static_cast<float>(value) + 0.0f);
 }
 
 }  // namespace
@@ -76,7 +84,9 @@ FloatRepair repair_of(const VolumeDescription& volume) {
 }
 
 std::string real_text(const VolumeDescription& volume, double stored) {
-  return with_unit(number_text(volume.rescale.to_real(stored)), unit_of(volume));
+  const double real = volume.rescale.to_real(stored);
+  const bool is_whole = volume.rescale.is_identity() && is_integer(volume.type);
+  return with_unit(is_whole ? exact_text(real) : float_digits(real), unit_of(volume));
 }
 
 std::string distance_text(const VolumeDescription& volume, double stored) {

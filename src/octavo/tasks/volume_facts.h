@@ -45,7 +45,7 @@ std::uint64_t raw_bytes_of(const VolumeDescription& volume);
 /// What took the place of NaN and infinities when the file was built.
 FloatRepair repair_of(const VolumeDescription& volume);
 
-/// "-1000 HU", or "3" for labels and where no unit is known.
+/// "-1000 HU", or "3" where no unit is known; with digits by which a range finds the voxel.
 std::string real_text(const VolumeDescription& volume, double stored);
 
 /// "0.5 HU": a difference of stored voxels in real units.

@@ -25,17 +25,13 @@ constexpr std::uint64_t kLeafBytes = 16;
 /// Which voxels belong to the object.
 struct Selection {
   std::vector<std::int64_t> labels;  // sorted; empty: all but 0
-  std::optional<AskedRange> real_range;
-  Rescale rescale;
+  std::optional<ValueWindow> window;  // of stored values
   bool has_background = true;  // 0 gets no leaf
 
-  bool makes_mask() const { return real_range.has_value(); }
+  bool makes_mask() const { return window.has_value(); }
 
   bool holds(double stored) const {
-    if (real_range) {
-      const double real = rescale.to_real(stored);
-      return real >= real_range->lowest && real <= real_range->highest;
-    }
+    if (window) return window->contains(stored);
     const auto label = static_cast<std::int64_t>(stored);
     return std::binary_search(labels.begin(), labels.end(), label);
   }
@@ -49,9 +45,8 @@ bool is_condensed(const VolumeDescription& volume) {
 
 Selection choose(const CodesOptions& options, const VolumeDescription& d) {
   Selection selection;
-  selection.rescale = d.rescale;
   selection.labels = labels_of(options.labels, d.metadata.facts().labels, options.input);
-  selection.real_range = options.range;
+  if (options.range) selection.window = stored_window(*options.range, d, false);
   if (selection.makes_mask()) return selection;
   if (d.kind == VolumeKind::grey && selection.labels.empty()) {
     selection.has_background = false;

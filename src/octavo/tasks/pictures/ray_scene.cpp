@@ -23,6 +23,7 @@
 #include "octavo/tasks/pictures/scene_looks.h"
 #include "octavo/tasks/pictures/scene_meshes.h"
 #include "octavo/tasks/pictures/transfer_file.h"
+#include "octavo/tasks/value_ranges.h"
 #include "octavo/tasks/volume_facts.h"
 
 namespace octavo {
@@ -425,8 +426,11 @@ class RayScene final : public RenderScene {
 
   void choose_isovalue() {
     // As in surfaces: of whole values it lies half a step before the first that is reached.
-    double stored = (*asked_.isovalue - rescale_.intercept) / rescale_.slope;
-    if (is_integer(reader_->description().type)) {
+    const VolumeDescription& volume = reader_->description();
+    const ValueWindow reached =
+        stored_window({*asked_.isovalue, AskedRange{}.highest}, volume, false);
+    double stored = sign_ > 0 ? reached.lowest : reached.highest;
+    if (is_integer(volume.type)) {
       stored = sign_ > 0 ? std::ceil(stored) - 0.5 : std::floor(stored) + 0.5;
     }
     isovalue_ = static_cast<float>(bricks_.scale().pooled(stored)) * sign_;
