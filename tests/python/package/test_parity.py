@@ -1,6 +1,7 @@
 """Every option of the program's verbs, and where Python has it."""
 
 import inspect
+import operator
 import re
 
 import pytest
@@ -87,6 +88,13 @@ VERBS = {
         "max-error": "max_error", "translate": "steps", "translate-mm": "steps", "shift": "steps",
         "rotate": "steps", "mirror": "steps", "scale": "steps", "affine": "steps"}),
 }
+# The other verbs: what of the package does their work, or why nothing does.
+OTHERWISE = {
+    "build": "build", "info": "Volume.attrs", "probe": "Volume.read", "export": "export",
+    "extract": "export", "codes": "LabelMap.counts", "verify": PROGRAM, "repair": PROGRAM,
+    "plan": PROGRAM, "part": PROGRAM, "join": PROGRAM, "serve": PROGRAM, "view": PROGRAM,
+    "publish": PROGRAM, "phantom": PROGRAM, "completion": SHELL, "manual": SHELL,
+}
 NONE_IN_PYTHON = {SHELL, PROGRAM, "warnings", "of fsspec"}
 
 
@@ -95,6 +103,15 @@ def parameters_of(place):
     for name in place.split("."):
         method = getattr(method, name)
     return set(inspect.signature(method).parameters)
+
+
+def test_every_verb_stands_in_a_table(run):
+    listed = run("--help").stdout.split("\nVerbs:\n")[1].split("\n\n")[0]
+    offered = re.findall(r"^  ([a-z][a-z-]*)", listed, re.MULTILINE)
+    assert "threshold" in offered and "completion" in offered
+    for place in {*OTHERWISE.values()} - NONE_IN_PYTHON:
+        operator.attrgetter(place)(octavo)
+    assert sorted(offered) == sorted([*VERBS, *OTHERWISE])
 
 
 @pytest.mark.parametrize("verb", VERBS)
