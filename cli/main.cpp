@@ -139,7 +139,7 @@ int run_program(const std::vector<std::string>& words) {
   } catch (const CLI::ParseError& problem) {
     note_verb(app, words, context);
     const std::string unknown = unknown_word(option_tree(app), words);
-    return report_usage(context, unknown.empty() ? problem.what() : unknown);
+    return report_usage(context, unknown.empty() ? usage_fault(problem.what()) : unknown);
   } catch (...) {
     return report_failure(context, std::current_exception());
   }

@@ -202,6 +202,12 @@ int run_measure(const MeasureArguments& arguments, Context& context) {
   if (arguments.is_csv && arguments.parts.part) {
     throw Error(ErrorKind::invalid_argument, "--csv goes with --join, not with --part");
   }
+  if (arguments.is_csv && context.json) {
+    throw Error(ErrorKind::invalid_argument, "--csv and --json do not go together; give one");
+  }
+  if (!arguments.percentiles.empty() && arguments.options.grey.empty()) {
+    throw Error(ErrorKind::invalid_argument, "--percentile goes with --of GREY");
+  }
   if (arguments.parts.part) return run_measure_part(arguments, context);
   const MeasureResult result = measured(arguments, context);
   nlohmann::ordered_json objects = nlohmann::ordered_json::array();

@@ -135,6 +135,9 @@ MorphometryOptions checked_options(const MorphometryArguments& arguments) {
 }
 
 int run_morphometry(const MorphometryArguments& arguments, Context& context) {
+  if (arguments.is_csv && context.json) {
+    throw Error(ErrorKind::invalid_argument, "--csv and --json do not go together; give one");
+  }
   const MorphometryResult result = run_task(morphometry, checked_options(arguments), context);
   print_result(context, report_json(arguments, result), report_text(arguments, result));
   return kExitDone;

@@ -33,7 +33,8 @@ constexpr VerbText kSliceText = {
     "--overlay draws another volume over the slices, where it lies in space: labels and masks as\n"
     "outline or wash, grey values as isolines or wash. It can be given several times; options of\n"
     "overlays are given once for all of them, or as often as overlays, in their order.\n"
-    "--overlay-levels are the values of isolines, or the two ends of a wash.\n"
+    "--overlay-levels are the values of isolines, or the two ends of a wash, and given once those\n"
+    "of all overlays of grey values; given for each overlay, none leaves one without.\n"
     "--label leaves all other labels out: of the file, or where it holds grey values of the label\n"
     "maps over it.\n\n"
     "Examples:\n"
@@ -44,7 +45,8 @@ constexpr VerbText kSliceText = {
     "  octavo slice head.8vo --montage 4x3 --window brain -o sheet.png\n"
     "  octavo slice chest.8vo --overlay tumor.8vo --overlay-color red -o tumor.png\n"
     "  octavo slice ct.8vo --overlay organs.8vo --label liver --label spleen -o organs.png\n"
-    "  octavo slice plan.8vo --overlay dose.8vo --overlay-levels 20,40,60 -o dose.png"};
+    "  octavo slice plan.8vo --overlay organs.8vo --overlay dose.8vo --overlay-levels 20,40,60 \\\n"
+    "    -o dose.png"};
 
 struct SliceArguments {
   SliceOptions options;
@@ -69,8 +71,12 @@ void take_window(const std::string& text, const std::string& option, SliceOption
     options.window_preset = text;
     return;
   }
-  const auto numbers =
-      parse_numbers(text, option, 2, ("CENTER,WIDTH or one of " + preset_names()).c_str());
+  const std::string expected = "CENTER,WIDTH or one of " + preset_names();
+  if (text.find(',') == std::string::npos) {
+    throw Error(ErrorKind::invalid_argument,
+                fmt::format("{}: '{}'; expected {}", option, escaped(text), expected));
+  }
+  const auto numbers = parse_numbers(text, option, 2, expected.c_str());
   options.window = Window{numbers[0], numbers[1]};
   if (options.window->width > 0) return;
   throw Error(ErrorKind::invalid_argument, option + ": the width must be positive");
@@ -90,6 +96,7 @@ std::vector<int> parse_axes(const std::string& text) {
 
 std::vector<double> parse_levels(const std::string& text, const std::string& option) {
   std::vector<double> levels;
+  if (text == "none") return levels;
   for (const std::string& level : split(text, ',')) levels.push_back(parse_number(level, option));
   return levels;
 }
@@ -141,7 +148,7 @@ std::vector<AskedOverlay> asked_overlays(const SliceArguments& arguments) {
     AskedOverlay& overlay = overlays.emplace_back();
     overlay.path = arguments.overlays[i];
     take_of_overlay(arguments.overlay_kinds, i, overlay.look.kind);
-    take_of_overlay(arguments.overlay_levels, i, overlay.look.levels);
+    if (arguments.overlay_levels.size() > 1) overlay.look.levels = arguments.overlay_levels[i];
     take_of_overlay(arguments.overlay_colors, i, overlay.look.color);
     take_of_overlay(arguments.overlay_opacities, i, overlay.look.opacity);
   }
@@ -152,6 +159,9 @@ SliceOptions options_of(const SliceArguments& arguments) {
   SliceOptions options = arguments.options;
   options.montage = asked_montage(arguments);
   options.overlays = asked_overlays(arguments);
+  if (arguments.overlay_levels.size() == 1) {
+    options.overlay_levels = arguments.overlay_levels.front();
+  }
   return options;
 }
 
@@ -227,7 +237,7 @@ void add_overlay_options(Verb verb, SliceArguments& arguments) {
                 "outline, wash or isolines (default: outline of labels, isolines of grey values)")
       .check(one_of({"outline", "wash", "isolines"}));
   verb.add_list("--overlay-levels V,V,...", arguments.overlay_levels, parse_levels,
-                "Values of isolines, or ends of a wash (default: round ones)");
+                "Values of isolines, or ends of a wash (default: round ones); or none");
   verb.add_list("--overlay-color COLOR", arguments.overlay_colors, parse_color,
                 "A name, or #rrggbb");
   verb.add_list("--overlay-opacity F", arguments.overlay_opacities,

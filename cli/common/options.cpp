@@ -318,7 +318,7 @@ void parse_words(const std::vector<std::string>& words, const std::function<void
     throw Error(ErrorKind::invalid_argument, "see octavo " + words.front() + " --help");
   } catch (const CLI::ParseError& problem) {
     throw Error(ErrorKind::invalid_argument,
-                std::string(problem.what()) + "; see octavo " + words.front() + " --help");
+                usage_fault(problem.what()) + "; see octavo " + words.front() + " --help");
   }
 }
 

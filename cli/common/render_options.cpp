@@ -190,7 +190,7 @@ void add_view_options(Verb verb, RenderOptions& options) {
                 "turntable: picture i of N shows the first i / N of the planes along z");
   verb.add_option("--fps N", options.fps, "Of an animation")
       .check(whole_within(1, 100))
-      .capture_default_str();
+      .default_str("12");
   verb.add_parsed("--background COLOR", options.background, parse_color,
                   "Its color: a name, or #rrggbb")
       .default_str("black");

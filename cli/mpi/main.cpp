@@ -85,7 +85,7 @@ int run_mpi_program(std::vector<std::string> words) {
     if (is_other_rank()) return exit_behind_the_first();
     return report_failure(context, std::make_exception_ptr(Error(
                                        ErrorKind::invalid_argument,
-                                       std::string(problem.what()) + "; see octavo-mpi --help")));
+                                       usage_fault(problem.what()) + "; see octavo-mpi --help")));
   } catch (...) {
     return report_failure(context, std::current_exception());
   }

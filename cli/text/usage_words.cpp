@@ -1,10 +1,14 @@
 #include "text/usage_words.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cctype>
 #include <optional>
+#include <regex>
 
 #include "octavo/core/error.h"
+#include "text/quantities.h"
 
 namespace octavo::cli {
 
@@ -160,6 +164,21 @@ std::string unknown_word(const ProgramEntry& program, const std::vector<std::str
     if (has_value && std::next(word) != words.end()) ++word;
   }
   return "";
+}
+
+std::string usage_fault(const std::string& said) {
+  static const std::regex kTwice(R"((\S+): At Most 1 required but received (\d+))");
+  static const std::regex kNoneOf(R"(Exactly 1 option from \[(.*)\] is required( and .*)?)");
+  std::smatch parts;
+  if (std::regex_match(said, parts, kTwice)) {
+    return fmt::format("{} is given {} times; give it once", parts.str(1), parts.str(2));
+  }
+  if (!std::regex_match(said, parts, kNoneOf)) return said;
+  std::string names;
+  for (const std::string& name : split(parts.str(1), ',')) {
+    names += (names.empty() ? "" : ", ") + name;
+  }
+  return "give one of " + names + (parts.length(2) > 0 ? ", no more" : "");
 }
 
 }  // namespace octavo::cli

@@ -16,6 +16,9 @@ std::vector<std::string> settled_words(std::vector<std::string> words);
 /// "no option --azimut; did you mean --azimuth?". Empty where every word is known.
 std::string unknown_word(const ProgramEntry& program, const std::vector<std::string>& words);
 
+/// What the parser of options says is wrong, in the words of the program.
+std::string usage_fault(const std::string& said);
+
 /// The nearest of `known`, when it is near enough to have been meant; or nothing. Case does not
 /// count.
 /// Source  distance of Damerau and Levenshtein, neighbors exchanged at a cost of 1

@@ -134,6 +134,20 @@ class Slices(cli_test.InFolder):
         self.assertEqual(rows[8][15], (255, 0, 0))
         self.assertEqual(rows[15][15], (0, 255, 0))
 
+    def test_levels_are_those_of_grey_overlays(self):
+        bare = ["v.8vo", "--size", "400", "--window", "400,900", *BARE]
+        lines = ["--overlay", "v.8vo", "--overlay-levels", "105,325"]
+        self.slice(*bare, "--overlay", "m.8vo", *lines)
+        both = (self.folder / "s.png").read_bytes()
+        self.slice(*bare, "--overlay", "m.8vo", "--overlay-levels", "none", *lines)
+        self.assertEqual((self.folder / "s.png").read_bytes(), both)
+        self.slice(*bare, "--overlay", "m.8vo", "--overlay", "v.8vo")
+        self.assertNotEqual((self.folder / "s.png").read_bytes(), both)
+        self.slice(*bare, "--overlay", "m.8vo")
+        self.assertNotEqual((self.folder / "s.png").read_bytes(), both)
+        self.expect_error(2, ["levels", "grey"], "slice", *bare, "--overlay", "m.8vo",
+                          "--overlay-levels", "5", "-o", "x.png")
+
     def test_an_overlay_that_lies_elsewhere_is_warned_of(self):
         self.expect(0, "transform", "m.8vo", "--translate-mm", "500,0,0", "-o", "far.8vo", "-q")
         told = self.expect(0, "slice", "v.8vo", "--overlay", "far.8vo", "-o", "s.png")
@@ -160,7 +174,9 @@ class Slices(cli_test.InFolder):
         for words, arguments in [
             (["--plane", "NX,NY,NZ"], ["--plane", "1,2"]),
             (["--plane", "x"], ["--plane", "1,2,x"]),
-            (["direction"], ["--plane", "0,0,0"]),
+            (["--plane", "normal", "not 0", "direction"], ["--plane", "0,0,0"]),
+            (["--window: 'foo'", "CENTER,WIDTH", "brain"], ["--window", "foo"]),
+            (["0 x 3", "change --montage"], ["--montage", "0x3"]),
             (["does not meet"], ["--plane", "0,0,900,0,0,1"]),
             (["--plane", "--index"], ["--plane", "0,0,1", "--index", "3"]),
             (["--plane", "--axis"], ["--plane", "0,0,1", "--axis", "all"]),

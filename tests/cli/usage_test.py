@@ -42,6 +42,30 @@ class Usage(cli_test.InFolder):
         self.expect_error(2, ["no option --indx"], "slice", "p.8vo", "--mm", "-12.5", "--indx", "1",
                           "-o", "a.png")
 
+    def test_what_is_given_twice_or_not_at_all_is_said(self):
+        self.expect(0, "phantom", "--size", "9", "-o", "p.8vo")
+        self.expect_error(2, ["--size is given 2 times; give it once"], "slice", "p.8vo",
+                          "--size", "64", "--size", "65", "-o", "a.png")
+        self.expect_error(2, ["give one of --union, --intersect"], "combine", "p.8vo", "p.8vo",
+                          "-o", "a.8vo")
+
+    def test_no_option_is_ignored(self):
+        self.expect(0, "phantom", "--size", "9", "-o", "p.8vo")
+        self.expect(0, "threshold", "p.8vo", "--range", "0:", "-o", "m.8vo")
+        for words, arguments in [
+            (["--percentile", "--of"], ["measure", "m.8vo", "--percentile", "50"]),
+            (["leave out --fps"], ["render", "p.8vo", "--fps", "5", "-o", "a.png"]),
+            (["leave out --fps"], ["render", "p.8vo", "--turntable", "4", "--fps", "5", "-o",
+                                   "a.png"]),
+            ([".webp", "NAME.apng"], ["render", "p.8vo", "--turntable", "4", "-o", "a.gif"]),
+        ]:
+            self.expect_error(2, words, *arguments)
+            self.assertEqual(self.files(), ["m.8vo", "p.8vo"])
+        for verb in ("measure", "morphometry"):
+            told = self.expect(2, verb, "m.8vo", "--csv", "--json")
+            self.assertIn("--csv and --json do not go together", told.stderr)
+            self.assertEqual(told.stdout, "")
+
     def test_three_numbers_are_one_place(self):
         self.expect(0, "phantom", "--size", "9", "-o", "p.8vo")
         wanted = self.expect(0, "probe", "p.8vo", "--at", "1,2,3").stdout

@@ -172,7 +172,9 @@ PlaneSection oblique_section(const Geometry& geometry, const Size3& size, const 
                         std::int64_t minimum_side) {
   const double length = std::sqrt(dot(plane.normal, plane.normal));
   if (!(length > 0) || !std::isfinite(length) || !std::isfinite(dot(plane.point_mm, {1, 1, 1}))) {
-    throw Error(ErrorKind::invalid_argument, "a plane needs a point and a direction");
+    throw Error(ErrorKind::invalid_argument,
+                "a plane needs a point, and a normal that is not 0 for its direction")
+        .with_field("plane.normal");
   }
   const Point3 normal = scaled(plane.normal, 1 / length);
   const std::vector<Point3> border = crossings(geometry, size, plane.point_mm, normal);

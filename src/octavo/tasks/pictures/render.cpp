@@ -99,7 +99,8 @@ void check_series(const RenderOptions& options) {
   if (options.is_growing && options.turntable < 1) {
     reject_render("what grows does so in the pictures of a turntable", "turntable.missing");
   }
-  if (options.fps < 1 || options.fps > 100) {
+  if (options.fps && !is_animated) reject_render("a picture has no speed", "fps.picture");
+  if (options.fps && (*options.fps < 1 || *options.fps > 100)) {
     reject_render("an animation has 1 to 100 fps", "fps");
   }
   const bool is_in_passes = options.time_budget_s || options.is_progressive;
@@ -130,7 +131,12 @@ void check_rays(const RenderOptions& options) {
 
 /// Options that contradict each other, whatever the volume.
 void check_render(const RenderOptions& options) {
-  if (!options.on_picture && !is_animation(options.output.path)) require_png(options.output.path);
+  const std::string& path = options.output.path;
+  if (!options.on_picture && !is_animation(path) && !path.ends_with(".png")) {
+    throw Error(ErrorKind::invalid_argument,
+                "a picture is written as .png, a turntable as .png, .apng, .webp or .mp4", path)
+        .with_field("output.animation");
+  }
   check_series(options);
   check_ray_options(options);
   if (is_ray_mode(options.mode)) {
@@ -372,7 +378,7 @@ void draw_all(const std::shared_ptr<const FileReader>& reader, const RenderOptio
   std::optional<AnimationFile> animation;
   if (writes && is_animation(options.output.path)) {
     const AnimationFrame frame{options.width, options.height, static_cast<std::uint32_t>(count),
-                               options.fps};
+                               options.fps.value_or(AnimationFrame{}.fps)};
     animation.emplace(options.output.path, frame, context);
   }
   for (std::size_t i = 0; i < count; ++i) {

@@ -113,7 +113,7 @@ struct RenderOptions {
   double zoom = 1;
   int turntable = 0;  ///< pictures once around the patient; 0: one picture
   bool is_growing = false;  ///< picture i of N shows the first i / N of the planes along z
-  int fps = 12;             ///< of an animation
+  std::optional<int> fps;   ///< of an animation; default 12
   Color background{0, 0, 0};
   std::optional<double> fade;    ///< how much darker the farthest is than the nearest, 0 .. 1
   bool is_average = false;       ///< of mode transparency: in place of the sum

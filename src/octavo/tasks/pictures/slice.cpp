@@ -156,11 +156,16 @@ void choose_labels(std::vector<Overlay>& overlays, const SliceOptions& options) 
 std::vector<Overlay> opened_overlays(const SliceOptions& options, const FileReader& reader,
                                      const TaskContext& context) {
   std::vector<Overlay> overlays;
+  bool has_grey = false;
   for (const AskedOverlay& asked : options.overlays) {
     Overlay overlay;
     overlay.reader = open_volume(asked.path, context);
     const VolumeDescription& volume = overlay.reader->description();
     overlay.look = asked.look;
+    if (volume.kind == VolumeKind::grey) {
+      has_grey = true;
+      if (overlay.look.levels.empty()) overlay.look.levels = options.overlay_levels;
+    }
     overlay.labels = volume.metadata.facts().labels;
     overlay.name = std::filesystem::path(asked.path).stem().string();
     overlay.unit = unit_of(volume);
@@ -171,6 +176,9 @@ std::vector<Overlay> opened_overlays(const SliceOptions& options, const FileRead
     } catch (const Error& error) {
       throw error.with_path(asked.path);
     }
+  }
+  if (!has_grey && !options.overlay_levels.empty()) {
+    reject_slice("levels are of grey values, and no overlay holds any", "overlays.levels");
   }
   return overlays;
 }
@@ -192,7 +200,7 @@ std::vector<std::int64_t> montage_indices(const SliceOptions& options, const Fil
   }
   if (*montage.columns < 1 || *montage.rows < 1 || *montage.columns > end || *montage.rows > end) {
     reject_slice(fmt::format("{} x {} slices of {}", *montage.columns, *montage.rows, end),
-                 "montage");
+                 "montage.size");
   }
   const std::int64_t count = *montage.columns * *montage.rows;
   return montage.every ? spaced_slices(end, count, step, middle) : spread_slices(end, count);

@@ -49,6 +49,7 @@ struct SliceOptions {
   std::string window_preset;     ///< in place of it: one of window_presets, for HU alone
   std::int64_t minimum_side = SlicePictureOptions{}.minimum_side;
   std::vector<AskedOverlay> overlays;  ///< the lowest first
+  std::vector<double> overlay_levels;  ///< of those of grey values that have none of their own
   /// Only these labels, with none all: of the file, or where it holds grey values of the label maps
   /// over it, in each of which a name may be missing.
   AskedLabels labels;
