@@ -50,9 +50,9 @@ TEST(ValueRanges, DecimalsFindTheIntegersThatAScaleOfFloatsMakesThem) {
     const double slope = std::strtod(c.slope, nullptr);
     const double intercept = std::strtod(c.intercept, nullptr);
     // As headers hold them: in binary64, and in binary32.
-    for (const Rescale rescale : {Rescale{slope, intercept},
-                                  Rescale{static_cast<double>(std::strtof(c.slope, nullptr)),
-                                          static_cast<double>(std::strtof(c.intercept, nullptr))}}) {
+    const auto rounded = [](double real) { return static_cast<double>(static_cast<float>(real)); };
+    for (const Rescale rescale :
+         {Rescale{slope, intercept}, Rescale{rounded(slope), rounded(intercept)}}) {
       const VolumeDescription volume = described(VoxelType::int16, rescale);
       for (int stored = -32768; stored <= 32767; stored += 7) {
         const double power = std::pow(10, c.decimals);

@@ -72,6 +72,9 @@ class LabelNamesFile {
   void join_pairs();
   void take_rows();
   void take_line(std::size_t number, std::string_view line);
+  void require_text(std::size_t line, std::string_view text) const;
+  void add_row(Row row);
+  void require_name(const Row& row, std::size_t begin, std::size_t end) const;
   Layout find_layout() const;
   bool ends_in_codes() const;
   std::size_t numbers_at_end(const Row& row) const;
@@ -131,13 +134,25 @@ bool is_hex_color(std::string_view word) {
          word.find_first_not_of("0123456789abcdefABCDEF", 1) == std::string_view::npos;
 }
 
-/// Whether text holds a character that changes the direction of what follows: U+202A to U+202E,
-/// U+2066 to U+2069.
+/// Whether text holds a character that changes the direction of what follows, or ends a line:
+/// U+2028 to U+202E, U+2066 to U+2069.
 bool turns_text(std::string_view text) {
   for (std::size_t at = text.find('\xe2'); at < text.size(); at = text.find('\xe2', at + 1)) {
     const std::string_view next = text.substr(at + 1, 2);
-    if (next >= "\x80\xaa" && next <= "\x80\xae") return true;
+    if (next >= "\x80\xa8" && next <= "\x80\xae") return true;
     if (next >= "\x81\xa6" && next <= "\x81\xa9") return true;
+  }
+  return false;
+}
+
+/// Whether UTF-8 holds one of U+0000 to U+001F but a tab, or of U+007F to U+009F.
+bool has_control(std::string_view text) {
+  const auto is_short = [](char c) {
+    return (static_cast<unsigned char>(c) < 0x20 && c != '\t') || c == 0x7f;
+  };
+  if (std::any_of(text.begin(), text.end(), is_short)) return true;
+  for (std::size_t at = text.find('\xc2'); at < text.size(); at = text.find('\xc2', at + 1)) {
+    if (at + 1 < text.size() && static_cast<unsigned char>(text[at + 1]) < 0xa0) return true;
   }
   return false;
 }
@@ -162,14 +177,16 @@ bool LabelNamesFile::is_xml() const {
 
 /// Labels of GIFTI as lines of ITK-SNAP.
 void LabelNamesFile::take_xml() {
-  for (const XmlLabel& label : labels_in_xml(text_)) {
-    if (label.name.find('"') != std::string::npos) {
-      reject_line(label.line, "names hold no quotes");
-    }
-    const auto& [red, green, blue] = label.color;
-    made_.push_back(label.key + " " + red + " " + green + " " + blue + " 1 1 1 \"" + label.name +
-                    "\"");
-    take_line(label.line, made_.back());
+  const Word mark{"1", false};
+  for (XmlLabel& label : labels_in_xml(text_)) {
+    const auto kept = [&](std::string& text) {
+      require_text(label.line, text);
+      return std::string_view(made_.emplace_back(std::move(text)));
+    };
+    Row row{label.line, {{kept(label.key)}}};
+    for (std::string& part : label.color) row.words.push_back({kept(part)});
+    row.words.insert(row.words.end(), {mark, mark, mark, Word{kept(label.name), true}});
+    add_row(std::move(row));
   }
 }
 
@@ -208,15 +225,26 @@ void LabelNamesFile::take_rows() {
   }
 }
 
+void LabelNamesFile::require_text(std::size_t line, std::string_view text) const {
+  if (text.size() > kMaxLineBytes) reject_line(line, "is longer than 4096 bytes");
+  if (has_control(text) || turns_text(text)) {
+    reject_line(line, "holds a control character: no text");
+  }
+}
+
+void LabelNamesFile::add_row(Row row) {
+  if (rows_.size() == 2 * LabelNames::kMaxLabels) {
+    throw Error(ErrorKind::limit_exceeded,
+                "more lines than " + std::to_string(2 * LabelNames::kMaxLabels) + ", for the " +
+                    std::to_string(LabelNames::kMaxLabels) + " labels that a file has names of",
+                path_);
+  }
+  rows_.push_back(std::move(row));
+}
+
 void LabelNamesFile::take_line(std::size_t number, std::string_view line) {
   constexpr std::string_view kWordBlanks = " \t";
-  if (line.size() > kMaxLineBytes) reject_line(number, "is longer than 4096 bytes");
-  const auto is_control = [](char c) {
-    return (static_cast<unsigned char>(c) < 0x20 && c != '\t') || c == 0x7f;
-  };
-  if (std::any_of(line.begin(), line.end(), is_control) || turns_text(line)) {
-    reject_line(number, "holds a control character: no text");
-  }
+  require_text(number, line);
   Row row{number, {}};
   for (std::size_t at = line.find_first_not_of(kWordBlanks); at < line.size();
        at = line.find_first_not_of(kWordBlanks, at)) {
@@ -231,14 +259,12 @@ void LabelNamesFile::take_line(std::size_t number, std::string_view line) {
       reject_line(number, "behind a closed quote stands no blank; names hold no quotes");
     }
     row.words.push_back({line.substr(begin, end - begin), is_quoted});
+    if (!is_quoted && row.words.back().text.find('"') != std::string_view::npos) {
+      reject_line(number, "a quote stands inside a word; names hold no quotes");
+    }
     at = end + (is_quoted ? 1 : 0);
   }
-  if (row.words.empty()) return;
-  if (rows_.size() == 2 * LabelNames::kMaxLabels) {
-    throw Error(ErrorKind::limit_exceeded,
-                "more lines than " + std::to_string(2 * LabelNames::kMaxLabels), path_);
-  }
-  rows_.push_back(std::move(row));
+  if (!row.words.empty()) add_row(std::move(row));
 }
 
 Layout LabelNamesFile::find_layout() const {
@@ -315,6 +341,19 @@ LabelColor LabelNamesFile::color(const Row& row, std::size_t at) const {
   return color;
 }
 
+/// Proves that the words of a name can be no other part of a line.
+void LabelNamesFile::require_name(const Row& row, std::size_t begin, std::size_t end) const {
+  constexpr std::size_t kColor = 3;
+  const std::span<const Word> name = std::span(row.words).subspan(begin, end - begin);
+  if (name.size() > 1 && std::ranges::any_of(name, &Word::is_quoted)) {
+    reject_line(row.line, "a name in quotes stands beside other words");
+  }
+  if (name.size() > kColor && std::ranges::all_of(name.first(kColor), is_finite_number)) {
+    reject_line(row.line, "the name begins with three numbers; put it in quotes, or give all of "
+                          "INDEX R G B A VIS MSH \"NAME\"");
+  }
+}
+
 void LabelNamesFile::take_name(const Row& row) {
   require_layout(row);
 
@@ -332,6 +371,8 @@ void LabelNamesFile::take_name(const Row& row) {
     name_begin = 0;
   }
 
+  require_name(row, name_begin, name_end);
+
   // What They Say
   const std::int64_t number = label(row, label_at);
   LabelName entry{joined(row, name_begin, name_end), {}};
@@ -340,7 +381,8 @@ void LabelNamesFile::take_name(const Row& row) {
     reject_line(row.line, "ends in a color in hexadecimal; give its parts as three numbers, 0 to "
                           "255");
   }
-  if (entry.name.empty() && !entry.color) reject_line(row.line, "the name is empty");
+  const bool is_blank = entry.name.find_first_not_of(" \t") == std::string::npos;
+  if (is_blank && !(entry.name.empty() && entry.color)) reject_line(row.line, "the name is empty");
   if (entry.name.size() > LabelNames::kMaxNameBytes) {
     reject_line(row.line, "the name is longer than 512 bytes");
   }

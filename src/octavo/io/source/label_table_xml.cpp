@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <map>
 #include <utility>
 
 #include "octavo/core/error.h"
+#include "octavo/core/utf8.h"
 
 namespace octavo {
 
@@ -16,9 +18,35 @@ constexpr std::string_view kTagBlanks = " \t\r\n";
 constexpr std::string_view kOpening = "<Label";
 constexpr std::string_view kClosing = "</Label>";
 
+constexpr std::string_view kRaw = "<![CDATA[";
+constexpr std::string_view kRawEnd = "]]>";
+
+/// `text` without comments, with their ends of lines.
+std::string without_comments(std::string_view text) {
+  constexpr std::string_view kComment = "<!--";
+  constexpr std::string_view kCommentEnd = "-->";
+  std::string rest;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t next = std::min(text.find("<!", at), text.size());
+    rest.append(text.substr(at, next - at));
+    const bool is_comment = text.substr(next).starts_with(kComment);
+    const bool is_raw = text.substr(next).starts_with(kRaw);
+    const std::string_view ending = is_comment ? kCommentEnd : is_raw ? kRawEnd : "!";
+    const std::size_t last = text.find(ending, next + (is_comment ? kComment.size() : 0));
+    at = last >= text.size() ? text.size() : last + ending.size();
+    const std::string_view whole = text.substr(next, at - next);
+    if (is_comment) {
+      rest.append(static_cast<std::size_t>(std::ranges::count(whole, '\n')), '\n');
+    } else {
+      rest.append(whole);
+    }
+  }
+  return rest;
+}
+
 class XmlLabels {
  public:
-  explicit XmlLabels(std::string_view text) : text_(text) {}
+  explicit XmlLabels(std::string_view text) : made_(without_comments(text)), text_(made_) {}
 
   std::vector<XmlLabel> read() {
     std::vector<XmlLabel> labels;
@@ -42,9 +70,16 @@ class XmlLabels {
 
   /// Where an element begins that is called Label and nothing longer.
   std::size_t next_label(std::size_t at) const {
-    for (at = text_.find(kOpening, at); at < text_.size(); at = text_.find(kOpening, at + 1)) {
-      const std::size_t end = at + kOpening.size();
-      if (end < text_.size() && kTagBlanks.find(text_[end]) != std::string_view::npos) return at;
+    for (at = text_.find('<', at); at < text_.size(); at = text_.find('<', at + 1)) {
+      const std::string_view rest = text_.substr(at);
+      if (rest.starts_with(kRaw)) {
+        at = text_.find(kRawEnd, at);
+        if (at >= text_.size()) break;
+        continue;
+      }
+      const std::size_t end = kOpening.size();
+      const bool is_opening = rest.starts_with(kOpening) && end < rest.size();
+      if (is_opening && kTagBlanks.find(rest[end]) != std::string_view::npos) return at;
     }
     return text_.size();
   }
@@ -89,13 +124,12 @@ class XmlLabels {
   }
 
   std::string name() {
-    constexpr std::string_view kRaw = "<![CDATA[";
     const std::size_t begin = at_;
     skip_blanks();
     std::string raw;
     if (begins_with(kRaw)) {
       at_ += kRaw.size();
-      raw = until("]]>");
+      raw = until(kRawEnd);
       until(kClosing);
     } else {
       at_ = begin;
@@ -133,6 +167,10 @@ class XmlLabels {
         text.remove_prefix(1);
         continue;
       }
+      if (text.starts_with("&#")) {
+        append_utf8(characters, numbered(text));
+        continue;
+      }
       const auto* const found =
           std::find_if(std::begin(kReferences), std::end(kReferences),
                        [&](const auto& reference) { return text.starts_with(reference.first); });
@@ -143,6 +181,23 @@ class XmlLabels {
     return characters;
   }
 
+  /// The character that a reference like &#233; or &#xe9; gives the number of. Takes it off `text`.
+  std::uint32_t numbered(std::string_view& text) const {
+    const bool is_hexadecimal = text.starts_with("&#x");
+    text.remove_prefix(is_hexadecimal ? 3 : 2);
+    std::uint32_t number = 0;
+    const char* const end = text.data() + text.size();
+    const auto [stop, failure] =
+        std::from_chars(text.data(), end, number, is_hexadecimal ? 16 : 10);
+    const bool is_character = number > 0 && number <= 0x10ffff && (number & ~0x7ffu) != 0xd800;
+    if (failure != std::errc() || stop == end || *stop != ';' || !is_character) {
+      reject("&# begins no number of a character");
+    }
+    text.remove_prefix(static_cast<std::size_t>(stop - text.data()) + 1);
+    return number;
+  }
+
+  std::string made_;
   std::string_view text_;
   std::size_t at_ = 0;
   std::size_t line_ = 1;

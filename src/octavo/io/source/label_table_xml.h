@@ -20,7 +20,7 @@ struct XmlLabel {
 /// The labels of a table as GIFTI has it, of a whole file or of the table alone, in their order;
 /// other elements are left out. Older files say Index for Key.
 /// Throws  Error{source_rejected} beginning with the line, for an element that is cut off, lacks a
-///         key or a color, or holds references other than those to & < > " and '
+///         key or a color, or holds references other than numbers and those to & < > " and '
 std::vector<XmlLabel> labels_in_xml(std::string_view text);
 
 }  // namespace octavo

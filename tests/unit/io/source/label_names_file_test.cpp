@@ -140,6 +140,35 @@ TEST(LabelNamesFile, WhatIsNoTextIsRejected) {
   expect_line_rejected("\xfe\xff" "1", "is text in UTF-16");
 }
 
+TEST(LabelNamesFile, ControlCharactersOfLatin1AreNoText) {
+  expect_line_rejected("1 a\n2 b\u0085\n", "line 2: holds a control character");
+  expect_line_rejected("1 a\u009b31m\n", "line 1: holds a control character");
+  expect_line_rejected("1 a\x9b" "31m\n", "line 1: holds a control character");
+  expect_line_rejected("1 a\u2028b\n", "line 1: holds a control character");
+  EXPECT_EQ(names_in("1 a\u00a0\u00c2\n").name_of(1), "a\u00a0\u00c2");
+}
+
+TEST(LabelNamesFile, ALineThatLacksAColumnIsNoName) {
+  expect_line_rejected("1 255 0 0 1 1 \"x\"\n", "line 1: a name in quotes stands beside");
+  expect_line_rejected("1 255 0 0 1 1 x\n", "line 1: the name begins with three numbers");
+  expect_line_rejected("1 a\n2 B \"q\" x\n", "line 2: a name in quotes stands beside");
+  expect_line_rejected("1 255 0 0 1 1 1 \"a\" b\n", "line 1: a name in quotes stands beside");
+  expect_line_rejected("1 5\"x\n", "line 1: a quote stands inside a word");
+  expect_line_rejected("1 \"  \"\n", "line 1: the name is empty");
+  expect_line_rejected("1 255 0 0 1 1 1 \"  \"\n", "line 1: the name is empty");
+  EXPECT_EQ(names_in("1 255 0 0 1 1 1 \"\"\n").name_of(1), "");
+  EXPECT_EQ(names_in("1 \"1 2 3 x\"\n").name_of(1), "1 2 3 x");
+}
+
+TEST(LabelNamesFile, NamesOfGiftiMayHoldQuotes) {
+  const std::string color = " Red=\"1\" Green=\"0\" Blue=\"0\">";
+  EXPECT_EQ(names_in("<Label Key=\"1\"" + color + "\"Co\" 5\"</Label>").name_of(1),
+            "\"Co\" 5\"");
+  expect_line_rejected("\n<Label Key=\"1\"" + color + "a&#x9b;b</Label>",
+                       "line 2: holds a control character");
+  expect_line_rejected("<Label Key=\"1 2\"" + color + "a</Label>", "line 1: ");
+}
+
 TEST(LabelNamesFile, LimitsEndEveryFile) {
   expect_line_rejected("1 " + std::string(512, 'a') + "\n2 " + std::string(513, 'a'),
                        "line 2: the name is longer than 512 bytes");

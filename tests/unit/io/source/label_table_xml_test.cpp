@@ -49,6 +49,30 @@ TEST(LabelTableXml, OtherElementsAreLeftOutAndLinesAreCounted) {
   EXPECT_TRUE(labels_in_xml("<atlas><label index=\"1\">a</label></atlas>").empty());
 }
 
+TEST(LabelTableXml, CommentsAreLeftOutAndLinesStay) {
+  const std::string text = "<LabelTable><!-- " + element(">no</Label>") + "\n <!-- - -->" +
+                           element("><!-- x -->Lu<!-- ]]> -->ng</Label>") +
+                           "\n<![CDATA[" + element(">no</Label>") + "]]>" +
+                           element("><![CDATA[<!-- a -->]]></Label>") + "</LabelTable>";
+  const std::vector<XmlLabel> labels = labels_in_xml(text);
+  ASSERT_EQ(labels.size(), 2u);
+  EXPECT_EQ(labels[0].name, "Lung");
+  EXPECT_EQ(labels[0].line, 2u);
+  EXPECT_EQ(labels[1].name, "<!-- a -->");
+  EXPECT_EQ(labels[1].line, 3u);
+  EXPECT_TRUE(labels_in_xml("<!-- " + element(">no</Label>")).empty());
+}
+
+TEST(LabelTableXml, ReferencesMayBeNumbers) {
+  EXPECT_EQ(only_label(element(">K&#252;che</Label>")).name, "K\u00fcche");
+  EXPECT_EQ(only_label(element(">&#x41;&#x1F600;</Label>")).name, "A\U0001f600");
+  for (const char* const bad : {"&#0;", "&#xd800;", "&#x110000;", "&#99999999999;", "&#;", "&#x;",
+                                "&#41", "&#-1;", "&#1a;"}) {
+    expect_xml_rejected(element(std::string(">") + bad + "</Label>"),
+                        "&# begins no number of a character");
+  }
+}
+
 TEST(LabelTableXml, WhatIsNoLabelIsRejectedWithItsLine) {
   expect_xml_rejected("\n" + element(">a"), "line 2: an element is cut off");
   expect_xml_rejected(element(" "), "an element is cut off");
