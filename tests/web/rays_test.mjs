@@ -127,6 +127,83 @@ test("a projection shows the largest real values where they fall as stored ones 
     });
 });
 
+/** The scan in floats, times a power of two; where `hasHoles`, slabs of NaN and one infinity. */
+function floats(power, hasHoles) {
+  return inFolder((folder) => {
+    const [nx, ny, nz] = [64, 64, 48];
+    const voxels = new Float32Array(nx * ny * nz);
+    for (let z = 0, i = 0; z < nz; ++z) {
+      for (let y = 0; y < ny; ++y) {
+        for (let x = 0; x < nx; ++x, ++i) {
+          const isIn = Math.hypot((x - 31) / 24, (y - 31) / 28, (z - 23) / 20) < 1;
+          voxels[i] = (isIn ? 500 + 4 * x : -300) * 2 ** power;
+          if (hasHoles && z % 7 === 0) voxels[i] = NaN;
+        }
+      }
+    }
+    if (hasHoles) voxels[(3 * ny + 3) * nx + 3] = Infinity;
+    writeFileSync(join(folder, "f.raw"), voxels);
+    run("build", join(folder, "f.raw"), "--raw", `${nx},${ny},${nz},float32`, "--spacing", "1",
+      "-o", join(folder, "f.8vo"));
+    host.files.set("/floats.8vo", readFileSync(join(folder, "f.8vo")));
+    run("render", join(folder, "f.8vo"), "--mode", "mip", "--window", "350,700", "--azimuth",
+      "30", "--elevation", "20", "--size", `${SIDE}x${SIDE}`, "--no-legend", "--no-sides",
+      "--no-scale-bar", "-o", join(folder, "f.png"));
+    return pngPixels(readFileSync(join(folder, "f.png")));
+  });
+}
+
+/** The floats in each mode of the 3-D view, and a slice. */
+async function seenFloats(power) {
+  const times = 2 ** power;
+  const seen = {};
+  const window = encodeURIComponent(`${350 * times},${700 * times}`);
+  await withPage(`?url=floats.8vo&layout=3d&window=${window}`, async (shown) => {
+    await showRaysAlone(shown, SIDE);
+    for (const mode of ["volume", "mip", "iso"]) {
+      await shown.evaluate(([now, iso]) => octavo.store.set({ mode: now, iso }),
+        [mode, 200 * times]);
+      seen[mode] = await picture(shown);
+    }
+    await shown.evaluate(() => octavo.store.set({ layout: "z" }));
+    seen.slice = pngPixels(await panelPng(shown, "panel-z"));
+  });
+  return seen;
+}
+
+const brightPixels = ({ grey }) => grey.filter((v) => v > 60).length;
+
+test("voxels that are NaN or infinite hide no others", async () => {
+  await floats(0, false);
+  const whole = await seenFloats(0);
+  const rendered = await floats(0, true);
+  const seen = await seenFloats(0);
+  let [differing, bright] = [0, 0];
+  for (let i = 0; i < SIDE * SIDE; ++i) {
+    bright += rendered.grey[i] > 60 ? 1 : 0;
+    differing += Math.abs(rendered.grey[i] - seen.mip.grey[i]) > 40 ? 1 : 0;
+  }
+  assert.ok(bright > 3000 && differing < bright * 0.1, `${differing} differ, ${bright} bright`);
+  for (const mode of ["volume", "iso"]) {
+    const [all, now] = [whole[mode], seen[mode]].map(brightPixels);
+    assert.ok(all > 3000 && now > 0.7 * all, `${mode}: ${now} of ${all}`);
+  }
+});
+
+test("a scan looks the same whatever the power of two that its floats are multiplied by", async () => {
+  await floats(0, false);
+  const usual = await seenFloats(0);
+  for (const power of [117, -110]) {
+    await floats(power, false);
+    const seen = await seenFloats(power);
+    for (const [name, { grey }] of Object.entries(usual)) {
+      const differing = grey.filter((v, i) => Math.abs(v - seen[name].grey[i]) > 3).length;
+      assert.ok(brightPixels(usual[name]) > 3000 && differing < 100,
+        `2^${power} ${name}: ${differing} differ`);
+    }
+  }
+});
+
 test("the line of the 3-D view is of the picture that is seen", async () => {
   await withPage("?url=scan.8vo&layout=3d&mode=iso&iso=600&camera=30,20,3", async (shown) => {
     await settled(shown);

@@ -204,6 +204,37 @@ test("equal voxels are said to be equal", async () => {
   });
 });
 
+test("a scan without a finite value is said to be one", async () => {
+  const bytes = await inFolder((folder) => {
+    writeFileSync(join(folder, "n.raw"), new Float32Array(1000).fill(NaN));
+    run("build", join(folder, "n.raw"), "--raw", "10,10,10,float32", "--spacing", "1", "-o",
+      join(folder, "n.8vo"));
+    return readFileSync(join(folder, "n.8vo"));
+  });
+  host.files.set("/nowhere.8vo", bytes);
+  await withPage("?url=nowhere.8vo", async (shown) => {
+    await settled(shown);
+    assert.match(await text(shown, "message"), /^All voxels of nowhere\.8vo are NaN or infinite\./);
+  });
+});
+
+test("each of many listed files can be scrolled to and opened", async () => {
+  const listed = Array.from({ length: 40 }, (_, i) => ({ title: `scan ${i}`, url: "scan.8vo" }));
+  host.files.set("/files.json", Buffer.from(JSON.stringify(listed)));
+  try {
+    await withPage("", async (shown) => {
+      const buttons = shown.locator("#listed button");
+      await buttons.last().scrollIntoViewIfNeeded();
+      await shown.locator("#choose").click({ trial: true, timeout: 5_000 });
+      await buttons.first().click({ timeout: 5_000 });
+      await settled(shown);
+      assert.equal(await text(shown, "title"), "scan.8vo");
+    });
+  } finally {
+    host.files.set("/files.json", Buffer.from("[]"));
+  }
+});
+
 test("a server that dies is named, and what is missing comes once it is back", async () => {
   // Larger than what opening fetches.
   const noisy = Buffer.from((await builtScan(5)).bytes);

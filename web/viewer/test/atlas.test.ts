@@ -51,7 +51,7 @@ test("a page has the samples around it, across cells and up to the end of the le
     [2, 3, 2],
   ] as Vec3[]) {
     const page = { level: 0, at };
-    const found = pageVoxels(level, page, (cell) => cells.get(cell.at.join()))!;
+    const found = pageVoxels(level, page, volume.facts.range, (cell) => cells.get(cell.at.join()))!;
     let [min, max] = [Infinity, -Infinity];
     for (let z = -1; z <= 32; ++z) {
       for (let y = -1; y <= 32; ++y) {
@@ -77,13 +77,22 @@ test("without the cell beside it a page goes on as it ends", async () => {
   const own = await volume.read(0, cellBox(level, [0, 0, 0]), new AbortController().signal);
   const page = { level: 0, at: [1, 0, 0] as Vec3 };
   assert.deepEqual(cellOfPage(page).at, [0, 0, 0]);
-  const found = pageVoxels(level, page, (cell) =>
+  const found = pageVoxels(level, page, volume.facts.range, (cell) =>
     cell.at.join() === "0,0,0" ? own : undefined,
   )!;
   const row = (10 * SLOT_SIDE + 10) * SLOT_SIDE;
   assert.equal(found.voxels[row + 33], found.voxels[row + 32]);
   assert.equal(
-    pageVoxels(level, page, () => undefined),
+    pageVoxels(level, page, volume.facts.range, () => undefined),
     undefined,
   );
+});
+
+test("what is not finite counts as the ends of the range, NaN as the lowest", () => {
+  const level = { size: [4, 1, 1] as Vec3, factor: [1, 1, 1] as Vec3 };
+  const own = Float32Array.of(NaN, Infinity, 3, -Infinity);
+  const found = pageVoxels(level, { level: 0, at: [0, 0, 0] }, [-2, 5], () => own)!;
+  const row = SLOT_SIDE * (SLOT_SIDE + 1) + 1;
+  assert.deepEqual([...found.voxels.subarray(row, row + 4)], [-2, 5, 3, -2]);
+  assert.deepEqual([found.min, found.max], [-2, 5]);
 });

@@ -4,6 +4,7 @@ import {
   draggedWindow,
   grey,
   parseWindow,
+  powerOfTwo,
   robustWindow,
   shortNumber,
   windowText,
@@ -40,4 +41,11 @@ test("a drag to the right widens, one upwards lowers the center", () => {
   assert.ok(draggedWindow(from, 0, 50).center < 100);
   assert.ok(draggedWindow(from, -1e5, 0).width > 0);
   assert.equal(shortNumber(Infinity), "Infinity");
+});
+
+test("units of shaders are powers of two near a value, of what has no size 1", () => {
+  assert.deepEqual(
+    [80, 1, 1e-40, 3.4e38, 0, -5, NaN, Infinity].map(powerOfTwo),
+    [64, 1, 2 ** -133, 2 ** 128, 1, 1, 1, 1],
+  );
 });

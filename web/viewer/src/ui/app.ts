@@ -315,6 +315,8 @@ export class App {
     if (!link.window) this.autoWindow();
     this.store.set(this.curveOf(link, this.store.now.window, session.facts.unit));
     if (session.facts.kind === "labels") this.labels.open(session, false);
+    if (session.isNowhereFinite && !session.volume.hostNote)
+      this.messages.show(`All voxels of ${session.facts.name} are NaN or infinite.`, "note");
     // Finer levels are asked for once the first picture is on the screen.
     requestAnimationFrame(() => this.want());
   }

@@ -86,6 +86,14 @@ export class Session {
     return robustWindow(values);
   }
 
+  /** Whether the whole volume is known to hold no finite value: coarse samples are so only then. */
+  get isNowhereFinite(): boolean {
+    if (!this.hasPreview || this.facts.type !== "float32") return false;
+    return this.previewStep().cells.every((cell) =>
+      this.cells.peek(cell)!.every((v: number) => !Number.isFinite(v)),
+    );
+  }
+
   /** Counts of the preview's real values in equal steps of a span. */
   histogram(span: readonly [number, number], bins: number): Float64Array {
     const counts = new Float64Array(bins);

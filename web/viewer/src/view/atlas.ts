@@ -107,10 +107,12 @@ export interface PageVoxels {
 }
 
 /** Fills the slot of a page from cells; undefined without the page's own cell. Beyond the level,
- *  and where a cell beside it is not here, the outermost samples go on. */
+ *  and where a cell beside it is not here, the outermost samples go on. Samples that are not
+ *  finite count as the lowest or highest of `range`, NaN as the lowest, as `octavo render` does. */
 export function pageVoxels(
   level: Level,
   page: Page,
+  [lowest, highest]: readonly [number, number],
   peek: (cell: Cell) => Voxels | undefined,
 ): PageVoxels | undefined {
   const own = cellOfPage(page);
@@ -138,7 +140,8 @@ export function pageVoxels(
         const sample = [x, y, z].map((v, a) =>
           Math.min(level.size[a as 0]! - 1, Math.max(0, page.at[a as 0]! * PAGE_SIDE + v)),
         );
-        const value = sampleNear(near, own.at, ownBox.lo, ownBox.hi, sample as unknown as Vec3);
+        let value = sampleNear(near, own.at, ownBox.lo, ownBox.hi, sample as unknown as Vec3);
+        if (!Number.isFinite(value)) value = value > 0 ? highest : lowest;
         out[to++] = value;
         if (value < min) min = value;
         if (value > max) max = value;

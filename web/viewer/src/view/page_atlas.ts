@@ -1,8 +1,9 @@
 // The textures of one volume in 3-D: pages, the table that leads to them, and what they reach.
-import { AXES, type Vec3, type VolumeFacts } from "../reader/volume.js";
+import { AXES, type Vec3, type VolumeFacts, type Voxels } from "../reader/volume.js";
 import { SLOT_SIDE, type PageVoxels } from "./atlas.js";
 import { type Cover, type Gl, type TexelFormat, nearestTexture, texelFormat } from "./gl.js";
 import { type LabelIndex } from "./label_index.js";
+import { powerOfTwo } from "./window.js";
 
 export interface RayTable {
   readonly level: number;
@@ -19,7 +20,16 @@ export function atlasFormat(gl: Gl, facts: VolumeFacts): TexelFormat {
   return texelFormat(gl, facts.kind === "labels" ? "uint16" : facts.type);
 }
 
+/** What stored and real values are counted in on the graphics card: 1, but where squares of
+ *  their differences, or parts of their range, could leave what 32-bit floats hold. */
+export function unitOf(facts: VolumeFacts): number {
+  if (facts.type !== "float32") return 1;
+  const largest = Math.max(...facts.range.map(Math.abs));
+  return largest > 1e9 || largest < 1e-6 ? powerOfTwo(largest) : 1;
+}
+
 export class PageAtlas {
+  readonly unit: number;
   private readonly format: TexelFormat;
   private readonly pages: WebGLTexture;
   private readonly entries: WebGLTexture;
@@ -34,6 +44,7 @@ export class PageAtlas {
     private readonly index: LabelIndex | undefined,
   ) {
     this.format = atlasFormat(gl, facts);
+    this.unit = unitOf(facts);
     this.pages = nearestTexture(gl, gl.TEXTURE_3D);
     const [x, y, z] = shape.map((slots) => slots * SLOT_SIDE) as unknown as Vec3;
     gl.texStorage3D(gl.TEXTURE_3D, 1, this.format.internal, x, y, z);
@@ -57,8 +68,12 @@ export class PageAtlas {
     gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
     const [x, y, z] = slot.map((at) => at * SLOT_SIDE) as unknown as Vec3;
     const { format, type } = this.format;
-    const [s, voxels] = [SLOT_SIDE, this.index?.numbered(page.voxels) ?? page.voxels];
+    const [s, voxels] = [SLOT_SIDE, this.index?.numbered(page.voxels) ?? this.counted(page.voxels)];
     gl.texSubImage3D(gl.TEXTURE_3D, 0, x, y, z, s, s, s, format, type, voxels as ArrayBufferView);
+  }
+
+  private counted<V extends Voxels>(values: V): V {
+    return this.unit === 1 ? values : (values.map((v) => v / this.unit) as V);
   }
 
   setTable(table: RayTable): void {
@@ -73,7 +88,7 @@ export class PageAtlas {
       gl.texImage3D(gl.TEXTURE_3D, 0, internal, x, y, z, 0, layout, type, of);
     };
     put(this.entries, [gl.RGBA8UI, gl.RGBA_INTEGER, gl.UNSIGNED_BYTE], table.entries);
-    put(this.reach, [gl.RG32F, gl.RG, gl.FLOAT], table.reach);
+    put(this.reach, [gl.RG32F, gl.RG, gl.FLOAT], this.counted(table.reach));
   }
 
   /** Gives a shader these pages under a name, in three texture units. */

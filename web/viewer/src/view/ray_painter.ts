@@ -159,14 +159,16 @@ export class RayPainter {
 
   private aimGrey(grey: PageAtlas, look: RayLook): void {
     const c = this.rays;
-    const { facts } = grey;
+    const { facts, unit } = grey;
+    const { center, width } = look.window;
+    const [first, last] = look.span.map((value) => value / unit) as [number, number];
     this.aimPages(grey, "grey", 0);
     this.greyColors.bind(c, "greyColors", 3, look.greyColors);
     c.floats("layerMm", look.layerMm);
-    c.floats("real", facts.slope, facts.intercept);
-    c.floats("iso", look.iso);
-    c.floats("window", look.window.center - look.window.width / 2, 1 / look.window.width);
-    c.floats("span", look.span[0], 1 / Math.max(1e-30, look.span[1] - look.span[0]));
+    c.floats("real", facts.slope, facts.intercept / unit);
+    c.floats("iso", look.iso / unit);
+    c.floats("window", (center - width / 2) / unit, unit / width);
+    c.floats("span", first, 1 / Math.max(1e-30, last - first));
   }
 
   private aimLabels(labels: PageAtlas, look: RayLook): void {

@@ -194,7 +194,8 @@ export class RayScene {
       if (!this.cells.has(cellOfPage(page))) continue;
       const neighbors = this.neighborsHere(page);
       if (resident && resident.neighbors >= neighbors) continue;
-      const voxels = pageVoxels(this.facts.levels[page.level]!, page, (c) => this.cells.peek(c));
+      const { levels, range } = this.facts;
+      const voxels = pageVoxels(levels[page.level]!, page, range, (c) => this.cells.peek(c));
       const slot = voxels && this.slots.take(page, this.wantedKeys);
       if (!slot) continue;
       uploads.upload(slot.at, voxels);

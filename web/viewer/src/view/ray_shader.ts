@@ -37,9 +37,11 @@ const float NOTHING = -3.0e38;
 struct Place { uvec4 entry; vec3 scale; };
 
 float brightness(vec3 slope) {
-  float size = length(slope);
-  if (size < 1e-20) return 0.8;
-  return 0.28 + 0.72 * abs(dot(slope / size, light));
+  vec3 sizes = abs(slope);
+  float largest = max(sizes.x, max(sizes.y, sizes.z));
+  if (largest < 1e-20) return 0.8;
+  // Squares of steep slopes would be infinite.
+  return 0.28 + 0.72 * abs(dot(normalize(slope / largest), light));
 }
 
 // How far a ray may go until it leaves the page that it is in.
@@ -134,7 +136,7 @@ vec3 ${name}Slope(vec3 g) {
 const GREY_FUNCTIONS = `
 uniform sampler2D greyColors;
 uniform float layerMm, iso;
-uniform vec2 real;
+uniform vec2 real;               // slope, intercept; values are in the unit of the pages
 uniform vec2 window;             // black, and 1 / width
 uniform vec2 span;               // values of the colors: first, and 1 / length
 

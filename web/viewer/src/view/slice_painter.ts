@@ -6,7 +6,7 @@ import { type VolumeFacts } from "../reader/volume.js";
 import { Cover, type Gl, nearestTexture } from "./gl.js";
 import { type Orientation } from "./geometry.js";
 import { type Plane } from "./slice_plane.js";
-import { type Window } from "./window.js";
+import { type Window, powerOfTwo } from "./window.js";
 
 const SHADER = `#version 300 es
 precision highp float;
@@ -16,8 +16,8 @@ uniform vec4 baseMap, fineMap, colorMap;  // sample = pixel * xy + zw, along acr
 uniform vec4 baseRect, fineRect, colorRect;  // first sample and size of the texture
 uniform vec2 corner;  // of the viewport, its upper left, in the pixels of gl_FragCoord
 uniform vec4 inside;  // pixels that show the volume: lo, hi
-uniform vec2 window;  // black, and 1 / width
-uniform vec2 real;    // slope, intercept
+uniform vec2 window;  // black, and 1 / width, in a unit of its own
+uniform vec2 real;    // slope, intercept, in that unit
 uniform float colorShare;
 uniform bool isLabels, hasColors;
 out vec4 color;
@@ -213,8 +213,10 @@ export class SlicePainter {
     c.floats("fineRect", ...t.fine.rect);
     c.floats("corner", viewport.x, canvasHeight - viewport.y);
     c.floats("inside", ...insidePixels(facts, o, map));
-    c.floats("window", window.center - window.width / 2, 1 / window.width);
-    c.floats("real", facts.slope, facts.intercept);
+    // Half of the powers of the width each, so that neither leaves what floats hold.
+    const unit = powerOfTwo(Math.sqrt(window.width));
+    c.floats("window", (window.center - window.width / 2) / unit, unit / window.width);
+    c.floats("real", facts.slope / unit, facts.intercept / unit);
     c.ints("isLabels", drawing.isLabels ? 1 : 0);
     c.ints("hasColors", drawing.colors ? 1 : 0);
     if (drawing.colors) {

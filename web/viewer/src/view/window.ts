@@ -58,6 +58,12 @@ export function parseWindow(text: string): Window | undefined {
   return isRight ? { center: center!, width: width! } : undefined;
 }
 
+/** A power of two near a number above 0; 1 of others. Shaders count very large and very small
+ *  values in it: their floats end at 3.4e38 and 1.2e-38, and powers of two round nothing. */
+export function powerOfTwo(value: number): number {
+  return value > 0 && value < Infinity ? 2 ** Math.round(Math.log2(value)) : 1;
+}
+
 /** As few digits as tell the number, at most six. */
 export function shortNumber(value: number): string {
   return Number.isFinite(value) ? String(Number(value.toPrecision(6))) : String(value);
