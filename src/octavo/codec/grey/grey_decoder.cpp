@@ -112,22 +112,15 @@ struct LevelState {
 /// All samples of any level.
 inline constexpr Box kAllSamples{{0, 0, 0}, {kBrickSide, kBrickSide, kBrickSide}};
 
-/// A split of a level of which a box is looked at.
+/// A split of a level of which a box is looked at. The last split needs all samples of those before
+/// it: its contexts look around their pairs.
 Stage needed_of(Stage stage, const Split& split, const BrickShape& shape, int level,
                 const Box& box) {
-  const Size3& fine = shape.size[static_cast<std::size_t>(level)];
-  int coarse_axes = 0;
-  for (int axis = 0; axis < 3; ++axis) coarse_axes += split.fine_size[axis] != fine[axis] ? 1 : 0;
-  const auto pairs_of = [&](std::int64_t planes) {
-    return stage.axis == 2 ? (planes + 1) / 2 : planes;
-  };
-  // The last split looks at the means of one plane more.
-  if (coarse_axes == 1) stage.last_plane = pairs_of(box.hi.z + 1);
-  if (coarse_axes > 0) return stage;
+  if (split.fine_size != shape.size[static_cast<std::size_t>(level)]) return stage;
   // Nothing in the first planes of the last split looks at later ones.
   stage.first_row = stage.axis == 1 ? box.lo.y / 2 : box.lo.y;
   stage.last_row = stage.axis == 1 ? (box.hi.y + 1) / 2 : box.hi.y;
-  const std::int64_t pairs = pairs_of(box.hi.z);
+  const std::int64_t pairs = stage.axis == 2 ? (box.hi.z + 1) / 2 : box.hi.z;
   if (pairs >= stage.pairs.z) return stage;
   stage.pairs.z = pairs;
   // The last pair of all is left out.

@@ -309,15 +309,7 @@ struct Passes {
         take(stage, work, y, z, symbols);
       }
     }
-    Kernel::template reconstruct<false>(p, up_to_last_plane(stage), work);
-  }
-
-  /// The planes whose samples are asked for.
-  static Stage up_to_last_plane(Stage stage) {
-    if (stage.last_plane >= stage.pairs.z) return stage;
-    stage.pairs.z = stage.last_plane;
-    if (stage.axis == 2) stage.last_pair = {};
-    return stage;
+    Kernel::template reconstruct<false>(p, stage, work);
   }
 
   static void decode_two(const Parameters& p, const SplitTask<Sample>& first,

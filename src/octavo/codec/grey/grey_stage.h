@@ -53,11 +53,10 @@ struct Stage {
   /// Edges are marked in the work space: they are not coded as residuals.
   bool has_edges = false;
   int cell_shift[3] = {0, 0, 0};        ///< pair coordinate >> shift = cell coordinate
-  /// Rows whose samples a decoder is asked for, and as many planes, from the first on: samples
-  /// elsewhere may be anything. Contexts need all residuals, but no sample of the same split.
+  /// Rows whose samples a decoder is asked for: samples elsewhere may be anything. Contexts need
+  /// all residuals, but no sample of the same split.
   std::int64_t first_row = 0;
   std::int64_t last_row = kBrickSide;
-  std::int64_t last_plane = kBrickSide;
 
   bool is_looked_at(std::int64_t y) const { return y >= first_row && y < last_row; }
   std::int64_t detail_count() const;    ///< coded details, those of uniform cells left out

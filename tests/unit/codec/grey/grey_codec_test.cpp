@@ -459,8 +459,10 @@ TEST(GreyCodec, EveryTruncationOfASegmentIsNoticed) {
   }
 }
 
-/// Random boxes of every level, into arrays larger than they are.
-void expect_boxes(const BrickCodec& codec, const BrickShape& shape, const EncodedBrick& brick) {
+/// Random boxes of every level, into arrays larger than they are. `before` is decoded in front of
+/// each, so that nothing of the brick itself is left in the thread's work space.
+void expect_boxes(const BrickCodec& codec, const BrickShape& shape, const EncodedBrick& brick,
+                  const EncodedBrick& before) {
   std::mt19937 random(6);
   for (int level = 0; level < shape.level_count; ++level) {
     const Size3& size = shape.size[static_cast<std::size_t>(level)];
@@ -486,6 +488,8 @@ void expect_boxes(const BrickCodec& codec, const BrickShape& shape, const Encode
           std::copy_n(whole.begin() + from, own.x, expected.begin() + z * plane + y * row);
         }
       }
+      std::vector<std::int16_t> others(static_cast<std::size_t>(shape.size[0].voxel_count()));
+      codec.decode(shape, VoxelType::int16, before.range, spans_of(before), 0, others.data());
       codec.decode_box(shape, VoxelType::int16, brick.range, spans_of(brick),
                        {level, box, {found.data(), row, plane}});
       ASSERT_EQ(found, expected) << "level " << level << " box " << i;
@@ -494,9 +498,20 @@ void expect_boxes(const BrickCodec& codec, const BrickShape& shape, const Encode
 }
 
 /// Whole bricks and such that have parts, stored and uniform ones.
-TEST(GreyCodec, EveryBoxOfEveryLevelIsThatOfTheLevel) {
-  const Size3 size{40, 64, 33};
+void expect_boxes_of(const Size3& size, const CodecSettings& settings, Content content) {
   const BrickShape shape = shape_of(size);
+  const auto voxels = make_voxels<std::int16_t>(size, content, 5);
+  const TrainingBrick sample{shape, view_of(voxels, size)};
+  const auto codec = train_grey_model(VoxelType::int16, {&sample, 1}, settings);
+  std::vector<std::int16_t> others(voxels.rbegin(), voxels.rend());
+  for (std::size_t i = 0; i < others.size(); i += 5) others[i] = static_cast<std::int16_t>(i % 700);
+  const EncodedBrick other = codec->encode(shape, view_of(others, size));
+  expect_boxes(*codec, shape, codec->encode(shape, sample.view), other);
+  const std::vector<std::int16_t> even(voxels.size(), 12);
+  expect_boxes(*codec, shape, codec->encode(shape, view_of(even, size)), other);
+}
+
+TEST(GreyCodec, EveryBoxOfEveryLevelIsThatOfTheLevel) {
   const AxisOrder turned{2, 0, 1};
   const CodecSettings some_settings[] = {
       {.preset = Preset::small, .axis_order = kStraightOrder},
@@ -507,14 +522,12 @@ TEST(GreyCodec, EveryBoxOfEveryLevelIsThatOfTheLevel) {
       {.preset = Preset::fast, .max_error = 5, .access = Access::boxes}};
   for (const CodecSettings& settings : some_settings) {
     for (const Content content : {Content::smooth, Content::sparse, Content::noise}) {
-      const auto voxels = make_voxels<std::int16_t>(size, content, 5);
-      const TrainingBrick sample{shape, view_of(voxels, size)};
-      const auto codec = train_grey_model(VoxelType::int16, {&sample, 1}, settings);
-      SCOPED_TRACE(::testing::Message() << "settings " << &settings - some_settings << " content "
-                                        << static_cast<int>(content));
-      expect_boxes(*codec, shape, codec->encode(shape, sample.view));
-      const std::vector<std::int16_t> even(voxels.size(), 12);
-      expect_boxes(*codec, shape, codec->encode(shape, view_of(even, size)));
+      for (const Size3& size : {Size3{40, 64, 33}, Size3{20, 20, 20}, Size3{7, 19, 21}}) {
+        SCOPED_TRACE(::testing::Message() << "settings " << &settings - some_settings
+                                          << " content " << static_cast<int>(content) << " z "
+                                          << size.z);
+        expect_boxes_of(size, settings, content);
+      }
     }
   }
 }
