@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <memory>
+#include <numbers>
 
 #include "unit/render/rays/ray_scenes.h"
 
@@ -120,14 +121,17 @@ TEST(RayRefine, AdaptivePicturesAreNearlyTheWholeOfFewerRays) {
 }
 
 TEST(RayRefine, EdgesAreMeansOfFourRaysAndTheRestIsAsItWas) {
-  Refined<std::int16_t> scene(plain_ball(), RayMode::iso);
+  const auto ball = plain_ball();
+  Refined<std::int16_t> scene(ball, RayMode::iso);
   const Picture plain = scene.draw({});
   const Picture smooth = scene.draw({false, true});
   const Picture fine = scene.draw_twice_as_fine();
   std::int64_t edges = 0;
+  double covered = 0;
   for (std::int64_t y = 0; y < plain.height; ++y) {
     for (std::int64_t x = 0; x < plain.width; ++x) {
       const auto at = static_cast<std::size_t>(3 * (y * plain.width + x));
+      covered += plain.pixels[at] != plain.pixels[0] ? 1 : 0;
       if (smooth.pixels[at] == plain.pixels[at]) continue;
       ++edges;
       int sum = 0;
@@ -140,9 +144,10 @@ TEST(RayRefine, EdgesAreMeansOfFourRaysAndTheRestIsAsItWas) {
       ASSERT_EQ(smooth.pixels[at], (sum + 2) / 4) << x << ' ' << y;
     }
   }
-  // Around the outline of the ball.
-  EXPECT_GT(edges, 300);
-  EXPECT_LT(edges, 4000);
+  // A circle of radius r crosses 8 r pixels, and in half of them the square between the four rays.
+  const double radius = std::sqrt(covered / std::numbers::pi);
+  EXPECT_GT(static_cast<double>(edges), 3.9 * radius);
+  EXPECT_LT(static_cast<double>(edges), 8.1 * radius);
 }
 
 TEST(RayRefine, BricksThreadsAndMemoryChangeNoPixel) {
