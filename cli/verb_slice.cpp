@@ -34,7 +34,8 @@ constexpr VerbText kSliceText = {
     "outline or wash, grey values as isolines or wash. It can be given several times; options of\n"
     "overlays are given once for all of them, or as often as overlays, in their order.\n"
     "--overlay-levels are the values of isolines, or the two ends of a wash, and given once those\n"
-    "of all overlays of grey values; given for each overlay, none leaves one without.\n"
+    "of all overlays of grey values; given for each overlay, none leaves one without. Isolines of\n"
+    "a second overlay have one color.\n"
     "--label leaves all other labels out: of the file, or where it holds grey values of the label\n"
     "maps over it.\n\n"
     "Examples:\n"
@@ -175,11 +176,17 @@ nlohmann::ordered_json slice_json(const DrawnSlice& slice, const SliceResult& re
                                    {"width", slice.width},
                                    {"height", slice.height},
                                    {"pixel_mm", if_in_mm(result.volume, slice.pixel_mm)},
+                                   {"place_mm", nullptr},
                                    {"window", nullptr}};
   if (slice.axis) object["axis"] = std::string(1, "xyz"[*slice.axis]);
   if (slice.indices.size() == 1) object["index"] = slice.indices.front();
   if (slice.plane) {
     object["plane"] = {{"point_mm", slice.plane->point_mm}, {"normal", slice.plane->normal}};
+  }
+  if (slice.place && is_spacing_known(result.volume)) {
+    object["place_mm"] = {{"first_pixel", slice.place->origin},
+                          {"across", slice.place->across},
+                          {"down", slice.place->down}};
   }
   if (slice.window) {
     object["window"] = {{"center", slice.window->center}, {"width", slice.window->width}};

@@ -121,32 +121,17 @@ class OverlayPainter {
     const bool is_outline = *look_.kind == OverlayKind::outline;
     std::vector<std::uint8_t> outlines;
     if (is_outline) outlines = label_outlines(samples_, line_px(at_));
-    std::map<std::int64_t, std::int64_t> pixels;
     for_each_pixel([&](std::int64_t x, std::int64_t y, double value) {
       if (std::isnan(value) || value == 0) return;
       const auto label = static_cast<std::int64_t>(value);
-      ++pixels[label];
-      ++legend_.label_pixels;
+      ++legend_.pixels_of_label[label];
       if (is_outline && outlines[static_cast<std::size_t>(y * samples_.width + x)] == 0) return;
       picture_.blend(at_.x + x, at_.y + y, color_of(label), *look_.opacity);
     });
-    add_rows(pixels);
-  }
-
-  void add_rows(const std::map<std::int64_t, std::int64_t>& pixels) {
-    std::vector<std::pair<std::int64_t, std::int64_t>> largest(pixels.begin(), pixels.end());
-    std::stable_sort(largest.begin(), largest.end(),
-                     [](const auto& a, const auto& b) { return a.second > b.second; });
-    for (const auto& [label, count] : largest)
-      add_row({color_of(label), label_text(overlay_.labels, label)});
-  }
-
-  /// A picture of many sections names each label once.
-  void add_row(const LegendRow& row) {
-    const auto same = std::find_if(
-        legend_.rows.begin(), legend_.rows.end(),
-        [&](const LegendRow& r) { return r.color == row.color && r.text == row.text; });
-    if (same == legend_.rows.end()) legend_.rows.push_back(row);
+    legend_.rows.clear();
+    for (const std::int64_t label : largest_first(legend_.pixels_of_label)) {
+      legend_.rows.push_back({color_of(label), label_text(overlay_.labels, label)});
+    }
   }
 
   void draw_wash() {
@@ -175,9 +160,11 @@ class OverlayPainter {
     for (const ValueText& text : texts) {
       letters.draw(picture_, text.x, text.y, text.value, {text.color, kBlack});
     }
+    legend_.rows.clear();
     for (std::size_t i = count; i-- > 0;) {
       const Color color = look_.color ? *look_.color : scale_colors(count)[i];
-      add_row({color, with_unit(look_.levels[i], overlay_.unit)});
+      const std::string value = with_unit(look_.levels[i], overlay_.unit);
+      legend_.rows.push_back({color, overlay_.is_named ? overlay_.name + " " + value : value});
     }
   }
 
@@ -266,6 +253,15 @@ class OverlayPainter {
 };
 
 }  // namespace
+
+std::vector<std::int64_t> largest_first(const std::map<std::int64_t, std::int64_t>& pixels) {
+  std::vector<std::int64_t> labels;
+  for (const auto& [label, count] : pixels) labels.push_back(label);
+  std::stable_sort(labels.begin(), labels.end(), [&](std::int64_t a, std::int64_t b) {
+    return pixels.at(a) > pixels.at(b);
+  });
+  return labels;
+}
 
 Overlay decided(Overlay overlay) {
   OverlayLook& look = overlay.look;

@@ -9,6 +9,7 @@
 // nearest voxel, grey values interpolated.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -40,6 +41,7 @@ struct Overlay {
   LabelNames labels;
   std::optional<std::vector<std::int64_t>> kept;  ///< the labels that are drawn, sorted; else all
   std::string name;        ///< what the legend says of a mask
+  bool is_named = false;   ///< whether it says it of isolines too
   std::string unit;        ///< of grey values
   std::size_t number = 0;  ///< chooses the color of a mask that has none
 };
@@ -55,13 +57,17 @@ struct OverlayLegend {
   std::vector<LegendRow> rows;
   std::vector<Color> scale;  ///< of a wash of grey values, the lowest first
   std::array<std::string, 2> scale_ends;
-  std::int64_t pixels = 0;        ///< that lie in the overlay's volume
-  std::int64_t label_pixels = 0;  ///< that lie in its labels
+  std::int64_t pixels = 0;  ///< that lie in the overlay's volume
+  std::map<std::int64_t, std::int64_t> pixels_of_label;
 };
+
+/// The labels, that with the most pixels first.
+std::vector<std::int64_t> largest_first(const std::map<std::int64_t, std::int64_t>& pixels);
 
 /// Draws an overlay on the part of a picture that shows `section`, its pixel (0, 0) at `at`. Labels
 /// that are seen become rows of the legend, the largest first.
 /// overlay  as `decided` gives it
+/// legend   of this overlay alone, in all sections of the picture
 /// Runs on the threads of the calling task arena; throws what the reader throws.
 /// Memory  about 10 bytes per pixel of the section
 void draw_overlay(Picture& picture, const PixelArea& at, const PlaneSection& section,

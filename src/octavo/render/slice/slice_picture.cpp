@@ -91,6 +91,7 @@ class SlicePainter {
     result.indices = plan_.indices;
     result.pixel_mm = plan_.sections.front().pixel_mm;
     result.letters = plan_.sections.front().letters;
+    if (plan_.sections.size() == 1) result.place = plan_.sections.front().world;
     const bool is_labels = reader_.description().kind == VolumeKind::labels;
     const bool is_colored = is_labels || !options_.overlays.empty();
 
@@ -126,7 +127,7 @@ class SlicePainter {
                      plan_.sections[i], overlay, legend);
       }
       result.overlay_pixels.push_back(legend.pixels);
-      result.label_pixels += legend.label_pixels;
+      for (const auto& [label, count] : legend.pixels_of_label) result.label_pixels += count;
     }
     for (const auto& [label, count] : label_pixels_) result.label_pixels += count;
     write(result.picture);
@@ -244,12 +245,8 @@ class SlicePainter {
   }
 
   void write_legends(Annotator& writing, Corner corner) const {
-    std::vector<std::pair<std::int64_t, std::int64_t>> largest(label_pixels_.begin(),
-                                                               label_pixels_.end());
-    std::stable_sort(largest.begin(), largest.end(),
-                     [](const auto& a, const auto& b) { return a.second > b.second; });
     std::vector<LegendRow> rows;
-    for (const auto& [label, count] : largest) {
+    for (const std::int64_t label : largest_first(label_pixels_)) {
       rows.push_back({label_color(options_.labels, label), label_text(options_.labels, label)});
     }
     for (const OverlayLegend& legend : overlay_legends_) {

@@ -48,6 +48,7 @@ struct SlicePicture {
   Window window;                             ///< the one used; meaningless for labels
   double pixel_mm = 1;                       ///< side of a pixel
   EdgeLetters letters;                       ///< the patient's sides at the edges
+  std::optional<PixelMap> place;             ///< of pixels in mm (LPS); none of a montage
   std::vector<std::int64_t> indices;         ///< of the slices
   std::vector<std::int64_t> overlay_pixels;  ///< pixels that lie in each overlay's volume
   std::int64_t label_pixels = 0;             ///< pixels that lie in labels, of overlays too

@@ -11,6 +11,7 @@
 #include "octavo/core/error.h"
 #include "octavo/core/place_known.h"
 #include "octavo/core/text.h"
+#include "octavo/render/color_scale.h"
 #include "octavo/render/slice/montage.h"
 #include "octavo/tasks/inputs.h"
 #include "octavo/tasks/masks.h"
@@ -152,6 +153,20 @@ void choose_labels(std::vector<Overlay>& overlays, const SliceOptions& options) 
             options.overlays[static_cast<std::size_t>(first - overlays.begin())].path);
 }
 
+/// Lines of the first overlay of grey values have a color for each value; those of another have one
+/// of its own, and all are named.
+void tell_isolines_apart(std::vector<Overlay>& overlays) {
+  std::vector<Overlay*> lines;
+  for (Overlay& overlay : overlays) {
+    if (*overlay.look.kind == OverlayKind::isolines) lines.push_back(&overlay);
+  }
+  if (lines.size() < 2) return;
+  for (Overlay* const one : lines) {
+    one->is_named = true;
+    if (one != lines.front() && !one->look.color) one->look.color = overlay_color(one->number);
+  }
+}
+
 /// The volumes above the slices, and what is to be said of them.
 std::vector<Overlay> opened_overlays(const SliceOptions& options, const FileReader& reader,
                                      const TaskContext& context) {
@@ -180,6 +195,7 @@ std::vector<Overlay> opened_overlays(const SliceOptions& options, const FileRead
   if (!has_grey && !options.overlay_levels.empty()) {
     reject_slice("levels are of grey values, and no overlay holds any", "overlays.levels");
   }
+  tell_isolines_apart(overlays);
   return overlays;
 }
 
@@ -271,6 +287,7 @@ DrawnSlice told(const Drawing& drawing, VolumeKind kind) {
   slice.path = drawing.path;
   if (!drawing.options.plane) slice.axis = drawing.options.axis;
   slice.plane = drawing.options.plane;
+  slice.place = drawing.picture.place;
   slice.indices = drawing.picture.indices;
   slice.width = drawing.picture.picture.width;
   slice.height = drawing.picture.picture.height;

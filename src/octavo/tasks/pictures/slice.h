@@ -66,6 +66,7 @@ struct DrawnSlice {
   std::optional<int> axis;            ///< none: an oblique section
   std::vector<std::int64_t> indices;  ///< of its slices
   std::optional<CutPlane> plane;
+  std::optional<PixelMap> place;  ///< of pixels in mm (LPS), as of `pixel_mm`; none of a montage
   std::int64_t width = 0;
   std::int64_t height = 0;
   double pixel_mm = 1;           ///< where the spacing is known; otherwise as if voxels were 1 mm

@@ -175,6 +175,23 @@ TEST_F(Overlays, LabelsHaveTheirNamesAndColorsTheLargestFirst) {
   EXPECT_EQ(legend.rows[1].text, "Putamen");
   EXPECT_EQ(legend.rows[1].color, (Color{1, 2, 3}));
   EXPECT_EQ(legend.rows[2].text, "label 9");
+
+  // Of several sections together: what is small in the first is large in all.
+  const auto turned = volume("t.8vo", VolumeKind::labels, 1, [](const Point3& p) {
+    return p[2] < 1 ? (p[0] < 40 ? 5 : 1) : p[0] < 30 ? 1 : 5;
+  });
+  OverlayLegend sheet;
+  for (const std::int64_t z : {0, 2, 3}) {
+    const PlaneSection section = axis_section({}, kSize, 2, z, 60);
+    Picture picture = make_picture(section.width, section.height, 3);
+    draw_overlay(picture, {0, 0, picture.width, picture.height}, section,
+                 decided(overlay(turned)), sheet);
+  }
+  ASSERT_EQ(sheet.rows.size(), 2u);
+  const std::map<std::int64_t, std::int64_t> pixels = {{1, 80 * 50}, {5, 100 * 50}};
+  EXPECT_EQ(sheet.pixels_of_label, pixels);
+  EXPECT_EQ(sheet.rows[0].text, "label 5");
+  EXPECT_EQ(sheet.rows[1].text, "label 1");
 }
 
 TEST_F(Overlays, AWashOfGreyValuesBeginsAtItsLowerLevel) {

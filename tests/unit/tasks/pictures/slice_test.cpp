@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "octavo/core/error.h"
+#include "octavo/render/color_scale.h"
 #include "octavo/render/label_color.h"
 #include "octavo/render/slice/montage.h"
 #include "support/built_file.h"
@@ -69,6 +70,7 @@ class SliceTask : public ::testing::Test {
   std::string scan_ = folder_.file("scan.8vo");
   std::string mask_ = folder_.file("mask.8vo");
   std::vector<std::string> warnings_;
+  std::vector<Picture> pictures_;
   SliceOptions options_;
   TaskContext context_;
 };
@@ -85,6 +87,34 @@ TEST_F(SliceTask, TheMiddleSliceIsDrawn) {
   ASSERT_TRUE(drawn.window);
   EXPECT_GT(drawn.window->width, 1000);
   EXPECT_EQ(picture(drawn.path).channels, 1);
+  // Pixels lie where the voxels do: the middle of the picture is that of the slice.
+  ASSERT_TRUE(drawn.place);
+  const Point3 middle = drawn.place->at(static_cast<double>(drawn.width - 1) / 2,
+                                        static_cast<double>(drawn.height - 1) / 2);
+  EXPECT_NEAR(middle[0], -20 + 39 / 2.0, 1e-9);
+  EXPECT_NEAR(middle[1], -18 + 35 / 2.0, 1e-9);
+  EXPECT_NEAR(middle[2], -30 + 2 * 12, 1e-9);
+  options_.montage = AskedMontage{2, 1, {}};
+  options_.output.overwrite = true;
+  EXPECT_FALSE(slice(options_, context_).pictures.front().place);
+}
+
+TEST_F(SliceTask, IsolinesOfTwoVolumesAreToldApart) {
+  options_.overlays = {{scan_, {}}, {scan_, {}}};
+  options_.on_picture = [&](const Picture& made) { pictures_.push_back(made); };
+  slice(options_, context_);
+  options_.overlays.pop_back();
+  slice(options_, context_);
+  ASSERT_EQ(pictures_.size(), 2u);
+  const auto pixels_of = [](const Picture& one, const Color& color) {
+    std::int64_t count = 0;
+    for (std::size_t i = 0; i + 2 < one.pixels.size(); i += 3) {
+      count += std::equal(color.begin(), color.end(), &one.pixels[i]);
+    }
+    return count;
+  };
+  EXPECT_GT(pixels_of(pictures_[0], overlay_color(1)), 100);
+  EXPECT_EQ(pixels_of(pictures_[1], overlay_color(1)), 0);
 }
 
 TEST_F(SliceTask, LabelsHaveNoWindow) {
