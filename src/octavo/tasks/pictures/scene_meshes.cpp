@@ -108,6 +108,8 @@ SceneMeshes::SceneMeshes(const RenderOptions& options, const Geometry& geometry,
     MeshBall ball = mesh_ball(mark.at_mm, kMarkRadiusShare * std::sqrt(squared));
     surfaces_.push_back({std::move(ball.mesh), std::move(ball.normals),
                          mark.color.value_or(kMarkColor), 1, ""});
+    warn_beside(geometry, shown, mark.text.empty() ? "a mark" : "the mark " + escaped(mark.text),
+                context);
   }
 }
 
@@ -158,7 +160,7 @@ void SceneMeshes::add_mesh(const AskedMesh& asked, const TaskContext& context) {
 }
 
 /// Warns where the last surface has no point in what is shown.
-void SceneMeshes::warn_beside(const Geometry& geometry, const Box& shown, const std::string& path,
+void SceneMeshes::warn_beside(const Geometry& geometry, const Box& shown, const std::string& name,
                               const TaskContext& context) const {
   Point3 low;
   Point3 high;
@@ -178,7 +180,7 @@ void SceneMeshes::warn_beside(const Geometry& geometry, const Box& shown, const 
     if (!is_beside) continue;
     context.warn(fmt::format("{}: lies beside the volume: along its {} axis from {} to {}, which "
                              "runs from {} to {}",
-                             path, "xyz"[axis], number_text(std::round(low[i])),
+                             name, "xyz"[axis], number_text(std::round(low[i])),
                              number_text(std::round(high[i])), shown.lo[axis],
                              shown.hi[axis] - 1));
     return;

@@ -46,7 +46,7 @@ class SceneMeshes {
   };
 
   void add_mesh(const AskedMesh& asked, const TaskContext& context);
-  void warn_beside(const Geometry& geometry, const Box& shown, const std::string& path,
+  void warn_beside(const Geometry& geometry, const Box& shown, const std::string& name,
                    const TaskContext& context) const;
 
   std::vector<SceneSurface> surfaces_;

@@ -70,6 +70,17 @@ TEST_F(SceneMeshFiles, ThatAreRasAreTurned) {
       << said_;
 }
 
+TEST_F(SceneMeshFiles, MarksElsewhereAreNoted) {
+  options_.marks.resize(2);
+  options_.marks[0].at_mm = {3, 3, 3};
+  options_.marks[1] = {.at_mm = {300, 3, 3}, .text = "far"};
+  read();
+  EXPECT_NE(said_.find("the mark far: lies beside the volume: along its x axis"),
+            std::string::npos)
+      << said_;
+  EXPECT_EQ(said_.find("a mark"), std::string::npos) << said_;
+}
+
 TEST_F(SceneMeshFiles, ThatAreOpenAreNoted) {
   ask_for("open.obj", "v 2 2 2\nv 8 2 2\nv 2 8 2\nf 1 2 3\n");
   read();
