@@ -26,7 +26,7 @@ constexpr VerbText kMeasureText = {
     "something else), centroid, bounding box, principal moments and axes; with --of also mean,\n"
     "standard deviation, minimum, maximum, integrated value (sum times mm3) and percentiles of\n"
     "the grey volume, in its real units (HU); the table shows those percentiles that are asked\n"
-    "for. Positions are in mm (LPS), boxes in voxels, half-open.\n\n"
+    "for. Positions are in mm (LPS), of centroids in voxels too; boxes in voxels, half-open.\n\n"
     "--part I/N measures a part of large files, as a task of an array of N does, and writes\n"
     "what it found; --join, with the same options, says of all parts what measure says, to every\n"
     "digit. Parts give percentiles of values that span over at most 2^16.\n\n"
@@ -56,6 +56,7 @@ nlohmann::ordered_json row_json(const MeasuredRegion& row, const MeasureResult& 
       {"mm3", if_in_mm(in_mm.mm3)},
       {"surface_voxels", r.surface_voxel_count},
       {"centroid_mm", if_in_mm(in_mm.centroid)},
+      {"centroid_voxel", r.centroid},
       {"box", box_json(r.box)},
       {"principal_moments_mm2", if_in_mm(in_mm.axes.moments_mm2)},
       {"principal_axes", if_in_mm(in_mm.axes.axes)}};
@@ -99,6 +100,7 @@ std::string csv_text(const nlohmann::ordered_json& head, const nlohmann::ordered
     std::vector<std::string> parts = split(pointer.substr(1), '/');
     const auto place = [&](std::size_t i) { return static_cast<std::size_t>(parts[i][0] - '0'); };
     if (parts[0] == "centroid_mm") return std::string("centroid") + kAxes[place(1)] + "_mm";
+    if (parts[0] == "centroid_voxel") return std::string("centroid") + kAxes[place(1)] + "_voxel";
     if (parts[0] == "box") return std::string("box") + kAxes[place(1)] + kEnds[place(2)];
     if (parts[0] == "principal_axes") {
       return fmt::format("principal_axis_{}{}", place(1) + 1, kAxes[place(2)]);
@@ -133,11 +135,11 @@ std::vector<std::string> cells_of(const MeasuredRegion& row, const std::string& 
                                     count_of(r.surface_voxel_count),
                                     "-",
                                     "-"};
+  const Point3& c = row.in_mm ? row.in_mm->centroid : r.centroid;
+  cells[5] = fmt::format("{:.1f}, {:.1f}, {:.1f}", c[0], c[1], c[2]);
   if (row.in_mm) {
-    const Point3& c = row.in_mm->centroid;
     const auto& m = row.in_mm->axes.moments_mm2;
     cells[3] = fmt::format("{:.2f}", row.in_mm->mm3);
-    cells[5] = fmt::format("{:.1f}, {:.1f}, {:.1f}", c[0], c[1], c[2]);
     cells[6] =
         fmt::format("{:.2f}, {:.2f}, {:.2f}", std::sqrt(m[0]), std::sqrt(m[1]), std::sqrt(m[2]));
   }
@@ -150,12 +152,14 @@ std::vector<std::string> cells_of(const MeasuredRegion& row, const std::string& 
 }
 
 std::string table_text(const MeasureResult& result, bool shows_percentiles) {
+  const bool is_in_mm = result.regions.empty() || result.regions.front().in_mm.has_value();
   std::vector<TextColumn> columns = {{"label", 10},
                                      name_column(),
                                      {"voxels", 14},
                                      {"mm3", 14},
                                      {"surface", 12},
-                                     {"centroid mm (x, y, z)", 26, Align::left},
+                                     {is_in_mm ? "centroid mm (x, y, z)" : "centroid voxels", 26,
+                                      Align::left},
                                      {"principal sd mm", 24, Align::left}};
   const bool has_grey = !result.regions.empty() && result.regions.front().region.grey.has_value();
   if (has_grey) {

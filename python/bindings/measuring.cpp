@@ -47,6 +47,7 @@ nb::dict region_row(const MeasuredRegion& one, const MeasureResult& result) {
     return one.in_mm ? std::optional<Point3>(member(*one.in_mm)) : std::nullopt;
   };
   set_axes(row, "centroid_", "_mm", in_mm([](const RegionInMm& mm) { return mm.centroid; }));
+  set_axes(row, "centroid_", "_voxel", region.centroid);
   for (int axis = 0; axis < 3; ++axis) {
     const std::string name = std::string("box_") + "xyz"[axis];
     row[(name + "_lo").c_str()] = region.box.lo[axis];

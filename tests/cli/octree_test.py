@@ -109,7 +109,12 @@ class Masks(cli_test.InFolder):
         self.assertIsNone(found["objects"][0]["centroid_mm"])
         told = self.expect(0, "measure", "a.8vo", "--json")
         self.assertIn("spacing is not known", told.stderr)
-        self.assertIsNone(json.loads(told.stdout)["objects"][0]["principal_moments_mm2"])
+        region = json.loads(told.stdout)["objects"][0]
+        self.assertIsNone(region["principal_moments_mm2"])
+        self.assertIsNone(region["centroid_mm"])
+        place = ", ".join(f"{c:.1f}" for c in region["centroid_voxel"])
+        self.assertRegex(self.expect(0, "measure", "a.8vo").stdout,
+                         rf"centroid voxels[^\n]*\n[^\n]* {place} ")
         self.expect_error(2, ["a volume in mm3", "--spacing"],
                           "components", "a.8vo", "--min-mm3", "1")
 
