@@ -2,8 +2,11 @@
 //
 // usage: OCTAVO=build/octavo node tests/web/controls_test.mjs
 import assert from "node:assert/strict";
+import { readFileSync, writeFileSync } from "node:fs";
+import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { inChromium } from "./support/chromium.mjs";
+import { inFolder, run } from "./support/golden.mjs";
 import { calm, settled, startPage, text, withPage } from "./support/viewer_page.mjs";
 
 let host;
@@ -28,6 +31,16 @@ async function drag(shown, id, from, to, button = "left") {
   await shown.mouse.move(...(await place(shown, id, ...to)), { steps: 4 });
   await shown.mouse.up({ button });
 }
+
+/** Lets a file fall on the page. */
+const drop = (shown, bytes, name) => shown.evaluate(([all, called]) => {
+  const held = new DataTransfer();
+  held.items.add(new File([Uint8Array.from(all)], called));
+  for (const kind of ["dragover", "drop"]) {
+    document.body.dispatchEvent(new DragEvent(kind, {
+      dataTransfer: held, bubbles: true, cancelable: true }));
+  }
+}, [[...bytes], name]);
 
 test("every control has a name, and the panels say what they show", async () => {
   await withPage("?url=scan.8vo&labels=labels.8vo", async (shown) => {
@@ -144,18 +157,122 @@ test("a file that is dropped is shown without a request", async () => {
   await withPage("", async (shown) => {
     await shown.locator("#welcome").waitFor();
     host.log.length = 0;
-    await shown.evaluate((bytes) => {
-      const held = new DataTransfer();
-      held.items.add(new File([Uint8Array.from(bytes)], "dropped.8vo"));
-      for (const kind of ["dragover", "drop"]) {
-        document.body.dispatchEvent(new DragEvent(kind, {
-          dataTransfer: held, bubbles: true, cancelable: true }));
-      }
-    }, [...files.scan]);
+    await drop(shown, files.scan, "dropped.8vo");
     await settled(shown);
     assert.equal(await text(shown, "title"), "dropped.8vo");
     assert.deepEqual(host.requestsOf("/scan.8vo"), []);
   });
+});
+
+test("the address names what is open, and nothing that a file took the place of", async () => {
+  const search = (shown) => shown.evaluate(() => location.search);
+  await withPage("?url=scan.8vo&labels=labels.8vo&layout=z", async (shown) => {
+    await shown.waitForFunction(() => octavo?.overlay?.hasPreview, null, { timeout: 60_000 });
+    assert.equal(await search(shown), "?url=scan.8vo&labels=labels.8vo&layout=z");
+    await drop(shown, files.labels, "own.8vo");
+    await shown.waitForFunction(() => octavo.overlay.facts.name === "own.8vo");
+    assert.equal(await search(shown), "?url=scan.8vo&layout=z");
+    await drop(shown, files.scan, "dropped.8vo");
+    await shown.waitForFunction(() => octavo.session.facts.name === "dropped.8vo");
+    await settled(shown);
+    assert.equal(await search(shown), "");
+    await shown.evaluate(() => octavo.open(new URL("scan.8vo", location.href).href));
+    assert.equal(await search(shown), "?url=scan.8vo");
+    await settled(shown);
+  });
+});
+
+test("a file that can never open is named, and offers no other try", async () => {
+  await withPage("", async (shown) => {
+    await drop(shown, Buffer.from("no scan ".repeat(100)), "notes.txt");
+    await shown.locator("#message").waitFor();
+    assert.match(await text(shown, "message"), /^notes\.txt/);
+    assert.deepEqual(await shown.locator("#message button").allTextContents(), ["✕"]);
+  });
+});
+
+test("letters of all languages stay in the names of pictures", async () => {
+  await withPage("", async (shown) => {
+    await drop(shown, files.scan, "Schädel von Jörg #1 100%? 頭.8vo");
+    await settled(shown);
+    const [saved] = await Promise.all([
+      shown.waitForEvent("download"), shown.locator("button[title^='Save']").click()]);
+    assert.equal(saved.suggestedFilename(), "Schädel_von_Jörg_1_100_頭.8vo.png");
+  });
+});
+
+test("fields show the window that is, whatever was typed", async () => {
+  await withPage("?url=scan.8vo&layout=z&window=100,600", async (shown) => {
+    await settled(shown);
+    const width = shown.locator("#width");
+    for (const typed of ["0", "-5", ""]) {
+      await width.fill(typed);
+      await width.press("Enter");
+      assert.equal(await width.inputValue(), "600", `after "${typed}"`);
+    }
+    await shown.locator("#center").fill("");
+    await shown.locator("#center").press("Enter");
+    await width.fill("50");
+    await width.press("Enter");
+    assert.deepEqual(await state(shown, "window"), [{ center: 100, width: 50 }]);
+  }, { viewport: { width: 900, height: 560 } });
+});
+
+/** A file whose table names more labels than a list draws at once. */
+function manyLabels(count) {
+  return inFolder((folder) => {
+    const at = (name) => join(folder, name);
+    writeFileSync(at("l.raw"), new Uint16Array(512).fill(1));
+    const line = (_, i) => `${i + 1} ${i + 1 === 4100 ? "Tail of all" : `part ${i + 1}`}\n`;
+    writeFileSync(at("names.txt"), Array.from({ length: count }, line).join(""));
+    run("build", at("l.raw"), "--raw", "8,8,8,uint16", "--spacing", "1", "--labels",
+      "--label-names", at("names.txt"), "-o", at("l.8vo"));
+    return readFileSync(at("l.8vo"));
+  });
+}
+
+test("each of many labels is found by name or number, scrolled to, shown alone", async () => {
+  const most = 5280;
+  host.files.set("/many.8vo", await manyLabels(most));
+  await withPage("?url=many.8vo&layout=z", async (shown) => {
+    await settled(shown);
+    const rows = shown.locator("#labels li");
+    const hidden = async () => new Set(
+      await shown.evaluate(() => [...octavo.store.now.hiddenLabels]));
+    assert.ok(await rows.count() < most);
+    await shown.locator(`[data-label="1"]`).uncheck();
+    while (await rows.count() < most) {
+      const before = await rows.count();
+      await rows.last().scrollIntoViewIfNeeded();
+      await shown.waitForFunction(
+        (n) => document.querySelectorAll("#labels li").length > n, before, { timeout: 5_000 });
+    }
+    await shown.locator(`[data-label="${most}"]`).uncheck();
+    assert.deepEqual(await hidden(), new Set([1, most]));
+    const find = shown.locator("#labels-find");
+    await find.fill("528");
+    assert.deepEqual(
+      await rows.locator("input").evaluateAll((all) => all.map((one) => one.dataset.label)),
+      ["528", "1528", "2528", "3528", "4528", "5280"]);
+    assert.equal(await shown.locator(`[data-label="${most}"]`).isChecked(), false);
+    await find.fill("tail OF");
+    assert.equal(await rows.count(), 1);
+    await rows.locator("button").click();
+    const alone = await hidden();
+    assert.ok(alone.size === most - 1 && !alone.has(4100));
+    await rows.locator("button").click();
+    assert.equal((await hidden()).size, 0);
+    await find.fill("part 12");
+    const found = await rows.count();
+    await shown.locator("#labels-none").click();
+    assert.equal((await hidden()).size, found);
+    assert.ok((await hidden()).has(1234));
+    await find.fill("");
+    await shown.locator("#labels-all").click();
+    assert.equal((await hidden()).size, 0);
+    await find.fill("no such label");
+    assert.equal(await rows.count(), 0);
+  }, { viewport: { width: 900, height: 700 } });
 });
 
 test("fingers move the cursor, two of them zoom; a phone shows all tools", async () => {

@@ -87,6 +87,27 @@ test("a link shows the scan that it names, or says why not", async () => {
   }
 });
 
+test("parts of a link that are not understood are named, numbers may have a plus", async () => {
+  const query = "?url=scan.8vo&layout=q&curve=5:0:fff&side=left&at=1,2&hide=&other=1" +
+    "&iso=+6e+2&clip=0:99999,-9:120,200:300&opacity=%2B5e-1";
+  await withPage(query, async (shown) => {
+    await settled(shown);
+    await shown.locator("#message").waitFor();
+    assert.match(await text(shown, "message"),
+      /^not understood in this link: at=1,2; layout=q; curve=5:0:fff; side=left✕$/);
+    const { iso, clip, overlayOpacity } = await shown.evaluate(() => octavo.store.now);
+    assert.deepEqual({ iso, clip, overlayOpacity },
+      { iso: 600, clip: { lo: [0, 0, 89], hi: [150, 120, 90] }, overlayOpacity: 0.5 });
+  });
+  // Why a file does not open is not written over.
+  await withPage("?url=none.8vo&layout=q", async (shown) => {
+    await shown.locator("#message button", { hasText: "Try again" }).waitFor();
+    await shown.waitForFunction(
+      () => document.getElementById("message").textContent.includes("layout=q"));
+    assert.match(await text(shown, "message"), /none\.8vo/);
+  }, { mayComplain: true });
+});
+
 test("keys, tools and links: what is seen can be passed on", async () => {
   await withPage("?url=scan.8vo&layout=z&at=75,65,40", async (shown) => {
     await settled(shown);
@@ -140,19 +161,44 @@ test("a surface in 3-D covers the pixels that octavo render covers", async () =>
   });
 });
 
-test("a lost graphics context comes back with the same picture", async () => {
-  await withPage("?url=scan.8vo&layout=z", async (shown) => {
+test("a lost graphics context is said to be lost until it is back with its picture", async () => {
+  await withPage("?url=scan.8vo", async (shown) => {
     await settled(shown);
-    const before = pngPixels(await shown.locator("#panel-z").screenshot());
-    const frames = await shown.evaluate(() => {
-      octavo.stage.loseContext();
-      return octavo.stage.frames;
+    const said = [];
+    shown.on("console", (message) => said.push(message.text()));
+    await shown.evaluate(() => octavo.store.set({ hasAnnotations: false }));
+    const picture = async () => {
+      await shown.waitForTimeout(300);
+      await settled(shown);
+      return pngPixels(await shown.locator("#panel-z").screenshot());
+    };
+    const before = await picture();
+    const lose = () => shown.evaluate(() => {
+      globalThis.card = document.getElementById("stage").getContext("webgl2")
+        .getExtension("WEBGL_lose_context");
+      card.loseContext();
     });
-    await shown.waitForFunction((n) => octavo.stage.frames > n, frames);
-    await shown.waitForTimeout(300);
-    const again = pngPixels(await shown.locator("#panel-z").screenshot());
-    assert.deepEqual(again.grey, before.grey);
+    const giveBack = async () => {
+      const frames = await shown.evaluate(() => {
+        card.restoreContext();
+        return octavo.stage.frames;
+      });
+      await shown.waitForFunction((n) => octavo.stage.frames > n, frames);
+    };
+    await lose();
+    await shown.locator("#message").waitFor({ timeout: 10_000 });
+    assert.match(await text(shown, "message"), /^The graphics card was lost/);
+    await giveBack();
+    await shown.locator("#message").waitFor({ state: "hidden", timeout: 10_000 });
+    assert.deepEqual((await picture()).grey, before.grey);
     assert.ok(before.grey.some((v) => v > 100));
+    // What was said meanwhile stays.
+    await lose();
+    await shown.locator("#message").waitFor({ timeout: 10_000 });
+    await shown.evaluate(() => octavo.open("http://127.0.0.1:9/none.8vo"));
+    await giveBack();
+    assert.match(await text(shown, "message"), /none\.8vo/);
+    assert.deepEqual(said.filter((line) => /does not belong|INVALID_OPERATION/.test(line)), []);
   }, { mayComplain: true });
 });
 
@@ -313,6 +359,43 @@ test("a server that falls silent is said to be slow, and asked again by a button
       host.files.set("/scan.8vo", noisy);
       // True: somebody else answers, and nobody does.
       host.misbehave = (request) => request.url.startsWith("/scan.8vo") && ++asked >= 4;
+    },
+  });
+});
+
+test("the line names the scan that is being opened, from the start to the first picture", async () => {
+  // Larger than what opening fetches.
+  const noisy = Buffer.from((await builtScan(5)).bytes);
+  const held = [];
+  const hold = () => new Promise((go) => { held.push(() => go(false)); });
+  const line = (shown) => shown.evaluate(async () => {
+    // Frames, and changes of the view, are drawn meanwhile.
+    octavo.store.set({ layout: octavo.store.now.layout === "z" ? "four" : "z" });
+    await new Promise((resolve) => setTimeout(resolve, 300));
+    return document.getElementById("fidelity").textContent;
+  });
+  await withPage("?url=slow%20scan.8vo", async (shown) => {
+    for (const what of ["header", "index", "first slice"]) {
+      while (held.length === 0) await shown.waitForTimeout(50);
+      assert.match(await line(shown), /^opening slow scan\.8vo …/, what);
+      if (what === "header") {
+        assert.equal(await text(shown, "welcome-title"), "opening slow scan.8vo …");
+      }
+      if (what === "first slice") host.misbehave = null;
+      for (const go of held.splice(0)) go();
+    }
+    await settled(shown);
+    await shown.waitForFunction(
+      () => document.getElementById("fidelity").textContent.startsWith("full resolution"));
+    // The next one, beside what is shown.
+    host.misbehave = (request) => request.url.startsWith("/late.8vo") && hold();
+    await shown.evaluate(() => { octavo.open("late.8vo"); });
+    assert.match(await line(shown), /; opening late\.8vo …$/);
+  }, {
+    mayComplain: true,
+    prepare: () => {
+      host.files.set("/slow scan.8vo", noisy);
+      host.misbehave = (request) => request.url.startsWith("/slow") && hold();
     },
   });
 });

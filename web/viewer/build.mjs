@@ -8,6 +8,7 @@ import { build } from "esbuild";
 import { cp, mkdir, readFile, readdir, rm } from "node:fs/promises";
 import { dirname, join, resolve } from "node:path";
 import { fileURLToPath } from "node:url";
+import { privateNames } from "./private_names.mjs";
 
 const here = dirname(fileURLToPath(import.meta.url));
 const argument = (name) => {
@@ -27,13 +28,15 @@ const common = {
   absWorkingDir: here,
 };
 
-// Shaders are text to esbuild: their comments and indentation, like those around them, end here.
+// Shaders are text to esbuild: their comments, indentation, spaces around signs and ends of lines,
+// like those around them, end here.
 const lean = {
   name: "lean",
   setup: ({ onLoad }) =>
     onLoad({ filter: /view[/\\](\w+_painter|\w+_shader)\.ts$/ }, async ({ path }) => {
-      const text = await readFile(path, "utf8");
-      return { contents: text.replace(/^ +| *\/\/ .*$/gm, ""), loader: "ts" };
+      const text = (await readFile(path, "utf8")).replace(/^ +| *\/\/ .*$/gm, "");
+      const signs = text.replace(/ ?([-=+*/<>?:&|,;{}()]+) ?/g, "$1");
+      return { contents: signs.replace(/([;{,])\n+/g, "$1"), loader: "ts" };
     }),
 };
 
@@ -46,6 +49,7 @@ async function page(entry, to) {
     minify: true,
     legalComments: "none",
     plugins: [lean],
+    mangleProps: await privateNames([join(here, "src"), resolve(here, "../reader/src")]),
     alias: { "@octavo/reader": resolve(here, "../reader/src/index.ts") },
   });
   for (const name of ["index.html", "style.css", "HOSTING.md"])

@@ -44,7 +44,9 @@ test("a link holds a view, and gives it back", () => {
 
 test("clip boxes, curves and hidden labels that are none are left out", () => {
   const of = (query: string): object => parsePermalink(`?${query}`, base);
-  for (const clip of ["", "1:2", "0:1,0:1,1:1", "0:1,0:1,-1:1", "0:1,0:1,0:1.5", "0,1,0,1,0,1"]) {
+  for (const clip of [
+    "", "1:2", "0:1,0:1,1:1", "0:1,0:1,2:1", "0:1,0:1,x:1", "0:1,0:1,0:0.4", "0,1,0,1,0,1",
+  ]) {
     assert.deepEqual(of(`clip=${clip}`), {}, clip);
   }
   for (const curve of [
@@ -56,6 +58,37 @@ test("clip boxes, curves and hidden labels that are none are left out", () => {
   }
   for (const hide of ["", "x", "-1", "3-2", "0-4294967295", "1,,2", "1-9999,20000-29999"]) {
     assert.deepEqual(of(`hide=${hide}`), {}, hide);
+  }
+});
+
+test("numbers of a link may have signs, spaces and exponents", () => {
+  const of = (query: string): object => parsePermalink(`?${query}`, base);
+  assert.deepEqual(of("iso=+226"), { iso: 226 });
+  assert.deepEqual(of("at=+1, 2,%2B3"), { at: [1, 2, 3] });
+  assert.deepEqual(of("window=1e+3,+2e+2"), { window: { center: 1000, width: 200 } });
+  assert.deepEqual(of("clip=-3:+4,0:1e+1,1.2:8"), { clip: { lo: [-3, 0, 1], hi: [4, 10, 8] } });
+  for (const iso of ["1 2", "1++2", "+", "1e", "--1"]) assert.deepEqual(of(`iso=${iso}`), {}, iso);
+});
+
+test("parts of a link that are not understood are told", () => {
+  const wrongOf = (query: string): string[] => {
+    const wrong: string[] = [];
+    parsePermalink(`?${query}`, base, wrong);
+    return wrong;
+  };
+  assert.deepEqual(
+    wrongOf(
+      "layout=q&at=1,2&clip=1:2&curve=nose&hide=x&mode=a&iso=b&camera=1,2,0&opacity=c&side=up",
+    ),
+    [
+      "at=1,2", "layout=q", "mode=a", "iso=b", "camera=1,2,0", "opacity=c", "clip=1:2",
+      "curve=nose", "hide=x", "side=up",
+    ],
+  );
+  assert.deepEqual(wrongOf("window=<b>,1"), ["window=<b>,1"]);
+  assert.deepEqual(wrongOf(`iso=${"x".repeat(99)}`), [`iso=${"x".repeat(60)}…`]);
+  for (const query of ["", "hide=&iso=", "other=1", "side=radiological", "url=data:x"]) {
+    assert.deepEqual(wrongOf(query), [], query);
   }
 });
 

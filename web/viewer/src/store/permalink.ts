@@ -9,7 +9,7 @@
 import { type Box, type Vec3 } from "../reader/volume.js";
 import { type Camera } from "../view/camera.js";
 import { type Transfer, type TransferPoint, TRANSFER_PRESETS } from "../view/transfer.js";
-import { type Window, parseWindow, shortNumber, windowText } from "../view/window.js";
+import { type Window, numbers, parseWindow, shortNumber, windowText } from "../view/window.js";
 
 export const LAYOUTS = ["four", "x", "y", "z", "3d"] as const;
 export type Layout = (typeof LAYOUTS)[number];
@@ -38,18 +38,12 @@ export interface Permalink {
 const MOST_CURVE_POINTS = 64;
 const MOST_HIDDEN = 10_000;
 
-function numbers(text: string | null, count: number): number[] | undefined {
-  if (text === null) return undefined;
-  const parts = text.split(",").map((part) => (part.trim() === "" ? NaN : Number(part)));
-  return parts.length === count && parts.every(Number.isFinite) ? parts : undefined;
-}
-
 /** "0:128,0:256,0:108": first and one behind the last voxel of each axis. */
-function parseClip(text: string | null): Box | undefined {
-  const ends = text?.split(",").map((part) => numbers(part.replaceAll(":", ","), 2));
-  const isRight = ends?.length === 3 &&
-    ends.every((end) => end?.every(Number.isInteger) && end[0]! >= 0 && end[0]! < end[1]!);
-  if (!isRight) return undefined;
+function parseClip(text: string): Box | undefined {
+  const ends = text
+    .split(",")
+    .map((part) => numbers(part.replaceAll(":", ","), 2)?.map(Math.round));
+  if (ends.length !== 3 || !ends.every((end) => end && end[0]! < end[1]!)) return undefined;
   return {
     lo: ends.map((end) => end![0]) as unknown as Vec3,
     hi: ends.map((end) => end![1]) as unknown as Vec3,
@@ -60,8 +54,7 @@ function clipText(clip: Box): string {
   return clip.lo.map((lo, a) => `${lo}:${clip.hi[a as 0]}`).join(",");
 }
 
-function parseCurve(text: string | null): string | Transfer | undefined {
-  if (text === null) return undefined;
+function parseCurve(text: string): string | Transfer | undefined {
   if (TRANSFER_PRESETS.has(text) || text === "auto") return text;
   const points = text.split(",").map((part): TransferPoint | undefined => {
     const fields = /^([^:]+):([^:]+):([0-9a-f]{2})([0-9a-f]{2})([0-9a-f]{2})$/i.exec(part);
@@ -85,8 +78,7 @@ function curveText(curve: string | Transfer): string {
 }
 
 /** "2,7-40"; nothing where that is not what it is, or too many. */
-function parseHidden(text: string | null): ReadonlySet<number> | undefined {
-  if (!text) return undefined;
+function parseHidden(text: string): ReadonlySet<number> | undefined {
   const hidden = new Set<number>();
   for (const part of text.split(",")) {
     const ends = /^(\d{1,10})(?:-(\d{1,10}))?$/.exec(part);
@@ -111,8 +103,8 @@ function hiddenText(hidden: ReadonlySet<number>): string | undefined {
   return parts.join(",");
 }
 
-function oneOf<T extends string>(text: string | null, words: readonly T[]): T | undefined {
-  return words.find((word) => word === text);
+function startOf(text: string): string {
+  return text.length > 60 ? `${text.slice(0, 60)}…` : text;
 }
 
 /** A URL that may be fetched: relative to the page, or http and https. */
@@ -133,38 +125,57 @@ export function rejectedAddresses(search: string, base: string): Map<"url" | "la
   for (const key of ["labels", "url"] as const) {
     const text = query.get(key);
     if (!text || safeUrl(text, base) !== undefined) continue;
-    const start = text.length > 60 ? `${text.slice(0, 60)}…` : text;
-    rejected.set(key, `${key}=${start} was rejected: only http and https addresses are opened`);
+    const what = `${key}=${startOf(text)} was rejected`;
+    rejected.set(key, `${what}: only http and https addresses are opened`);
   }
   return rejected;
 }
 
-export function parsePermalink(search: string, base: string): Permalink {
+function parseCamera(text: string): Camera | undefined {
+  const [azimuth, elevation, zoom] = numbers(text, 3) ?? [];
+  if (!(zoom! > 0)) return undefined;
+  return { azimuth: azimuth!, elevation: Math.max(-90, Math.min(90, elevation!)), zoom: zoom! };
+}
+
+function parseOpacity(text: string): number | undefined {
+  const opacity = numbers(text, 1)?.[0];
+  return opacity === undefined ? undefined : Math.max(0, Math.min(1, opacity));
+}
+
+function parseSide(text: string): boolean | undefined {
+  return text === "neurological" || (text === "radiological" ? false : undefined);
+}
+
+/** What the parts of a link but its addresses stand for; undefined where that is nothing. */
+const PARTS: readonly [string, keyof Permalink, (text: string) => unknown][] = [
+  ["at", "at", (text) => numbers(text, 3)?.map(Math.round)],
+  ["window", "window", parseWindow],
+  ["layout", "layout", (text) => LAYOUTS.find((word) => word === text)],
+  ["mode", "mode", (text) => MODES.find((word) => word === text)],
+  ["iso", "iso", (text) => numbers(text, 1)?.[0]],
+  ["camera", "camera", parseCamera],
+  ["opacity", "opacity", parseOpacity],
+  ["clip", "clip", parseClip],
+  ["curve", "curve", parseCurve],
+  ["hide", "hidden", parseHidden],
+  ["side", "isNeurological", parseSide],
+];
+
+/** Parts that are not understood are left out, and put into `wrong`. */
+export function parsePermalink(search: string, base: string, wrong: string[] = []): Permalink {
   const query = new URLSearchParams(search);
-  const link: Permalink = {};
-  const put = <K extends keyof Permalink>(key: K, value: Permalink[K] | undefined): void => {
-    if (value !== undefined) link[key] = value;
-  };
-  put("url", safeUrl(query.get("url"), base));
-  put("labels", safeUrl(query.get("labels"), base));
-  const at = numbers(query.get("at"), 3);
-  if (at) link.at = at.map(Math.round) as unknown as Vec3;
-  put("window", parseWindow(query.get("window") ?? ""));
-  put("layout", oneOf(query.get("layout"), LAYOUTS));
-  put("mode", oneOf(query.get("mode"), MODES));
-  put("iso", numbers(query.get("iso"), 1)?.[0]);
-  const camera = numbers(query.get("camera"), 3);
-  if (camera && camera[2]! > 0) {
-    const [azimuth, elevation, zoom] = camera as [number, number, number];
-    link.camera = { azimuth, elevation: Math.max(-90, Math.min(90, elevation)), zoom };
+  const found: Partial<Record<keyof Permalink, unknown>> = {};
+  for (const key of ["url", "labels"] as const) {
+    const url = safeUrl(query.get(key), base);
+    if (url) found[key] = url;
   }
-  const opacity = numbers(query.get("opacity"), 1)?.[0];
-  if (opacity !== undefined) link.opacity = Math.max(0, Math.min(1, opacity));
-  put("clip", parseClip(query.get("clip")));
-  put("curve", parseCurve(query.get("curve")));
-  put("hidden", parseHidden(query.get("hide")));
-  if (query.get("side") === "neurological") link.isNeurological = true;
-  return link;
+  for (const [key, field, parse] of PARTS) {
+    const text = query.get(key);
+    const value = text && parse(text);
+    if (value === undefined) wrong.push(`${key}=${startOf(text!)}`);
+    else if (text) found[field] = value;
+  }
+  return found as Permalink;
 }
 
 /** The query of a link, in a fixed order; URLs stay readable where they can. */

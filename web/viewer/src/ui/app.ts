@@ -21,12 +21,12 @@ import { clampVoxel, orientationOf } from "../view/geometry.js";
 import { parallelAxes } from "../view/slice_look.js";
 import { byId, shownText } from "./dom.js";
 import { FailureDesk } from "./failure_desk.js";
-import { Fidelity, showSlow } from "./fidelity.js";
+import { Fidelity, openingText, showSlow } from "./fidelity.js";
 import { RayGestures, SliceGestures } from "./gestures.js";
 import { listenToKeys } from "./keyboard.js";
 import { LabelList, MeasureList, showFacts } from "./lists.js";
 import { Messages } from "./messages.js";
-import { listedFiles, listenToDoors, showList } from "./doors.js";
+import { listedFiles, listenToDoors, nameOf, showList } from "./doors.js";
 import { RayPanel } from "./ray_panel.js";
 import { Readout } from "./readout.js";
 import { Session } from "./session.js";
@@ -37,11 +37,11 @@ import { switchTheme } from "./theme.js";
 import { makeToolbar } from "./toolbar.js";
 import { TransferEditor } from "./transfer_editor.js";
 
-/** The part of a link's clip box that lies in a volume; all of it where there is none. */
+/** A link's clip box in a volume, each end at the nearest that there is; all of it without. */
 function clippedTo(size: Vec3, clip: Box | undefined): Box {
-  const whole: Box = { lo: [0, 0, 0], hi: size };
-  if (!clip || AXES.some((a) => clip.lo[a] >= size[a])) return whole;
-  return { lo: clip.lo, hi: size.map((n, a) => Math.min(n, clip.hi[a as 0])) as unknown as Vec3 };
+  const lo = clip ? clampVoxel(size, clip.lo) : ([0, 0, 0] as const);
+  const hi = size.map((n, a) => Math.max(lo[a as 0] + 1, Math.min(n, clip?.hi[a as 0] ?? n)));
+  return { lo, hi: hi as unknown as Vec3 };
 }
 
 /** Opens a URL or a file, tells of a server while it is slow; rejects with a ReadFailure. */
@@ -71,7 +71,7 @@ export class App {
   );
   private readonly readout: Readout;
   private readonly labels: LabelList;
-  private readonly measures: MeasureList;
+  readonly measures: MeasureList;
   private readonly transfer: TransferEditor;
   private readonly sidebar: Sidebar;
   private link: Permalink = {};
@@ -93,6 +93,7 @@ export class App {
       this.slices,
       this.rays,
       (text) => this.messages.show(text, "error"),
+      (text) => this.messages.clear(text),
       () => this.drawn(),
     );
     this.readout = new Readout(
@@ -148,7 +149,8 @@ export class App {
 
   /** Opens what the address of the page names, if it names anything. */
   async start(search: string): Promise<void> {
-    this.link = parsePermalink(search, document.baseURI);
+    const wrong: string[] = [];
+    this.link = parsePermalink(search, document.baseURI, wrong);
     const rejected = rejectedAddresses(search, document.baseURI);
     const listed = this.link.url ? [] : await listedFiles();
     // Never another scan than the one that a link names.
@@ -156,13 +158,26 @@ export class App {
     else showList(listed, (url) => void this.open(url));
     if (this.link.url) await this.open(this.link.url);
     if (this.link.labels && this.session) await this.openLabels(this.link.labels);
-    for (const sentence of rejected.values()) this.messages.show(sentence, "error");
+    if (wrong.length > 0) this.messages.add(`not understood in this link: ${wrong.join("; ")}`);
+    for (const sentence of rejected.values()) this.messages.add(sentence);
+  }
+
+  /** Opens a volume; the line says so until it is here. */
+  private async bring(source: string | File): Promise<Volume> {
+    const opening = openingText(nameOf(source));
+    this.fidelity.opening = opening;
+    this.drawn();
+    try {
+      return await this.opener(source, showSlow);
+    } finally {
+      if (this.fidelity.opening === opening) this.fidelity.opening = "";
+    }
   }
 
   /** Labels that a link lays over its scan; anything else leaves the scan as it is. */
   private async openLabels(url: string): Promise<void> {
     try {
-      const volume = await this.opener(url, showSlow);
+      const volume = await this.bring(url);
       const { kind, name } = volume.facts;
       if (kind === "labels" && this.session?.facts.kind === "grey") this.openOverlay(volume, url);
       else {
@@ -173,18 +188,15 @@ export class App {
     } catch (error) {
       this.desk.couldNotOpen(error, () => void this.openLabels(url));
     }
-    this.fidelity.update(this.slices, this.rays);
+    this.drawn();
   }
 
   /** Opens a scan; or labels over the one that is there. */
   async open(source: string | File): Promise<void> {
     const opening = ++this.openings;
     this.messages.clear();
-    this.fidelity.say(
-      `opening ${shownText(typeof source === "string" ? source : source.name, 80)} …`,
-    );
     try {
-      const volume = await this.opener(source, showSlow);
+      const volume = await this.bring(source);
       const isOverlay = this.session?.facts.kind === "grey" && volume.facts.kind === "labels";
       const url = typeof source === "string" ? source : undefined;
       if (isOverlay) this.openOverlay(volume, url);
@@ -194,9 +206,11 @@ export class App {
         this.openScan(volume, url);
       }
     } catch (error) {
-      this.desk.couldNotOpen(error, () => void this.open(source));
+      // A file of this machine is what it was.
+      const again = typeof source === "string" ? () => void this.open(source) : undefined;
+      this.desk.couldNotOpen(error, again);
     }
-    this.fidelity.update(this.slices, this.rays);
+    this.drawn();
   }
 
   private newSession(volume: Volume, reopened: (volume: Volume) => void): Session {
@@ -213,7 +227,8 @@ export class App {
     this.session?.close();
     this.overlay?.close();
     this.overlay = undefined;
-    const link = this.link.url === url ? this.link : {};
+    if (this.link.url !== url) this.rename(url ? { url } : {});
+    const { link } = this;
     this.urls = url === undefined ? {} : { scan: url };
     this.session = this.newSession(volume, (again) => this.openScan(again, url));
     this.isFirstPicture = true;
@@ -264,7 +279,7 @@ export class App {
     if (session !== this.session) return;
     if (session.first) {
       this.firstTraffic = session.volume.traffic();
-      if (!this.link.window || this.link.url !== this.urls.scan) this.autoWindow();
+      if (!this.link.window) this.autoWindow();
       this.stage.draw();
     }
     session.wantPreview();
@@ -284,8 +299,11 @@ export class App {
     this.overlay = this.newSession(volume, (again) => this.openOverlay(again, url));
     if (url === undefined) delete this.urls.labels;
     else this.urls.labels = url;
-    const isLinked = url !== undefined && url === this.link.labels;
-    this.store.set({ hiddenLabels: (isLinked && this.link.hidden) || new Set() });
+    if (this.link.labels !== url) {
+      const { labels, hidden, ...rest } = this.link;
+      this.rename(url ? { ...rest, labels: url } : rest);
+    }
+    this.store.set({ hiddenLabels: (url && this.link.hidden) || new Set() });
     for (const panel of this.slices) panel.open(scan, this.overlay);
     this.rays.openOverlay(this.overlay);
     this.labels.open(this.overlay, true);
@@ -298,7 +316,7 @@ export class App {
     if (session !== this.session && session !== this.overlay) return;
     if (session === this.session && this.isFirstPicture && session.hasPreview)
       this.firstPicture();
-    if (session === this.overlay && session.hasPreview) this.labels.open(session, true);
+    if (session === this.overlay) this.labels.arrived();
     for (const panel of this.slices) panel.repaint();
     this.rays.arrived();
     this.measures.draw();
@@ -311,14 +329,19 @@ export class App {
     this.isFirstPicture = false;
     const session = this.session!;
     this.firstTraffic ??= session.volume.traffic();
-    const link = this.link.url === this.urls.scan ? this.link : {};
-    if (!link.window) this.autoWindow();
-    this.store.set(this.curveOf(link, this.store.now.window, session.facts.unit));
-    if (session.facts.kind === "labels") this.labels.open(session, false);
+    if (!this.link.window) this.autoWindow();
+    this.store.set(this.curveOf(this.link, this.store.now.window, session.facts.unit));
+    this.labels.arrived();
     if (session.isNowhereFinite && !session.volume.hostNote)
       this.messages.show(`All voxels of ${session.facts.name} are NaN or infinite.`, "note");
     // Finer levels are asked for once the first picture is on the screen.
     requestAnimationFrame(() => this.want());
+  }
+
+  /** What is open is not, or no longer, what the address names. */
+  private rename(link: Permalink): void {
+    this.link = link;
+    history.replaceState(null, "", location.pathname + permalinkText(link, document.baseURI));
   }
 
   /** The curve of a link, else one that suits the unit and the window. */
@@ -350,7 +373,7 @@ export class App {
     this.rays.want();
     this.measures.want();
     this.readout.want();
-    this.fidelity.update(this.slices, this.rays);
+    this.drawn();
     this.stage.ask();
   }
 
@@ -427,7 +450,7 @@ export class App {
     const name = this.session.facts.name
       .split(/[/\\]/)
       .at(-1)!
-      .replace(/[^\w.-]+/g, "_");
+      .replace(/[^\p{L}\p{M}\p{N}.-]+/gu, "_");
     const anchor = document.createElement("a");
     anchor.href = url;
     anchor.download = `${name || "octavo"}.png`;

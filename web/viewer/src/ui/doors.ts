@@ -36,6 +36,17 @@ export function listenToDoors(open: (source: string | File) => void): { choose: 
   return { choose };
 }
 
+/** What messages call a source: the name of a file, the last part of an address. */
+export function nameOf(source: string | File): string {
+  if (typeof source !== "string") return source.name;
+  const last = /([^/]+)\/?([?#].*)?$/s.exec(source)?.[1] ?? source;
+  try {
+    return decodeURIComponent(last);
+  } catch {
+    return last;
+  }
+}
+
 export interface Listed {
   readonly title: string;
   readonly url: string;

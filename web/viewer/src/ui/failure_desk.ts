@@ -10,8 +10,9 @@ function sentence(error: unknown): string {
 export class FailureDesk {
   constructor(private readonly messages: Messages) {}
 
-  couldNotOpen(error: unknown, again: () => void): void {
-    const canRetry = error instanceof ReadFailure && error.remedy !== "none";
+  /** again  undefined where another try finds the same. */
+  couldNotOpen(error: unknown, again: (() => void) | undefined): void {
+    const canRetry = again && error instanceof ReadFailure && error.remedy !== "none";
     this.messages.show(
       sentence(error),
       "error",

@@ -1,7 +1,7 @@
 // How true the picture is, in words and numbers: "1/4 shown; 3.1 of 12 MB".
 import { type SlowServer } from "../reader/volume.js";
 import { levelText } from "../view/geometry.js";
-import { byId, byteText } from "./dom.js";
+import { byId, byteText, shownText } from "./dom.js";
 import { type RayPanel } from "./ray_panel.js";
 import { type Session } from "./session.js";
 import { type SlicePanel } from "./slice_panel.js";
@@ -19,6 +19,11 @@ export function showSlow(slow: SlowServer | null): void {
   byId("slow-again").onclick = () => slow.askAgain();
 }
 
+/** "opening head.8vo …" */
+export function openingText(name: string): string {
+  return `opening ${shownText(name, 80)} …`;
+}
+
 export class Fidelity {
   private readonly line = byId("fidelity");
   private readonly traffic = byId("traffic");
@@ -32,16 +37,20 @@ export class Fidelity {
     private readonly overlay: () => Session | undefined,
   ) {}
 
-  say(text: string): void {
-    this.line.className = "";
-    this.line.textContent = text;
+  /** What is being opened, or nothing. */
+  opening = "";
+
+  private say(text: string, kind = ""): void {
+    this.line.className = kind;
+    if (this.line.textContent !== text) this.line.textContent = text;
   }
 
   /** The coarsest of what the panels show. */
   update(slices: readonly SlicePanel[], rays: RayPanel): void {
     const session = this.session();
     if (!session) {
-      this.say("");
+      this.say(this.opening);
+      byId("welcome-title").textContent = this.opening || "Open a scan";
       return;
     }
     const { bytes, requests } = session.volume.traffic();
@@ -49,9 +58,10 @@ export class Fidelity {
     this.traffic.textContent = `${counted}, ${byteText(bytes)}`;
     if (!session.hasPreview) {
       const level = session.facts.levels[session.preview]!;
-      const text = session.first ? `${levelText(level)} shown` : "opening …";
-      this.say(`${text}; ${byteText(bytes)}`);
-      this.line.className = session.first ? "coarse" : "";
+      const text = session.first
+        ? `${levelText(level)} shown`
+        : openingText(session.facts.name);
+      this.say(`${text}; ${byteText(bytes)}`, session.first ? "coarse" : "");
       return;
     }
     this.count(session, () => this.update(slices, rays));
@@ -64,13 +74,10 @@ export class Fidelity {
     const isWhole = level === 0 && this.missingBytes === 0;
     const text =
       level === 0 ? "full resolution" : `${levelText(session.facts.levels[level]!)} shown`;
-    const beside = text + rayText;
     const error = session.facts.maxError > 0 ? ", lossy file" : "";
-    this.line.className = level === 0 ? "full" : "coarse";
-    const line = isWhole
-      ? `${beside}${error}`
-      : `${beside}${error}; ${byteText(bytes)} of ${byteText(bytes + this.missingBytes)}`;
-    if (this.line.textContent !== line) this.line.textContent = line;
+    const come = isWhole ? "" : `; ${byteText(bytes)} of ${byteText(bytes + this.missingBytes)}`;
+    const next = this.opening && `; ${this.opening}`;
+    this.say(text + rayText + error + come + next, level === 0 ? "full" : "coarse");
   }
 
   /** Bytes that are still to come, asked of the index now and then; the line is written again

@@ -16,17 +16,26 @@ import { button, byId, byteText, element, shownText } from "./dom.js";
 import { measurementText, statisticsText } from "./measure_text.js";
 import { type Session } from "./session.js";
 
-const MOST_LABELS = 2000;
+/** Labels that are listed at once; more come as they are scrolled to. */
+const LABELS_AT_ONCE = 200;
 
 export class LabelList {
   private readonly list = byId("labels");
-  private shown: readonly number[] = [];
+  private readonly find = byId<HTMLInputElement>("labels-find");
+  private session: Session | undefined;
+  /** Whether the labels of coarse voxels are among them. */
+  private isWhole = false;
+  private all: readonly number[] = [];
+  private found: readonly number[] = [];
 
   constructor(private readonly store: Store) {
-    byId("labels-all").addEventListener("click", () => store.set({ hiddenLabels: new Set() }));
-    byId("labels-none").addEventListener("click", () =>
-      store.set({ hiddenLabels: new Set(this.shown) }),
-    );
+    byId("labels-all").addEventListener("click", () => this.hide(false));
+    byId("labels-none").addEventListener("click", () => this.hide(true));
+    this.find.addEventListener("input", () => this.search());
+    this.list.addEventListener("scroll", () => {
+      const { scrollTop, clientHeight, scrollHeight } = this.list;
+      if (scrollTop + 2 * clientHeight > scrollHeight) this.draw();
+    });
     const opacity = byId<HTMLInputElement>("opacity");
     opacity.addEventListener("input", () => store.set({ overlayOpacity: Number(opacity.value) }));
     store.listen((changed) => {
@@ -39,20 +48,60 @@ export class LabelList {
   open(session: Session | undefined, isOverlay: boolean): void {
     byId("section-labels").hidden = !session;
     byId("opacity-row").hidden = !isOverlay;
+    this.session = session;
+    this.isWhole = false;
+    this.find.value = "";
+    this.collect();
+  }
+
+  /** Cells are here: once, those that show which labels there are. */
+  arrived(): void {
+    if (!this.isWhole && this.session?.hasPreview) this.collect();
+  }
+
+  private collect(): void {
+    const { session } = this;
     if (!session) return;
-    const { labels } = session.facts;
-    const seen = session.labelsSeen();
-    const numbers = [...new Set([...labels.keys(), ...seen.keys()])].filter((n) => n !== 0);
-    numbers.sort((a, b) => a - b);
-    this.shown = numbers;
-    const rows: HTMLElement[] = numbers
-      .slice(0, MOST_LABELS)
-      .map((n) => this.row(session.facts, n));
-    if (numbers.length > MOST_LABELS) {
-      rows.push(element("li", { class: "faint" }, `and ${numbers.length - MOST_LABELS} more`));
-    }
-    this.list.replaceChildren(...rows);
+    this.isWhole = session.hasPreview;
+    const numbers = new Set([...session.facts.labels.keys(), ...session.labelsSeen().keys()]);
+    numbers.delete(0);
+    this.all = [...numbers].sort((a, b) => a - b);
+    this.search();
+  }
+
+  /** Lists the labels that have what is typed in their name or number. */
+  private search(): void {
+    const { labels } = this.session!.facts;
+    const part = this.find.value.trim().toLowerCase();
+    this.found = this.all.filter((n) => `${n} ${nameOf(labels, n)}`.toLowerCase().includes(part));
+    byId("labels-count").textContent = `${this.found.length} of ${this.all.length}`;
+    this.list.replaceChildren();
+    this.draw();
+  }
+
+  /** Lists some more of what was found. */
+  private draw(): void {
+    const { facts } = this.session!;
+    const drawn = this.list.childElementCount;
+    const next = this.found.slice(drawn, drawn + LABELS_AT_ONCE);
+    this.list.append(...next.map((n) => this.row(facts, n)));
     this.check();
+  }
+
+  /** Hides what was found, or shows it; all where nothing is searched. */
+  private hide(isHidden: boolean): void {
+    const isAll = this.found.length === this.all.length;
+    const hidden = new Set(isAll ? [] : this.store.now.hiddenLabels);
+    for (const n of this.found) isHidden ? hidden.add(n) : hidden.delete(n);
+    this.store.set({ hiddenLabels: hidden });
+  }
+
+  /** Hides all labels but one; where that is so, shows all. */
+  private showAlone(label: number): void {
+    const others = this.all.filter((n) => n !== label);
+    const hidden = this.store.now.hiddenLabels;
+    const isAlone = !hidden.has(label) && others.every((n) => hidden.has(n));
+    this.store.set({ hiddenLabels: new Set(isAlone ? [] : others) });
   }
 
   private row(facts: VolumeFacts, label: number): HTMLElement {
@@ -75,6 +124,7 @@ export class LabelList {
       swatch,
       element("span", {}, name),
       element("span", { class: "faint" }, String(label)),
+      button("only", `Show ${name} alone, or all again`, () => this.showAlone(label)),
     );
   }
 

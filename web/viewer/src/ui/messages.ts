@@ -24,7 +24,15 @@ export class Messages {
     this.bar.hidden = false;
   }
 
-  clear(): void {
+  /** Says something more, beside what went wrong before. */
+  add(text: string): void {
+    if (this.bar.hidden) this.show(text, "error");
+    else this.bar.prepend(element("span", {}, shownText(text, 400)));
+  }
+
+  /** Says nothing any more; of a text nothing where another took its place. */
+  clear(text = this.bar.firstChild?.textContent): void {
+    if (text !== this.bar.firstChild?.textContent) return;
     this.bar.hidden = true;
     this.bar.replaceChildren();
   }

@@ -53,8 +53,11 @@ export class Sidebar {
       else if (this.preset.value === "auto") this.actions.autoWindow();
     });
     const change = (): void => {
-      const window = { center: Number(this.center.value), width: Number(this.width.value) };
+      const window = { center: this.center.valueAsNumber, width: this.width.valueAsNumber };
       if (Number.isFinite(window.center) && window.width > 0) this.store.set({ window });
+      // A number is typed to its end: the fields show what it came to.
+      this.center.value = shortNumber(this.store.now.window.center);
+      this.width.value = shortNumber(this.store.now.window.width);
     };
     this.center.addEventListener("change", change);
     this.width.addEventListener("change", change);

@@ -7,6 +7,8 @@ import { byId } from "./dom.js";
 import { type RayPanel } from "./ray_panel.js";
 import { type SlicePanel } from "./slice_panel.js";
 
+const LOST = "The graphics card was lost; the picture comes back with it.";
+
 export class Stage {
   readonly canvas = byId<HTMLCanvasElement>("stage");
   private gl: Gl | null = null;
@@ -18,15 +20,19 @@ export class Stage {
     private readonly slices: readonly SlicePanel[],
     private readonly rays: RayPanel,
     private readonly fail: (text: string) => void,
+    private readonly isBack: (text: string) => void,
     private readonly drawn: () => void,
   ) {
     this.canvas.addEventListener("webglcontextlost", (event) => {
       // Without this the browser never gives the context back.
       event.preventDefault();
       this.gl = null;
+      // While it is lost: later these would be foreign to the context that comes back.
+      this.forget();
+      this.fail(LOST);
     });
     this.canvas.addEventListener("webglcontextrestored", () => {
-      this.forget();
+      this.isBack(LOST);
       this.start();
       this.ask();
     });
@@ -151,12 +157,5 @@ export class Stage {
         "image/png",
       ),
     );
-  }
-
-  /** Drops the graphics context and brings it back, as a driver may do at any time. */
-  loseContext(): void {
-    const lost = this.gl?.getExtension("WEBGL_lose_context");
-    lost?.loseContext();
-    setTimeout(() => lost?.restoreContext(), 50);
   }
 }

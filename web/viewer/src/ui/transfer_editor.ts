@@ -51,7 +51,7 @@ export class TransferEditor {
     return [low - margin, high + margin];
   }
 
-  private place(value: number, opacity: number): [number, number] {
+  place(value: number, opacity: number): [number, number] {
     const { clientWidth: w, clientHeight: h } = this.canvas;
     const share = (value - this.shown[0]) / (this.shown[1] - this.shown[0]);
     return [share * w, h - 6 - opacity * (h - 14)];

@@ -48,14 +48,17 @@ export function draggedWindow(from: Window, right: number, up: number): Window {
   };
 }
 
+/** So many numbers of an address, where + stands for a space; undefined for anything else. */
+export function numbers(text: string | null, count: number): number[] | undefined {
+  const parts = text?.split(",").map((part) => part.trim().replace(" ", "+"));
+  const isRight = parts?.length === count && parts.every((p) => p !== "" && isFinite(Number(p)));
+  return isRight ? parts.map(Number) : undefined;
+}
+
 /** "40,80", or the name of a preset; undefined for anything else. */
 export function parseWindow(text: string): Window | undefined {
-  const preset = WINDOW_PRESETS.get(text);
-  if (preset) return preset;
-  const parts = text.split(",").map((part) => (part.trim() === "" ? NaN : Number(part)));
-  const [center, width] = parts;
-  const isRight = parts.length === 2 && parts.every(Number.isFinite) && width! > 0;
-  return isRight ? { center: center!, width: width! } : undefined;
+  const [center, width] = numbers(text, 2) ?? [];
+  return width! > 0 ? { center: center!, width: width! } : WINDOW_PRESETS.get(text);
 }
 
 /** A power of two near a number above 0; 1 of others. Shaders count very large and very small
