@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import octavo
+from png_pixels import pixels_of, pixels_of_png
 
 ndimage = pytest.importorskip("scipy.ndimage")
 
@@ -239,64 +240,14 @@ def test_pictures_are_those_of_the_program(run, scan, volume, tmp_path):
     done = run("slice", scan, "--axis", "y", "--index", "20", "--window=-50,300", "-o",
                tmp_path / "slice.png")
     assert done.returncode == 0, done.stderr
-    theirs = _pixels_of(tmp_path / "slice.png")
+    theirs = pixels_of(tmp_path / "slice.png")
     assert np.array_equal(picture, theirs)
-    assert np.array_equal(_pixels_of_bytes(_notebook.png_of(picture)), picture)
+    assert np.array_equal(pixels_of_png(_notebook.png_of(picture)), picture)
     drawn = volume.threshold(-90, 60).render(size=(200, 160), view="front")
     assert drawn.shape == (160, 200, 3) and drawn.std() > 10
     around = volume.render("mip", size=(60, 50), turntable=3)
     assert around.shape == (3, 50, 60, 3)
     assert "<img" in volume._repr_html_() and "HU" in volume._repr_html_()
-
-
-def _pixels_of(path):
-    return _pixels_of_bytes(path.read_bytes())
-
-
-def _pixels_of_bytes(held):
-    """A PNG picture of 8 bits as pixels in three channels."""
-    import struct
-    import zlib
-    at, data = 8, b""
-    while at < len(held):
-        length, kind = struct.unpack(">I4s", held[at:at + 8])
-        body = held[at + 8:at + 8 + length]
-        if kind == b"IHDR":
-            width, height, _, color = struct.unpack(">IIBB", body[:10])
-        elif kind == b"IDAT":
-            data += body
-        at += 12 + length
-    channels = {0: 1, 2: 3}[color]
-    rows = np.frombuffer(zlib.decompress(data), np.uint8).reshape(height, 1 + width * channels)
-    pixels = np.zeros((height, width, channels), np.uint8)
-    for y, row in enumerate(rows):
-        given = row[1:].reshape(width, channels)
-        above = pixels[y - 1] if y else np.zeros((width, channels), np.uint8)
-        if row[0] == 0:
-            pixels[y] = given
-        elif row[0] == 1:
-            pixels[y] = np.add.accumulate(given, 0, dtype=np.uint8)
-        elif row[0] == 2:
-            pixels[y] = given + above
-        else:
-            pixels[y] = _predicted(row[0], given, above)
-    return np.broadcast_to(pixels, (height, width, 3)) if channels == 1 else pixels
-
-
-def _predicted(kind, given, above):
-    out = np.zeros_like(given)
-    for x in range(len(given)):
-        for c in range(given.shape[1]):
-            a = int(out[x - 1, c]) if x else 0
-            b = int(above[x, c])
-            d = int(above[x - 1, c]) if x else 0
-            if kind == 3:
-                guess = (a + b) // 2
-            else:
-                p = a + b - d
-                guess = min((abs(p - a), 0, a), (abs(p - b), 1, b), (abs(p - d), 2, d))[2]
-            out[x, c] = (int(given[x, c]) + guess) & 255
-    return out
 
 
 def test_transforms_are_those_of_numpy_and_the_program(run, scan, volume, tmp_path):
