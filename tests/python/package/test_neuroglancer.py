@@ -32,21 +32,12 @@ class Witness(http.server.BaseHTTPRequestHandler):
     answers = {}
     changed = threading.Condition()
 
-    def do_GET(self):
-        self.pass_on(b"GET")
-
-    def do_HEAD(self):
-        self.pass_on(b"HEAD")
-
-    def do_OPTIONS(self):
-        self.pass_on(b"OPTIONS")
-
-    def pass_on(self, method):
+    def pass_on(self):
         """The same request and the same answer; the Host is that of the program."""
         there = http.client.HTTPConnection("127.0.0.1", self.port)
         fields = {name: value for name, value in self.headers.items()
                   if name.lower() not in ("host", "connection")}
-        there.request(method.decode(), self.path, headers=fields)
+        there.request(self.command, self.path, headers=fields)
         answer = there.getresponse()
         body = answer.read()
         there.close()
@@ -57,10 +48,12 @@ class Witness(http.server.BaseHTTPRequestHandler):
         self.send_header("Content-Length", str(len(body)))
         self.end_headers()
         self.wfile.write(body)
-        if method == b"GET":
+        if self.command == "GET":
             with self.changed:
                 self.answers[self.path] = (answer.status, body)
                 self.changed.notify_all()
+
+    do_GET = do_HEAD = do_OPTIONS = pass_on
 
     def log_message(self, *_):
         pass
