@@ -128,7 +128,7 @@ TEST(Verify, AnyNumberOfPartsReportsTheSame) {
     }
     VerifyOptions options;
     options.decode = round % 5 != 0;
-    options.max_listed = round % 3;
+    options.max_listed = static_cast<std::size_t>(round % 3);
     NoProgress progress;
     VerifyReport whole;
     try {

@@ -21,6 +21,14 @@
 namespace octavo {
 namespace {
 
+bool is_connected(int descriptor, const SiteServer& server) {
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(static_cast<std::uint16_t>(server.port()));
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  return ::connect(descriptor, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0;
+}
+
 /// A server of one large and one small content, on a thread of its own.
 class SiteServerTest : public testing::Test {
  protected:
@@ -41,11 +49,7 @@ class SiteServerTest : public testing::Test {
 
   int connected() const {
     const int descriptor = ::socket(AF_INET, SOCK_STREAM, 0);
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_port = htons(static_cast<std::uint16_t>(server_->port()));
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    EXPECT_EQ(::connect(descriptor, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
+    EXPECT_TRUE(is_connected(descriptor, *server_));
     return descriptor;
   }
 
@@ -176,19 +180,13 @@ TEST_F(SiteServerTest, TakesNewConnectionsWhereTooManyRest) {
 
 TEST(SiteServer, HoldsConnectionsThatComeFasterThanTheyAreTaken) {
   const SiteServer server({});
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_port = htons(static_cast<std::uint16_t>(server.port()));
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
   // Nobody takes them: one that the system does not hold would never be connected.
   const timeval patience{.tv_sec = 20, .tv_usec = 0};
   std::vector<int> waiting;
   for (int i = 0; i < 120; ++i) {
     waiting.push_back(::socket(AF_INET, SOCK_STREAM, 0));
     ::setsockopt(waiting.back(), SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);
-    ASSERT_EQ(
-        ::connect(waiting.back(), reinterpret_cast<sockaddr*>(&address), sizeof address), 0)
-        << i;
+    ASSERT_TRUE(is_connected(waiting.back(), server)) << i;
   }
   for (const int descriptor : waiting) ::close(descriptor);
 }

@@ -45,9 +45,9 @@ TEST(Diffusion, LayersInSeriesAddTheirResistance) {
 }
 
 TEST(Diffusion, IsThatOfAShortSystemSolvedByHand) {
-  // Two voxels side by side, two planes; the second plane has one pore. With g = 1 inside and 2 at
-  // the ends: 3 a + ... as below.
-  //     a b    4 a - b - c = 2     a: end, b beside, c behind
+  // Two voxels side by side, two planes; the second plane has one pore. The conductance is 1
+  // between voxels and 2 to the ends; the concentration is 1 before the first plane, 0 behind all.
+  //     a b    4 a - b - c = 2
   //     c      3 b - a     = 2
   //            3 c - a     = 0
   const auto found = diffusion_of({2, 1, 2}, {1, 1, 1}, 2, [](const Index3& p) {
@@ -82,7 +82,7 @@ TEST(Diffusion, DeadEndsHoldStill) {
   const auto open = diffusion_of({5, 5, 9}, {1, 1, 1}, 2,
                                  [](const Index3& p) { return p.x == 2 && p.y == 2; });
   const auto with_ends = diffusion_of({5, 5, 9}, {1, 1, 1}, 2, [](const Index3& p) {
-    return p.y == 2 && (p.x == 2 || p.z == 4) ? true : p.x == 0 && p.y == 0 && p.z < 5;
+    return (p.y == 2 && (p.x == 2 || p.z == 4)) || (p.y == 0 && p.x == 0 && p.z < 5);
   });
   ASSERT_TRUE(open && with_ends);
   EXPECT_NEAR(with_ends->effective, open->effective, 1e-6);
