@@ -238,17 +238,12 @@ def _overlay_look(look):
 
 def _company(name, mask, label_map):
     """(name, handle) of the volumes beside it, and the names of both."""
-    from ._tasks import opened_file
+    from ._tasks import opened_beside
     others, names = [], []
     for given, what in ((mask, "mask"), (label_map, "label_map")):
-        if given is None:
-            names.append("")
-            continue
-        its_name, handle = opened_file(given, what)
-        if its_name in (name, *(n for n, _ in others)):
-            its_name += f" ({what})"
-        others.append((its_name, handle))
-        names.append(its_name)
+        if given is not None:
+            others.append(opened_beside(given, what, name, *names))
+        names.append("" if given is None else others[-1][0])
     return others, *names
 
 

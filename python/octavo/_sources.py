@@ -52,6 +52,11 @@ def written_path(path):
     return path
 
 
+def if_written(path):
+    """As `written_path`; empty where no file was asked for."""
+    return "" if path is None else written_path(path)
+
+
 class _Path:
     def __init__(self, path):
         self.name = path

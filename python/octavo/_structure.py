@@ -8,7 +8,7 @@ import numpy as np
 
 from . import _octavo
 from ._errors import ArgumentError
-from ._sources import written_path
+from ._sources import if_written, written_path
 from ._work import connectivity_of, if_given, number_of, work_of
 
 
@@ -102,24 +102,22 @@ class StructureTasks:
         octavo.ArgumentError
             For a mask without voxels in the region, grids that differ, a spacing that is not known.
         """
-        from ._tasks import opened_file
+        from ._tasks import opened_beside
         name, handle = self._opened_file()
         line = _line(calibration)
-        if not thickness and (thickness_map or spacing_map or histogram) is not None:
+        if not thickness and any(m is not None for m in (thickness_map, spacing_map, histogram)):
             raise ArgumentError("thickness=False leaves out what maps and histograms show")
         if of is None and line != (1, 0):
             raise ArgumentError("calibration is of the scan that `of` gives")
         asked = dict(mask=name, region="", grey="", calibration=line, thickness=bool(thickness),
                      tortuosity=bool(tortuosity), diffusion=bool(diffusion),
-                     overwrite=bool(overwrite),
-                     histogram=_written(histogram))
+                     overwrite=bool(overwrite), histogram=if_written(histogram))
         files = [handle]
         for key, given in (("region", region), ("grey", of)):
             if given is None:
                 continue
-            asked[key], file = opened_file(given, "of" if key == "grey" else key)
-            if asked[key] in (asked["mask"], asked["region"] if key == "grey" else ""):
-                asked[key] += f" ({key})"
+            asked[key], file = opened_beside(given, "of" if key == "grey" else key, asked["mask"],
+                                             asked["region"])
             files.append(file)
         with _Maps() as maps, work_of(threads, max_memory, progress) as work:
             for key, map_given in (("thickness_map", thickness_map), ("spacing_map", spacing_map)):
@@ -214,15 +212,13 @@ class StructureTasks:
             half-open, or None); and area_mm2, None where the spacing is not known. Or for each pair
             of labels: first, second, voxel_pairs, area_mm2.
         """
-        from ._tasks import opened_file
+        from ._tasks import opened_beside
         name, handle = self._opened_file()
         neighbors = connectivity_of(connectivity)
         if other is None:
             with work_of(threads, max_memory, progress) as work:
                 return _octavo.contacts(handle, name, neighbors, work)
-        other_name, other_handle = opened_file(other, "other")
-        if other_name == name:
-            other_name = "the other " + other_name
+        other_name, other_handle = opened_beside(other, "other", name)
         with work_of(threads, max_memory, progress) as work:
             return _octavo.touch(handle, name, other_handle, other_name, neighbors, work)
 
@@ -245,8 +241,8 @@ class StructureTasks:
 
 def _pose(moving_handle, moving, fixed_handle, fixed, scale, output, picture, overwrite, threads,
           max_memory, progress):
-    asked = dict(moving=moving, fixed=fixed, scale=bool(scale), output=_written(output),
-                 picture=_written(picture), overwrite=bool(overwrite))
+    asked = dict(moving=moving, fixed=fixed, scale=bool(scale), output=if_written(output),
+                 picture=if_written(picture), overwrite=bool(overwrite))
     with work_of(threads, max_memory, progress) as work:
         facts = _octavo.align(moving_handle, fixed_handle, asked, work)
     matrix = np.vstack((facts["matrix_mm"], (0, 0, 0, 1)))
@@ -262,10 +258,6 @@ def _rows_of(features):
     if rows.ndim != 2 or rows.shape[1] not in (3, 6) or not np.isfinite(rows).all():
         raise ArgumentError("features are a file, points (n, 3) or lines (n, 6)")
     return rows
-
-
-def _written(given):
-    return "" if given is None else written_path(given)
 
 
 class _Maps(contextlib.ExitStack):

@@ -6,7 +6,7 @@ import numpy as np
 
 from . import _octavo
 from ._errors import ArgumentError
-from ._sources import written_path
+from ._sources import if_written, written_path
 from ._work import (asked_labels, if_given, level_of, number_of, one_of, several_of, three_of,
                     whole_number, work_of)
 
@@ -101,7 +101,7 @@ class SurfaceTasks:
         path = written_path(path)
         asked = _asked(isovalue, labels, stored, level, seed, space, method, allow_faults,
                        _fewer(max_deviation_mm, max_deviation_voxels, triangles))
-        asked.update(plain=bool(plain), report="" if report is None else written_path(report))
+        asked.update(plain=bool(plain), report=if_written(report))
         with work_of(threads, max_memory, progress) as work:
             return _octavo.save_surface(handle, name, path, bool(overwrite), asked, work)
 
@@ -180,12 +180,9 @@ class SurfaceTasks:
             elements, elements_of_shape, nodes, hanging_nodes, parts, voxels, cells_of_level,
             labels, materials, modulus_range_mpa, volume_mm3, quality, file_bytes.
         """
-        from ._tasks import opened_file
+        from ._tasks import opened_beside
         name, handle = self._opened_file()
-        others = []
-        if of is not None:
-            grey_name, grey = opened_file(of, "of")
-            others.append((grey_name + " (grey)" if grey_name == name else grey_name, grey))
+        others = [] if of is None else [opened_beside(of, "of", name)]
         numbers, names = asked_labels(labels)
         asked = dict(method=one_of(method, "method", _CELLS), labels=numbers, names=names,
                      level=level_of(level), keep_largest=bool(keep_largest),

@@ -257,9 +257,8 @@ class VolumeTasks(FileTasks):
             reference_bytes.
         """
         name, handle = self._opened_file()
-        coded_name, coded_handle = ("", None) if coded is None else opened_file(coded, "coded")
-        if coded_name == name:
-            coded_name += " (coded)"
+        coded_name, coded_handle = (("", None) if coded is None else
+                                    opened_beside(coded, "coded", name))
         with work_of(threads, max_memory, progress) as work:
             return _octavo.self_similarity(handle, name, coded_handle, coded_name,
                                            number_of(max_difference, "max_difference"),
@@ -274,6 +273,12 @@ def opened_file(given, name):
     if not isinstance(given, FileTasks):
         raise ArgumentError(f"{name} is a Volume or a LabelMap, not {type(given).__name__}")
     return given._opened_file()
+
+
+def opened_beside(given, what, *taken):
+    """As `opened_file`, under a name that none of `taken` is."""
+    name, handle = opened_file(given, what)
+    return f"{name} ({what})" if name in taken else name, handle
 
 
 def _step(name, given):
