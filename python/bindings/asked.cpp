@@ -1,6 +1,7 @@
 #include "asked.h"
 
 #include <nanobind/ndarray.h>
+#include <nanobind/stl/pair.h>
 
 #include <cstdint>
 #include <utility>
@@ -31,6 +32,12 @@ Color color_of(const std::string& name) {
 std::optional<Color> color_of(const std::optional<std::string>& name) {
   if (!name) return {};
   return color_of(*name);
+}
+
+std::optional<Window> window_of(const nb::dict& asked) {
+  const auto ends = asked_for<std::optional<std::pair<double, double>>>(asked, "window");
+  if (!ends) return {};
+  return Window{(ends->first + ends->second) / 2, ends->second - ends->first};
 }
 
 nb::object pixels_of(Picture picture) {

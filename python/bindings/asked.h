@@ -1,4 +1,4 @@
-// What Python asks of a task: the members of a dictionary.
+// What Python asks of a task, as the members of a dictionary, and the pictures that it gets.
 #pragma once
 
 #include <nanobind/nanobind.h>
@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "octavo/render/picture.h"
+#include "octavo/render/window.h"
 #include "octavo/tasks/asked_labels.h"
 #include "work.h"
 
@@ -35,6 +36,17 @@ std::vector<NamedFile> named_files(const OpenFile& file, const std::string& name
 /// A color of a name or of "#rrggbb". Throws Error{invalid_argument} for other text
 Color color_of(const std::string& name);
 std::optional<Color> color_of(const std::optional<std::string>& name);
+
+/// The member "window": (low, high) in real values, or None.
+std::optional<Window> window_of(const nanobind::dict& asked);
+
+/// All that is written on a picture of any kind, or nothing.
+template <class Options>
+void set_captions(bool has_text, Options& options) {
+  options.has_scale_bar = has_text;
+  options.has_sides = has_text;
+  options.has_legend = has_text;
+}
 
 /// Pictures as arrays of pixels [y, x, 3].
 nanobind::object pixels_of(Picture picture);

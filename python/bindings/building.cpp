@@ -15,6 +15,7 @@
 #include <thread>
 #include <vector>
 
+#include "asked.h"
 #include "call.h"
 #include "facts.h"
 #include "octavo/builder/builder.h"
@@ -77,26 +78,26 @@ class PythonPlanes final : public PlaneSource {
 
 BuildOptions options_of(const nb::dict& given) {
   BuildOptions options;
-  const auto text = [&](const char* name) { return nb::cast<std::string>(given[name]); };
-  options.kind = text("kind") == "labels" ? VolumeKind::labels : VolumeKind::grey;
+  const auto text = [&](const char* name) { return asked_for<std::string>(given, name); };
+  options.kind = kind_of(text("kind"));
   options.preset = text("preset") == "fast" ? Preset::fast : Preset::small;
-  const auto access = nb::cast<std::optional<std::string>>(given["access"]);
+  const auto access = asked_for<std::optional<std::string>>(given, "access");
   if (access) {
     options.access = *access == "boxes" ? Access::boxes
                      : *access == "slices" ? Access::slices : Access::none;
   }
-  options.max_error = nb::cast<double>(given["max_error"]);
-  options.keep_details = nb::cast<int>(given["keep_details"]);
-  options.repair = {nb::cast<std::optional<float>>(given["nan"]),
-                    nb::cast<std::optional<float>>(given["inf"])};
-  options.has_thumbnail = nb::cast<bool>(given["thumbnail"]);
-  options.overwrite = nb::cast<bool>(given["overwrite"]);
-  const bool is_resuming = nb::cast<bool>(given["resume"]);
+  options.max_error = asked_for<double>(given, "max_error");
+  options.keep_details = asked_for<int>(given, "keep_details");
+  options.repair = {asked_for<std::optional<float>>(given, "nan"),
+                    asked_for<std::optional<float>>(given, "inf")};
+  options.has_thumbnail = asked_for<bool>(given, "thumbnail");
+  options.overwrite = asked_for<bool>(given, "overwrite");
+  const bool is_resuming = asked_for<bool>(given, "resume");
   options.interrupted = is_resuming           ? Interrupted::resume
                         : options.overwrite   ? Interrupted::discard
                                               : Interrupted::reject;
-  options.threads = nb::cast<int>(given["threads"]);
-  options.max_memory_bytes = nb::cast<std::uint64_t>(given["max_memory"]);
+  options.threads = asked_for<int>(given, "threads");
+  options.max_memory_bytes = asked_for<std::uint64_t>(given, "max_memory");
   return options;
 }
 
@@ -124,28 +125,26 @@ nb::tuple build_zarr(const std::string& source, const std::string& path, const n
                      const nb::dict& given, nb::object on_progress) {
   Call call(std::move(on_progress));
   SourceOptions how;
-  how.channel = nb::cast<std::string>(asked["channel"]);
-  how.time = nb::cast<std::optional<std::int64_t>>(asked["time"]);
-  if (const auto zyx = nb::cast<std::optional<std::array<double, 3>>>(asked["spacing"])) {
+  how.channel = asked_for<std::string>(asked, "channel");
+  how.time = asked_for<std::optional<std::int64_t>>(asked, "time");
+  if (const auto zyx = asked_for<std::optional<std::array<double, 3>>>(asked, "spacing")) {
     how.spacing_mm = xyz_of(*zyx);
   }
-  how.max_memory_bytes = nb::cast<std::uint64_t>(given["max_memory"]);
-  const int threads = nb::cast<int>(given["threads"]);
+  how.max_memory_bytes = asked_for<std::uint64_t>(given, "max_memory");
+  const int threads = asked_for<int>(given, "threads");
   how.threads = threads > 0 ? threads : static_cast<int>(std::thread::hardware_concurrency());
-  const auto kind = nb::cast<std::optional<std::string>>(asked["kind"]);
-  const int level = nb::cast<int>(asked["level"]);
+  const auto kind = asked_for<std::optional<std::string>>(asked, "kind");
+  const int level = asked_for<int>(asked, "level");
   BuildOptions options = options_of(given);
   std::vector<Warning> warnings;
   call.run_apart([&] {
     const auto planes = open_zarr_source(source, how, level);
-    options.kind = kind ? (*kind == "labels" ? VolumeKind::labels : VolumeKind::grey)
-                        : planes->description().kind;
+    options.kind = kind ? kind_of(*kind) : planes->description().kind;
     build_file(*planes, local_storage(), path, options, call);
     warnings = planes->warnings();
   });
-  nb::list texts;
-  for (const Warning& warning : warnings) texts.append(warning.text);
-  return nb::make_tuple(options.kind == VolumeKind::labels ? "labels" : "grey", texts);
+  return nb::make_tuple(kind_name(options.kind),
+                        list_of(warnings, [](const Warning& one) { return one.text; }));
 }
 
 /// Planes that one thread hands over and another one, the builder's, takes: one waits at a time.

@@ -10,6 +10,7 @@
 #include <optional>
 #include <string>
 
+#include "asked.h"
 #include "octavo/core/error.h"
 
 namespace octavo::python {
@@ -17,11 +18,6 @@ namespace octavo::python {
 namespace nb = nanobind;
 
 namespace {
-
-template <class T>
-T fact(const nb::dict& facts, const char* name) {
-  return nb::cast<T>(facts[name]);
-}
 
 VoxelType type_of(const std::string& dtype) {
   if (const std::optional<VoxelType> type = parse_voxel_type(dtype)) return *type;
@@ -31,6 +27,12 @@ VoxelType type_of(const std::string& dtype) {
 }
 
 }  // namespace
+
+const char* kind_name(VolumeKind kind) { return kind == VolumeKind::labels ? "labels" : "grey"; }
+
+VolumeKind kind_of(const std::string& name) {
+  return name == "labels" ? VolumeKind::labels : VolumeKind::grey;
+}
 
 nb::dict volume_facts(const VolumeDescription& volume) {
   nb::dict names;
@@ -49,32 +51,31 @@ nb::dict volume_facts(const VolumeDescription& volume) {
 VolumeDescription description_of(const Zyx& shape, const nb::dict& facts) {
   VolumeDescription volume;
   MetadataFacts noted;
-  volume.type = type_of(fact<std::string>(facts, "dtype"));
-  volume.kind = fact<std::string>(facts, "kind") == "labels" ? VolumeKind::labels
-                                                             : VolumeKind::grey;
+  volume.type = type_of(asked_for<std::string>(facts, "dtype"));
+  volume.kind = kind_of(asked_for<std::string>(facts, "kind"));
   volume.size = size_of(shape);
-  const auto spacing = fact<std::optional<std::array<double, 3>>>(facts, "spacing");
+  const auto spacing = asked_for<std::optional<std::array<double, 3>>>(facts, "spacing");
   if (spacing) volume.geometry.spacing_mm = xyz_of(*spacing);
   noted.spacing_known = spacing.has_value();
   noted.spacing_source = spacing ? "user" : "assumed";
-  volume.geometry.origin_mm = xyz_of(fact<std::array<double, 3>>(facts, "origin"));
-  volume.geometry.direction = fact<std::array<double, 9>>(facts, "direction");
+  volume.geometry.origin_mm = xyz_of(asked_for<std::array<double, 3>>(facts, "origin"));
+  volume.geometry.direction = asked_for<std::array<double, 9>>(facts, "direction");
   if (!is_valid(volume.geometry)) {
     throw Error(ErrorKind::invalid_argument,
                 "spacing, origin and direction are no geometry: spacings lie within 1e-9 to 1e9 "
                 "mm, and no axis follows from the others").with_field("spacing_mm");
   }
-  volume.rescale = {fact<double>(facts, "slope"), fact<double>(facts, "intercept")};
+  volume.rescale = {asked_for<double>(facts, "slope"), asked_for<double>(facts, "intercept")};
   if (!is_valid(volume.rescale, volume.type)) {
     throw Error(ErrorKind::invalid_argument,
                 "the slope is 0, or real values are not finite").with_field("rescale");
   }
-  noted.unit = fact<std::optional<std::string>>(facts, "unit");
+  noted.unit = asked_for<std::optional<std::string>>(facts, "unit");
   for (const auto& [label, name] :
-       fact<std::map<std::int64_t, std::string>>(facts, "label_names")) {
+       asked_for<std::map<std::int64_t, std::string>>(facts, "label_names")) {
     noted.labels.set(label, {name, {}});
   }
-  noted.source.emplace().format = fact<std::string>(facts, "format");
+  noted.source.emplace().format = asked_for<std::string>(facts, "format");
   volume.metadata = Metadata::of(std::move(noted));
   return volume;
 }

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <string>
 
 #include "octavo/core/volume.h"
 
@@ -21,6 +22,18 @@ inline Index3 index_of(const Zyx& index) { return {index[2], index[1], index[0]}
 inline Point3 xyz_of(const std::array<double, 3>& zyx) { return {zyx[2], zyx[1], zyx[0]}; }
 inline nanobind::tuple zyx_of(const Point3& point) {
   return nanobind::make_tuple(point[2], point[1], point[0]);
+}
+
+/// "grey" or "labels", and back; other text is grey.
+const char* kind_name(VolumeKind kind);
+VolumeKind kind_of(const std::string& name);
+
+/// What `of` says of each one of `all`.
+template <class All, class Of>
+nanobind::list list_of(const All& all, Of of) {
+  nanobind::list list;
+  for (const auto& one : all) list.append(of(one));
+  return list;
 }
 
 /// What files and maps say alike: dtype, direction, is_spacing_known, metadata, label_names.

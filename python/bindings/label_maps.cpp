@@ -184,8 +184,7 @@ nb::tuple components_of(const LabelMap& map, int connectivity, std::int64_t keep
     const auto mask = map.mask(work.context());
     return labeled_components(mask->tree, mask->volume, options, work.context());
   });
-  nb::list rows;
-  for (const ComponentRow& row : made.table.rows) rows.append(row_of(row));
+  const nb::list rows = list_of(made.table.rows, row_of);
   return nb::make_tuple(LabelMap(std::move(made.labels), std::move(made.volume)), rows,
                         made.table.found);
 }

@@ -22,13 +22,6 @@ using namespace nb::literals;
 
 namespace {
 
-/// A window (low, high) in real values.
-std::optional<Window> slice_window(const nb::dict& asked) {
-  const auto ends = asked_for<std::optional<std::pair<double, double>>>(asked, "window");
-  if (!ends) return {};
-  return Window{(ends->first + ends->second) / 2, ends->second - ends->first};
-}
-
 OverlayLook overlay_look(const nb::dict& asked) {
   OverlayLook look;
   const auto kind = asked_for<std::optional<std::string>>(asked, "kind");
@@ -81,15 +74,13 @@ nb::object slice_picture(const OpenFile& file, const std::string& name, const nb
   options.index = asked_for<std::optional<std::int64_t>>(asked, "index");
   options.position_mm = asked_for<std::optional<double>>(asked, "position_mm");
   set_section(asked, options);
-  options.window = slice_window(asked);
+  options.window = window_of(asked);
   options.window_preset = asked_for<std::string>(asked, "preset");
   options.minimum_side = asked_for<std::int64_t>(asked, "minimum_side");
   options.labels = asked_labels(asked);
   options.salvage = salvage_filling(asked);
   const bool has_text = asked_for<bool>(asked, "text");
-  options.has_scale_bar = has_text;
-  options.has_sides = has_text;
-  options.has_legend = has_text;
+  set_captions(has_text, options);
   options.has_notes = has_text;
   for (const nb::handle one : overlays) {
     const auto parts = nb::cast<nb::tuple>(one);

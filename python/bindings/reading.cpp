@@ -170,7 +170,7 @@ nb::dict facts_of(const OpenFile& file) {
     levels.append(level_facts(reader, level));
   }
   nb::dict facts = volume_facts(volume);
-  facts["kind"] = volume.kind == VolumeKind::labels ? "labels" : "grey";
+  facts["kind"] = kind_name(volume.kind);
   facts["levels"] = levels;
   facts["slope"] = volume.rescale.slope;
   facts["intercept"] = volume.rescale.intercept;

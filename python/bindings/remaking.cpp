@@ -12,6 +12,7 @@
 #include <tuple>
 #include <vector>
 
+#include "asked.h"
 #include "octavo/core/error.h"
 #include "octavo/tasks/files/condense_volume.h"
 #include "octavo/tasks/files/export_zarr_image.h"
@@ -72,7 +73,7 @@ std::optional<Interpolation> interpolation_of(const std::optional<std::string>& 
 }
 
 Preset preset_of(const nb::dict& asked) {
-  return nb::cast<std::string>(asked["preset"]) == "fast" ? Preset::fast : Preset::small;
+  return asked_for<std::string>(asked, "preset") == "fast" ? Preset::fast : Preset::small;
 }
 
 nb::dict transform_file(const OpenFile& file, const std::string& name, const std::string& path,
@@ -80,9 +81,9 @@ nb::dict transform_file(const OpenFile& file, const std::string& name, const std
                         const nb::dict& asked, const nb::dict& given) {
   TransformOptions options;
   options.input = name;
-  options.output = {path, nb::cast<bool>(asked["overwrite"])};
-  const bool is_in_place = nb::cast<bool>(asked["in_place"]);
-  const bool is_inverse = nb::cast<bool>(asked["inverse"]);
+  options.output = {path, asked_for<bool>(asked, "overwrite")};
+  const bool is_in_place = asked_for<bool>(asked, "in_place");
+  const bool is_inverse = asked_for<bool>(asked, "inverse");
   for (const nb::handle step : steps) {
     const auto pair = nb::cast<nb::tuple>(step);
     add_step(step_of(nb::cast<std::string>(pair[0]), nb::cast<std::vector<double>>(pair[1]),
@@ -91,10 +92,10 @@ nb::dict transform_file(const OpenFile& file, const std::string& name, const std
   }
   options.grid_of = grid == nullptr ? "" : grid_name;
   options.interpolation =
-      interpolation_of(nb::cast<std::optional<std::string>>(asked["interpolation"]));
-  options.fill = nb::cast<std::optional<double>>(asked["fill"]);
+      interpolation_of(asked_for<std::optional<std::string>>(asked, "interpolation"));
+  options.fill = asked_for<std::optional<double>>(asked, "fill");
   options.preset = preset_of(asked);
-  options.max_error = nb::cast<double>(asked["max_error"]);
+  options.max_error = asked_for<double>(asked, "max_error");
   std::vector<NamedFile> files = {{name, &file}};
   if (grid != nullptr) files.push_back({grid_name, grid});
   Work work(given);
@@ -142,12 +143,12 @@ ZarrCompression compression_of(const std::string& name) {
 nb::tuple export_zarr_file(const OpenFile& file, const std::string& name, const std::string& path,
                            const nb::dict& asked, const nb::dict& given) {
   ZarrImageOptions options{.input = name,
-                           .output = {path, nb::cast<bool>(asked["overwrite"])},
-                           .level = nb::cast<int>(asked["level"]),
+                           .output = {path, asked_for<bool>(asked, "overwrite")},
+                           .level = asked_for<int>(asked, "level"),
                            .compression = compression_of(
-                               nb::cast<std::string>(asked["compression"])),
-                           .chunk_side = nb::cast<std::int64_t>(asked["chunk_side"]),
-                           .shard_chunks = nb::cast<std::int64_t>(asked["shard_chunks"])};
+                               asked_for<std::string>(asked, "compression")),
+                           .chunk_side = asked_for<std::int64_t>(asked, "chunk_side"),
+                           .shard_chunks = asked_for<std::int64_t>(asked, "shard_chunks")};
   Work work(given);
   const ZarrImageResult made =
       work.run({{name, &file}}, [&] { return export_zarr_image(options, work.context()); });

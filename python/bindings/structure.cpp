@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "asked.h"
 #include "facts.h"
 #include "octavo/tasks/distance.h"
 #include "octavo/tasks/structure/align.h"
@@ -29,13 +30,13 @@ nb::dict distance_file(const OpenFile& file, const std::string& name, const std:
                        const nb::dict& asked, const nb::dict& given) {
   DistanceOptions options;
   options.input = name;
-  options.output = {path, nb::cast<bool>(asked["overwrite"])};
-  options.to = nb::cast<std::string>(asked["to"]) == "centers" ? DistanceTo::centers
+  options.output = {path, asked_for<bool>(asked, "overwrite")};
+  options.to = asked_for<std::string>(asked, "to") == "centers" ? DistanceTo::centers
                                                                : DistanceTo::faces;
-  options.max_mm = nb::cast<std::optional<double>>(asked["max_mm"]);
-  options.is_in_steps = nb::cast<bool>(asked["steps"]);
-  options.step_mm = nb::cast<std::optional<double>>(asked["step_mm"]);
-  options.within_mm = nb::cast<std::optional<double>>(asked["within_mm"]);
+  options.max_mm = asked_for<std::optional<double>>(asked, "max_mm");
+  options.is_in_steps = asked_for<bool>(asked, "steps");
+  options.step_mm = asked_for<std::optional<double>>(asked, "step_mm");
+  options.within_mm = asked_for<std::optional<double>>(asked, "within_mm");
   Work work(given);
   const DistanceResult result =
       work.run({{name, &file}}, [&] { return distance(options, work.context()); });
@@ -61,15 +62,21 @@ nb::object thickness_facts(const std::optional<ThicknessSummary>& summary) {
 nb::list slice_facts(const MorphometryResult& result) {
   const Point3& spacing = result.volume.geometry.spacing_mm;
   const double pixel_mm2 = spacing[0] * spacing[1];
-  nb::list slices;
-  for (const SliceMeasure& slice : result.slices) {
+  return list_of(result.slices, [&](const SliceMeasure& slice) {
     nb::dict one;
     one["area_mm2"] = static_cast<double>(slice.voxels) * pixel_mm2;
     one["total_mm2"] = static_cast<double>(slice.region_voxels) * pixel_mm2;
     one["thickness_mm"] = slice.mean_thickness_mm;
-    slices.append(one);
-  }
-  return slices;
+    return one;
+  });
+}
+
+nb::dict box_facts(const BoxCount& one) {
+  nb::dict box;
+  box["side"] = one.side;
+  box["holding"] = one.holding;
+  box["mixed"] = one.mixed;
+  return box;
 }
 
 nb::dict morphometry_facts(const MorphometryResult& result, bool has_tortuosity) {
@@ -93,15 +100,7 @@ nb::dict morphometry_facts(const MorphometryResult& result, bool has_tortuosity)
     mil["axes"] = result.anisotropy->axes;
     facts["mil"] = mil;
   }
-  nb::list boxes;
-  for (const BoxCount& one : result.boxes) {
-    nb::dict box;
-    box["side"] = one.side;
-    box["holding"] = one.holding;
-    box["mixed"] = one.mixed;
-    boxes.append(box);
-  }
-  facts["boxes"] = boxes;
+  facts["boxes"] = list_of(result.boxes, box_facts);
   facts["touches_border"] = result.touches;
   facts["slices"] = slice_facts(result);
   return facts;
@@ -110,17 +109,17 @@ nb::dict morphometry_facts(const MorphometryResult& result, bool has_tortuosity)
 /// files  of the mask, then of the region and of the scan where `asked` names them
 nb::dict morphometry_file(const std::vector<const OpenFile*>& files, const nb::dict& asked,
                           const nb::dict& given) {
-  const auto text = [&](const char* name) { return nb::cast<std::string>(asked[name]); };
+  const auto text = [&](const char* name) { return asked_for<std::string>(asked, name); };
   MorphometryOptions options;
   options.input = text("mask");
   options.region = text("region");
   options.grey = text("grey");
-  const auto line = nb::cast<std::array<double, 2>>(asked["calibration"]);
+  const auto line = asked_for<std::array<double, 2>>(asked, "calibration");
   options.calibration = {line[0], line[1]};
-  options.has_thickness = nb::cast<bool>(asked["thickness"]);
-  options.has_tortuosity = nb::cast<bool>(asked["tortuosity"]);
-  options.has_diffusion = nb::cast<bool>(asked["diffusion"]);
-  const bool overwrites = nb::cast<bool>(asked["overwrite"]);
+  options.has_thickness = asked_for<bool>(asked, "thickness");
+  options.has_tortuosity = asked_for<bool>(asked, "tortuosity");
+  options.has_diffusion = asked_for<bool>(asked, "diffusion");
+  const bool overwrites = asked_for<bool>(asked, "overwrite");
   options.thickness_map = {text("thickness_map"), overwrites};
   options.spacing_map = {text("spacing_map"), overwrites};
   options.histogram = {text("histogram"), overwrites};
@@ -162,14 +161,29 @@ nb::dict pose_facts(const AlignResult& result) {
 /// moving  null where `moving` of `asked` is a file of a mesh, points or lines
 nb::dict align_files(const OpenFile* moving, const OpenFile& fixed, const nb::dict& asked,
                      const nb::dict& given) {
-  const auto text = [&](const char* name) { return nb::cast<std::string>(asked[name]); };
-  const bool overwrites = nb::cast<bool>(asked["overwrite"]);
+  const auto text = [&](const char* name) { return asked_for<std::string>(asked, name); };
+  const bool overwrites = asked_for<bool>(asked, "overwrite");
   const AlignOptions options{text("moving"), text("fixed"), {text("output"), overwrites},
-                             nb::cast<bool>(asked["scale"]), {text("picture"), overwrites}};
+                             asked_for<bool>(asked, "scale"), {text("picture"), overwrites}};
   std::vector<NamedFile> files = {{options.fixed, &fixed}};
   if (moving != nullptr) files.push_back({options.moving, moving});
   Work work(given);
   return pose_facts(work.run(files, [&] { return align(options, work.context()); }));
+}
+
+nb::dict similarity_facts(const SimilarityLevel& level) {
+  nb::dict one;
+  one["side"] = level.side;
+  one["cubes"] = level.cubes;
+  one["uniform"] = level.uniform;
+  one["asked"] = level.asked;
+  one["same_level"] = level.same_level;
+  one["next_level"] = level.next_level;
+  one["turned"] = level.turned;
+  one["cut_short"] = level.cut_short;
+  one["coded_bytes"] = level.coded_bytes;
+  one["reference_bytes"] = level.reference_bytes;
+  return one;
 }
 
 /// Cubes that equal others.
@@ -183,25 +197,10 @@ nb::dict self_similarity_of(const OpenFile& file, const std::string& name, const
   Work work(given);
   const SelfSimilarityResult result =
       work.run(files, [&] { return self_similarity(options, work.context()); });
-  nb::list levels;
-  for (const SimilarityLevel& level : result.levels) {
-    nb::dict one;
-    one["side"] = level.side;
-    one["cubes"] = level.cubes;
-    one["uniform"] = level.uniform;
-    one["asked"] = level.asked;
-    one["same_level"] = level.same_level;
-    one["next_level"] = level.next_level;
-    one["turned"] = level.turned;
-    one["cut_short"] = level.cut_short;
-    one["coded_bytes"] = level.coded_bytes;
-    one["reference_bytes"] = level.reference_bytes;
-    levels.append(one);
-  }
   nb::dict facts;
   facts["file_bytes"] = result.file_bytes;
   facts["saved_bytes"] = result.saved_bytes();
-  facts["levels"] = levels;
+  facts["levels"] = list_of(result.levels, similarity_facts);
   return facts;
 }
 
@@ -237,16 +236,14 @@ nb::list contacts_of(const OpenFile& file, const std::string& name, int connecti
   Work work(given);
   const TouchLabelsResult result =
       work.run({{name, &file}}, [&] { return touch_labels(options, work.context()); });
-  nb::list rows;
-  for (const LabelContact& contact : result.contacts) {
+  return list_of(result.contacts, [&](const LabelContact& contact) {
     nb::dict row;
     row["first"] = contact.first;
     row["second"] = contact.second;
     row["voxel_pairs"] = contact.voxel_pairs;
     row["area_mm2"] = area_mm2(contact.face_pairs, result.volume);
-    rows.append(row);
-  }
-  return rows;
+    return row;
+  });
 }
 
 }  // namespace

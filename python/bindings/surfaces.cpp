@@ -59,13 +59,20 @@ SurfaceOptions surface_options(const std::string& name, const nb::dict& asked) {
   return options;
 }
 
-nb::dict surface_facts(const SurfaceResult& result) {
+/// What surfaces of all kinds say of themselves: checks and measures.
+template <class Surface>
+nb::dict checked_facts(const Surface& surface) {
   nb::dict facts;
-  facts["closed"] = result.check.is_closed();
-  facts["manifold"] = result.check.is_manifold();
-  facts["components"] = result.check.components;
-  facts["area_mm2"] = result.measures.area_mm2;
-  facts["volume_mm3"] = result.measures.volume_mm3;
+  facts["closed"] = surface.check.is_closed();
+  facts["manifold"] = surface.check.is_manifold();
+  facts["components"] = surface.check.components;
+  facts["area_mm2"] = surface.measures.area_mm2;
+  facts["volume_mm3"] = surface.measures.volume_mm3;
+  return facts;
+}
+
+nb::dict surface_facts(const SurfaceResult& result) {
+  nb::dict facts = checked_facts(result);
   facts["max_deviation_mm"] = result.max_deviation_mm;
   facts["full_triangles"] = result.full_triangle_count;
   facts["crossing_triangles"] = result.crossing_triangles;
@@ -117,17 +124,12 @@ nb::dict surface_file(const OpenFile& file, const std::string& name, const std::
 }
 
 nb::dict label_surface_facts(const LabelSurface& surface) {
-  nb::dict facts;
+  nb::dict facts = checked_facts(surface);
   facts["label"] = surface.label;
   facts["path"] = surface.path.empty() ? nb::none() : nb::cast(surface.path);
   facts["points"] = surface.point_count;
   facts["triangles"] = surface.triangle_count;
-  facts["closed"] = surface.check.is_closed();
-  facts["manifold"] = surface.check.is_manifold();
-  facts["components"] = surface.check.components;
   facts["touching_points"] = surface.touching_points;
-  facts["area_mm2"] = surface.measures.area_mm2;
-  facts["volume_mm3"] = surface.measures.volume_mm3;
   facts["voxels"] = surface.voxel_count;
   facts["volume_change"] = surface.volume_change;
   facts["longest_move_mm"] = surface.longest_move_mm;
@@ -166,9 +168,7 @@ nb::dict label_surface_files(const OpenFile& file, const std::string& name,
   facts["crossing_triangles"] = result.crossing_triangles;
   facts["pairs"] = result.pair_count;
   facts["file_bytes"] = result.file_bytes;
-  nb::list labels;
-  for (const LabelSurface& surface : result.labels) labels.append(label_surface_facts(surface));
-  facts["labels"] = labels;
+  facts["labels"] = list_of(result.labels, label_surface_facts);
   return facts;
 }
 

@@ -105,9 +105,7 @@ void set_light(const nb::dict& asked, RenderOptions& options) {
   }
   options.fade = asked_for<std::optional<double>>(asked, "fade");
   options.is_average = asked_for<bool>(asked, "average");
-  if (const auto ends = asked_for<std::optional<std::pair<double, double>>>(asked, "window")) {
-    options.window = Window{(ends->first + ends->second) / 2, ends->second - ends->first};
-  }
+  options.window = window_of(asked);
   options.transfer = asked_for<std::optional<std::string>>(asked, "transfer");
   options.isovalue = asked_for<std::optional<double>>(asked, "isovalue");
   options.has_ambient_shade = asked_for<bool>(asked, "ambient_shade");
@@ -130,10 +128,7 @@ void set_picture(const nb::dict& asked, RenderOptions& options) {
   options.turntable = asked_for<int>(asked, "turntable");
   options.is_growing = asked_for<bool>(asked, "grow");
   options.background = color_of(asked_for<std::string>(asked, "background"));
-  const bool has_text = asked_for<bool>(asked, "text");
-  options.has_scale_bar = has_text;
-  options.has_sides = has_text;
-  options.has_legend = has_text;
+  set_captions(asked_for<bool>(asked, "text"), options);
 }
 
 /// others  (name, file) of the mask and the label map beside it
