@@ -35,7 +35,7 @@ def vtk_picture(volume, path):
     """A surface that VTK's own filter makes of what the reader gives."""
     from octavo.vtk import Reader
     from vtkmodules import vtkInteractionStyle, vtkRenderingOpenGL2  # noqa: F401
-    from vtkmodules.vtkFiltersCore import vtkFlyingEdges3D
+    from vtkmodules.vtkFiltersCore import vtkFlyingEdges3D, vtkPolyDataConnectivityFilter
     from vtkmodules.vtkIOImage import vtkPNGWriter
     from vtkmodules.vtkRenderingCore import (vtkActor, vtkPolyDataMapper, vtkRenderer,
                                              vtkRenderWindow, vtkWindowToImageFilter)
@@ -43,8 +43,11 @@ def vtk_picture(volume, path):
     surface = vtkFlyingEdges3D()
     surface.SetInputConnection(reader.GetOutputPort())
     surface.SetValue(0, 226)
+    largest = vtkPolyDataConnectivityFilter()
+    largest.SetInputConnection(surface.GetOutputPort())
+    largest.SetExtractionModeToLargestRegion()
     mapper = vtkPolyDataMapper()
-    mapper.SetInputConnection(surface.GetOutputPort())
+    mapper.SetInputConnection(largest.GetOutputPort())
     mapper.ScalarVisibilityOff()
     actor = vtkActor()
     actor.SetMapper(mapper)
@@ -60,6 +63,7 @@ def vtk_picture(volume, path):
     camera.SetFocalPoint(0, 0, 0)
     camera.SetViewUp(0, 0, 1)
     scene.ResetCamera()
+    camera.Zoom(1.2)
     window.Render()
     shot = vtkWindowToImageFilter()
     shot.SetInput(window)
