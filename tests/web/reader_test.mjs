@@ -9,7 +9,7 @@ import {
   builtScan, crc32c, dist, exportedNifti, golden, goldenFolder, goldenNames, listedChecksums, run, sha1,
 } from "./support/golden.mjs";
 import { damagedFiles } from "./support/damage.mjs";
-import { startServer } from "./support/server.mjs";
+import { beginRange, startServer } from "./support/server.mjs";
 
 const { createPool, open, OctavoError } = await import(join(dist, "reader.js"));
 
@@ -289,13 +289,10 @@ test("a server that trickles bytes is waited for", async () => {
   calm.close();
   let pieces = 0;
   host.misbehave = async (request, response) => {
-    const [first, last] = /=(\d+)-(\d+)$/.exec(request.headers.range).slice(1).map(Number);
-    const part = bytes.subarray(first, Math.min(last + 1, bytes.length));
-    response.writeHead(206, { "Content-Length": part.length,
-      "Content-Range": `bytes ${first}-${first + part.length - 1}/${bytes.length}` });
+    const part = beginRange(request, response, bytes);
     // A few bytes, and then ever more: frames of every size.
     for (let at = 0, n = 1; at < part.length; at += n, n = Math.min(2 * n, 1500), ++pieces) {
-      response.write(Buffer.from(part.subarray(at, at + n)));
+      response.write(part.subarray(at, at + n));
       await new Promise((resolve) => setTimeout(resolve, 2));
     }
     response.end();
@@ -313,10 +310,9 @@ test("a server that trickles for ever is said to be slow, and can be asked again
   const url = serve(bytes);
   host.misbehave = async (request, response) => {
     if (host.log.length > 1) return false;
-    response.writeHead(206, { "Content-Length": bytes.length,
-      "Content-Range": `bytes 0-${bytes.length - 1}/${bytes.length}` });
-    for (let at = 0; !response.destroyed && at < bytes.length; at += 10) {
-      response.write(Buffer.from(bytes.subarray(at, at + 10)));
+    const part = beginRange(request, response, bytes);
+    for (let at = 0; !response.destroyed && at < part.length; at += 10) {
+      response.write(part.subarray(at, at + 10));
       await new Promise((resolve) => setTimeout(resolve, 100));
     }
     return true;

@@ -3,11 +3,10 @@
 //
 // usage: OCTAVO=build/octavo node tests/web/viewer_test.mjs
 import assert from "node:assert/strict";
-import { readFileSync, writeFileSync } from "node:fs";
-import { join } from "node:path";
 import { after, before, test } from "node:test";
-import { builtScan, inFolder, run } from "./support/golden.mjs";
+import { builtRaw, builtScan } from "./support/golden.mjs";
 import { pngPixels } from "./support/png.mjs";
+import { beginRange } from "./support/server.mjs";
 import {
   HOSTILE, calm, panelPng, settled, showRaysAlone, startPage, text, withPage,
 } from "./support/viewer_page.mjs";
@@ -204,15 +203,9 @@ test("a lost graphics context is said to be lost until it is back with its pictu
 
 test("a volume longer than a texture is shown, near and far", async () => {
   const [nx, side] = [300_000, 4];
-  const long = await inFolder((folder) => {
-    const [raw, file] = ["l.raw", "l.8vo"].map((name) => join(folder, name));
-    const voxels = new Uint8Array(nx * side * side);
-    for (let i = 0; i < voxels.length; ++i) voxels[i] = 100 + Math.floor((i % nx) / 2000);
-    writeFileSync(raw, voxels);
-    run("build", raw, "--raw", `${nx},${side},${side},uint8`, "--spacing", "1", "-o", file);
-    return readFileSync(file);
-  });
-  host.files.set("/long.8vo", long);
+  const voxels = Uint8Array.from({ length: nx * side * side },
+    (_, i) => 100 + Math.floor((i % nx) / 2000));
+  host.files.set("/long.8vo", await builtRaw(voxels, [nx, side, side]));
   await withPage("?url=long.8vo&layout=z&at=150000,2,2&window=128,256", async (shown) => {
     await settled(shown);
     await shown.evaluate(() => octavo.store.set({ hasAnnotations: false }));
@@ -236,13 +229,7 @@ test("a volume longer than a texture is shown, near and far", async () => {
 });
 
 test("equal voxels are said to be equal", async () => {
-  const bytes = await inFolder((folder) => {
-    writeFileSync(join(folder, "e.raw"), new Uint8Array(1).fill(7));
-    run("build", join(folder, "e.raw"), "--raw", "1,1,1,uint8", "--spacing", "1", "-o",
-      join(folder, "e.8vo"));
-    return readFileSync(join(folder, "e.8vo"));
-  });
-  host.files.set("/equal.8vo", bytes);
+  host.files.set("/equal.8vo", await builtRaw(Uint8Array.of(7), [1, 1, 1]));
   await withPage("?url=equal.8vo", async (shown) => {
     await settled(shown);
     assert.match(await text(shown, "message"), /^All voxels of equal\.8vo have the value 7\./);
@@ -251,13 +238,8 @@ test("equal voxels are said to be equal", async () => {
 });
 
 test("a scan without a finite value is said to be one", async () => {
-  const bytes = await inFolder((folder) => {
-    writeFileSync(join(folder, "n.raw"), new Float32Array(1000).fill(NaN));
-    run("build", join(folder, "n.raw"), "--raw", "10,10,10,float32", "--spacing", "1", "-o",
-      join(folder, "n.8vo"));
-    return readFileSync(join(folder, "n.8vo"));
-  });
-  host.files.set("/nowhere.8vo", bytes);
+  const nowhere = await builtRaw(new Float32Array(1000).fill(NaN), [10, 10, 10]);
+  host.files.set("/nowhere.8vo", nowhere);
   await withPage("?url=nowhere.8vo", async (shown) => {
     await settled(shown);
     assert.match(await text(shown, "message"), /^All voxels of nowhere\.8vo are NaN or infinite\./);
@@ -313,7 +295,6 @@ const isSlow = (shown, state) => shown.locator("#slow").waitFor({ state, timeout
 
 test("a server that trickles is said to be slow until bytes flow", async () => {
   let isFlowing = false;
-  const bytes = files.scan;
   await withPage("?url=scan.8vo&layout=z", async (shown) => {
     await isSlow(shown, "visible");
     assert.match(await text(shown, "slow"),
@@ -326,10 +307,7 @@ test("a server that trickles is said to be slow until bytes flow", async () => {
     prepare: () => {
       host.misbehave = async (request, response) => {
         if (!request.url.startsWith("/scan.8vo") || isFlowing) return false;
-        const [first, last] = /=(\d+)-(\d+)$/.exec(request.headers.range).slice(1).map(Number);
-        const part = bytes.subarray(first, Math.min(last + 1, bytes.length));
-        response.writeHead(206, { "Content-Length": part.length,
-          "Content-Range": `bytes ${first}-${first + part.length - 1}/${bytes.length}` });
+        const part = beginRange(request, response, files.scan);
         let at = 0;
         for (; !isFlowing && !response.destroyed && at < part.length; at += 10) {
           response.write(part.subarray(at, at + 10));

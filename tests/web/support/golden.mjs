@@ -29,6 +29,17 @@ export async function inFolder(use) {
   }
 }
 
+/** The bytes of the file that the program makes of voxels of 1 mm, x fastest. */
+export function builtRaw(voxels, size) {
+  return inFolder((folder) => {
+    const type = voxels.constructor.name.replace("Array", "").toLowerCase();
+    writeFileSync(join(folder, "v.raw"), voxels);
+    run("build", join(folder, "v.raw"), "--raw", `${size},${type}`, "--spacing", "1", "-o",
+      join(folder, "v.8vo"));
+    return readFileSync(join(folder, "v.8vo"));
+  });
+}
+
 /**
  * A scan of 128 x 96 x 80 voxels of 0.5 mm: the bytes of its file, and its voxels.
  * voxelOf  of [x, y, z]; noise over a ramp where absent: more than a reader asks for at first

@@ -34,6 +34,15 @@ export async function startServer(folders = {}) {
   return host;
 }
 
+/** Begins to answer with the range of `bytes` that is asked for, and gives what is to be sent. */
+export function beginRange(request, response, bytes) {
+  const [first, last] = /=(\d+)-(\d+)$/.exec(request.headers.range).slice(1).map(Number);
+  const part = Buffer.from(bytes.subarray(first, last + 1));
+  response.writeHead(206, { "Content-Length": part.length,
+    "Content-Range": `bytes ${first}-${first + part.length - 1}/${bytes.length}` });
+  return part;
+}
+
 async function bytesOf(host, folders, path) {
   if (host.files.has(path)) return host.files.get(path);
   for (const [prefix, folder] of Object.entries(folders)) {
