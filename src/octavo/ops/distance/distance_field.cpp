@@ -6,19 +6,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <span>
 
-#include "octavo/core/error.h"
+#include "octavo/ops/distance/scratch_planes.h"
 
 namespace octavo {
 
 namespace {
 
 constexpr std::int64_t kFloatBytes = 4;
-
-std::span<std::uint8_t> bytes_of(float* values, std::int64_t count) {
-  return {reinterpret_cast<std::uint8_t*>(values), static_cast<std::size_t>(count * kFloatBytes)};
-}
 
 /// The largest square, whatever its sign.
 float largest_of(const float* squared, std::int64_t count) {
@@ -71,62 +66,33 @@ class FieldOnDisk final : public DistanceField {
   FieldOnDisk(const InsideVoxels& voxels, const DistanceSettings& settings, double limit_mm,
               std::uint64_t bytes, Storage& storage, const std::string& folder,
               Progress& progress)
-      : size_(voxels.size),
+      : plane_(voxels.size.x * voxels.size.y),
         settings_(settings),
         limit_mm_(limit_mm),
-        file_(storage.create_scratch(folder)) {
+        planes_(voxels.size, storage, folder) {
     std::vector<float> room(static_cast<std::size_t>(bytes) / kFloatBytes);
-    write_planes(voxels, room, progress);
-    write_columns(room, progress);
+    planes_.write_planes(room, [&](std::int64_t begin, std::int64_t end, float* squared) {
+      measure_planes(voxels, begin, end, settings, progress, squared);
+    });
+    float largest = 0;
+    planes_.change_rows(room, progress, [&](const Size3& block, float* squared) {
+      measure_columns(block, settings, squared);
+      largest = std::max(largest, largest_of(squared, block.voxel_count()));
+    });
+    largest_mm_ = length_mm(largest, settings, limit_mm);
   }
 
   void read(std::int64_t begin, std::int64_t end, float* mm) override {
-    const std::int64_t plane = size_.x * size_.y;
-    const std::int64_t count = (end - begin) * plane;
-    file_->read(offset(begin, 0), bytes_of(mm, count));
-    to_distances(count, settings_, limit_mm_, mm, mm);
+    planes_.read(begin, end, mm);
+    to_distances((end - begin) * plane_, settings_, limit_mm_, mm, mm);
   }
   std::optional<double> largest_mm() const override { return largest_mm_; }
 
  private:
-  std::uint64_t offset(std::int64_t z, std::int64_t y) const {
-    return static_cast<std::uint64_t>((z * size_.y + y) * size_.x * kFloatBytes);
-  }
-
-  void write_planes(const InsideVoxels& voxels, std::vector<float>& room, Progress& progress) {
-    const std::int64_t plane = size_.x * size_.y;
-    const std::int64_t planes = static_cast<std::int64_t>(room.size()) / plane;
-    for (std::int64_t z = 0; z < size_.z; z += planes) {
-      const std::int64_t end = std::min(z + planes, size_.z);
-      measure_planes(voxels, z, end, settings_, progress, room.data());
-      file_->write(offset(z, 0), bytes_of(room.data(), (end - z) * plane));
-    }
-  }
-
-  void write_columns(std::vector<float>& room, Progress& progress) {
-    const std::int64_t row = size_.x * size_.z;
-    const std::int64_t rows = static_cast<std::int64_t>(room.size()) / row;
-    float largest = 0;
-    for (std::int64_t y = 0; y < size_.y; y += rows) {
-      if (progress.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
-      const Size3 block = {size_.x, std::min(rows, size_.y - y), size_.z};
-      const std::int64_t piece = block.x * block.y;
-      for (std::int64_t z = 0; z < size_.z; ++z) {
-        file_->read(offset(z, y), bytes_of(room.data() + z * piece, piece));
-      }
-      measure_columns(block, settings_, room.data());
-      largest = std::max(largest, largest_of(room.data(), block.voxel_count()));
-      for (std::int64_t z = 0; z < size_.z; ++z) {
-        file_->write(offset(z, y), bytes_of(room.data() + z * piece, piece));
-      }
-    }
-    largest_mm_ = length_mm(largest, settings_, limit_mm_);
-  }
-
-  Size3 size_;
+  std::int64_t plane_;
   DistanceSettings settings_;
   double limit_mm_;
-  std::unique_ptr<StorageFile> file_;
+  ScratchPlanes<float> planes_;
   double largest_mm_ = 0;
 };
 

@@ -4,10 +4,9 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <cstring>
-#include <span>
 
 #include "octavo/core/error.h"
+#include "octavo/ops/distance/scratch_planes.h"
 #include "octavo/ops/distance/site_shares.h"
 
 namespace octavo {
@@ -113,50 +112,25 @@ class SitesOnDisk final : public SiteField {
  public:
   SitesOnDisk(const InsideVoxels& voxels, const Point3& weights, std::uint64_t max_bytes,
               Storage& storage, const std::string& folder, Progress& progress)
-      : size_(voxels.size), file_(storage.create_scratch(folder)) {
-    const std::int64_t plane = size_.x * size_.y;
-    const std::int64_t row = size_.x * size_.z;
+      : planes_(voxels.size, storage, folder) {
+    const Size3& size = voxels.size;
     const auto held = static_cast<std::int64_t>(max_bytes) / kSiteBytes;
-    std::vector<NearestSite> room(static_cast<std::size_t>(std::max({held, plane, row})));
-
-    // Planes.
-    const std::int64_t planes = static_cast<std::int64_t>(room.size()) / plane;
-    for (std::int64_t z = 0; z < size_.z; z += planes) {
-      const std::int64_t end = std::min(z + planes, size_.z);
-      sites_in_planes(voxels, weights, z, end, progress, room.data());
-      file_->write(offset(z, 0), bytes_of_sites(room.data(), (end - z) * plane));
-    }
-
-    // Rows of all planes.
-    const std::int64_t rows = static_cast<std::int64_t>(room.size()) / row;
-    for (std::int64_t y = 0; y < size_.y; y += rows) {
-      if (progress.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
-      const Size3 block = {size_.x, std::min(rows, size_.y - y), size_.z};
-      const std::int64_t piece = block.x * block.y;
-      for (std::int64_t z = 0; z < size_.z; ++z) {
-        file_->read(offset(z, y), bytes_of_sites(room.data() + z * piece, piece));
-      }
-      sites_through_planes(block, weights, room.data());
-      for (std::int64_t z = 0; z < size_.z; ++z) {
-        file_->write(offset(z, y), bytes_of_sites(room.data() + z * piece, piece));
-      }
-    }
+    std::vector<NearestSite> room(
+        static_cast<std::size_t>(std::max({held, size.x * size.y, size.x * size.z})));
+    planes_.write_planes(room, [&](std::int64_t begin, std::int64_t end, NearestSite* sites) {
+      sites_in_planes(voxels, weights, begin, end, progress, sites);
+    });
+    planes_.change_rows(room, progress, [&](const Size3& block, NearestSite* sites) {
+      sites_through_planes(block, weights, sites);
+    });
   }
 
   void read(std::int64_t begin, std::int64_t end, NearestSite* sites) const override {
-    file_->read(offset(begin, 0), bytes_of_sites(sites, (end - begin) * size_.x * size_.y));
+    planes_.read(begin, end, sites);
   }
 
  private:
-  static std::span<std::uint8_t> bytes_of_sites(NearestSite* sites, std::int64_t count) {
-    return {reinterpret_cast<std::uint8_t*>(sites), static_cast<std::size_t>(count * kSiteBytes)};
-  }
-  std::uint64_t offset(std::int64_t z, std::int64_t y) const {
-    return static_cast<std::uint64_t>((z * size_.y + y) * size_.x * kSiteBytes);
-  }
-
-  Size3 size_;
-  std::unique_ptr<StorageFile> file_;
+  ScratchPlanes<NearestSite> planes_;
 };
 
 }  // namespace
