@@ -10,6 +10,7 @@
 #include "octavo/tasks/hexahedra.h"
 #include "octavo/tasks/volume_facts.h"
 #include "text/quantities.h"
+#include "text/volume_json.h"
 #include "verbs.h"
 
 namespace octavo::cli {
@@ -111,8 +112,6 @@ nlohmann::ordered_json hexahedra_json(const HexahedraOptions& options,
                                       const HexahedraResult& result) {
   nlohmann::ordered_json range = nullptr;
   if (result.modulus_range_mpa) range = *result.modulus_range_mpa;
-  nlohmann::ordered_json volume = nullptr;
-  if (is_spacing_known(result.volume)) volume = result.volume_mm3;
   return {{"output", options.output.path},
           {"file_bytes", result.file_bytes},
           {"level", options.level},
@@ -129,7 +128,7 @@ nlohmann::ordered_json hexahedra_json(const HexahedraOptions& options,
           {"labels", result.labels},
           {"materials", result.material_count},
           {"modulus_range_mpa", range},
-          {"volume_mm3", volume},
+          {"volume_mm3", if_in_mm(result.volume, result.volume_mm3)},
           {"quality", quality_json(result)}};
 }
 

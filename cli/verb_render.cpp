@@ -17,6 +17,7 @@
 #include "octavo/tasks/volume_facts.h"
 #include "text/quantities.h"
 #include "text/value_range_words.h"
+#include "text/volume_json.h"
 #include "verbs.h"
 
 namespace octavo::cli {
@@ -136,8 +137,8 @@ nlohmann::ordered_json report_json(const RenderOptions& options, const RenderRes
   nlohmann::ordered_json json = {
       {"outputs", result.outputs}, {"mode", mode_name(options.mode)},
       {"level", result.level},     {"size", {result.width, result.height}},
-      {"pixel_mm", nullptr},       {"toward", result.toward}};
-  if (is_spacing_known(result.volume)) json["pixel_mm"] = result.pixel_mm;
+      {"pixel_mm", if_in_mm(result.volume, result.pixel_mm)},
+      {"toward", result.toward}};
   if (is_of_rays(options.mode)) {
     json.update(ray_counts_json(options, result));
   } else if (options.mode == RenderMode::transparency) {

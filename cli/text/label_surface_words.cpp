@@ -12,6 +12,7 @@
 #include "text/label_words.h"
 #include "text/quantities.h"
 #include "text/table.h"
+#include "text/volume_json.h"
 
 namespace octavo::cli {
 
@@ -52,10 +53,7 @@ std::string touching_text(const LabelSurfacesResult& result) {
 }
 
 nlohmann::ordered_json label_json(const LabelSurface& surface, const LabelSurfacesResult& result) {
-  const bool is_spaced = is_spacing_known(result.volume);
-  const auto if_spaced = [&](double value) {
-    return optional_json(is_spaced ? std::optional(value) : std::nullopt);
-  };
+  const VolumeDescription& volume = result.volume;
   const MeshCheck& check = surface.check;
   nlohmann::ordered_json object = {{"label", surface.label},
                                    {"name", name_json(names_in(result), surface.label)},
@@ -72,10 +70,10 @@ nlohmann::ordered_json label_json(const LabelSurface& surface, const LabelSurfac
                                    {"coincident_points", check.coincident_points},
                                    {"touching_points", surface.touching_points},
                                    {"voxels", surface.voxel_count},
-                                   {"area_mm2", if_spaced(surface.measures.area_mm2)},
-                                   {"volume_mm3", if_spaced(surface.measures.volume_mm3)},
+                                   {"area_mm2", if_in_mm(volume, surface.measures.area_mm2)},
+                                   {"volume_mm3", if_in_mm(volume, surface.measures.volume_mm3)},
                                    {"volume_change", surface.volume_change},
-                                   {"longest_move_mm", if_spaced(surface.longest_move_mm)}};
+                                   {"longest_move_mm", if_in_mm(volume, surface.longest_move_mm)}};
   if (!surface.path.empty()) object["output"] = surface.path;
   return object;
 }
@@ -118,7 +116,6 @@ nlohmann::ordered_json label_surfaces_json(const LabelSurfacesOptions& options,
   for (const LabelSurface& surface : result.labels) labels.push_back(label_json(surface, result));
   nlohmann::ordered_json crossing = nullptr;
   if (result.crossing_triangles) crossing = *result.crossing_triangles;
-  const bool is_spaced = is_spacing_known(result.volume);
   return {{"output", options.output.path},
           {"is_written", result.is_written},
           {"file_bytes", result.file_bytes},
@@ -130,8 +127,7 @@ nlohmann::ordered_json label_surfaces_json(const LabelSurfacesOptions& options,
           {"points", result.point_count},
           {"interface_triangles", result.reduced_triangle_count},
           {"full_interface_triangles", result.full_triangle_count},
-          {"max_deviation_mm",
-           optional_json(is_spaced ? std::optional(result.max_deviation_mm) : std::nullopt)},
+          {"max_deviation_mm", if_in_mm(result.volume, result.max_deviation_mm)},
           {"self_intersections", crossing},
           {"pairs", result.pair_count},
           {"closed_manifold", result.is_sound},

@@ -2,30 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <nlohmann/json.hpp>
-#include <string_view>
 
 #include "octavo/core/error.h"
 #include "octavo/core/text.h"
+#include "octavo/core/utf8.h"
 
 namespace octavo::cli {
-
-namespace {
-
-/// Whether a character of UTF-8 text is a control: C0, delete or C1.
-bool holds_control(std::string_view text) {
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const auto byte = static_cast<unsigned char>(text[i]);
-    if (byte < 0x20 || byte == 0x7f) return true;
-    const bool is_c1 = byte == 0xc2 && i + 1 < text.size() &&
-                       static_cast<unsigned char>(text[i + 1]) < 0xa0;
-    if (is_c1) return true;
-  }
-  return false;
-}
-
-}  // namespace
 
 nlohmann::ordered_json name_json(const LabelNames& names, std::int64_t label) {
   const std::string& name = names.name_of(label);
@@ -38,7 +21,7 @@ std::string name_suffix(const LabelNames& names, std::int64_t label) {
 }
 
 std::string csv_cell(const std::string& text) {
-  const std::string shown = holds_control(text) ? escaped(text) : text;
+  const std::string shown = has_control(text) ? escaped(text) : text;
   if (shown.find_first_of(",\"") == std::string::npos) return shown;
   std::string quoted = "\"";
   for (const char c : shown) quoted.append(c == '"' ? 2 : 1, c);

@@ -59,6 +59,18 @@ bool is_utf8(std::string_view text) noexcept {
   return true;
 }
 
+bool has_control(std::string_view text, std::string_view allowed) noexcept {
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const auto byte = static_cast<unsigned char>(text[i]);
+    const bool is_short = byte < 0x20 || byte == 0x7f;
+    if (is_short && allowed.find(text[i]) == std::string_view::npos) return true;
+    const bool is_long = byte == 0xc2 && i + 1 < text.size() &&
+                         static_cast<unsigned char>(text[i + 1]) < 0xa0;
+    if (is_long) return true;
+  }
+  return false;
+}
+
 void append_utf8(std::string& text, std::uint32_t character) {
   const auto tail = [&](int shift) {
     return static_cast<char>(0x80 | (character >> shift & 0x3f));

@@ -22,6 +22,10 @@ std::string as_utf8(std::string_view text);
 
 bool is_utf8(std::string_view text) noexcept;
 
+/// Whether UTF-8 holds a control character, U+0000 to U+001F or U+007F to U+009F; those of
+/// `allowed`, which are of one byte, do not count.
+bool has_control(std::string_view text, std::string_view allowed = {}) noexcept;
+
 /// Appends the character with this number. Requires one of Unicode, no surrogate.
 void append_utf8(std::string& text, std::uint32_t character);
 

@@ -145,18 +145,6 @@ bool turns_text(std::string_view text) {
   return false;
 }
 
-/// Whether UTF-8 holds one of U+0000 to U+001F but a tab, or of U+007F to U+009F.
-bool has_control(std::string_view text) {
-  const auto is_short = [](char c) {
-    return (static_cast<unsigned char>(c) < 0x20 && c != '\t') || c == 0x7f;
-  };
-  if (std::any_of(text.begin(), text.end(), is_short)) return true;
-  for (std::size_t at = text.find('\xc2'); at < text.size(); at = text.find('\xc2', at + 1)) {
-    if (at + 1 < text.size() && static_cast<unsigned char>(text[at + 1]) < 0xa0) return true;
-  }
-  return false;
-}
-
 /// In UTF-8, without a byte order mark.
 std::string LabelNamesFile::text_of_file() const {
   const SourceFile file(path_);
@@ -227,7 +215,7 @@ void LabelNamesFile::take_rows() {
 
 void LabelNamesFile::require_text(std::size_t line, std::string_view text) const {
   if (text.size() > kMaxLineBytes) reject_line(line, "is longer than 4096 bytes");
-  if (has_control(text) || turns_text(text)) {
+  if (has_control(text, "\t") || turns_text(text)) {
     reject_line(line, "holds a control character: no text");
   }
 }
