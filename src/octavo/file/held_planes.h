@@ -13,7 +13,7 @@
 namespace octavo {
 
 /// Requests of so few planes get no more planes than they need of what nobody has asked for before:
-/// half of the work on average.
+/// on average that leaves out half of the last split, which makes half of the samples.
 inline constexpr std::int64_t kFewPlanes = 4;
 
 /// What is kept of a box: as many of its planes along an axis, from the first on, as there are

@@ -130,15 +130,14 @@ void PlaneDigests::fill_uniform(const Share& share, std::uint8_t* plane) const {
 // The other planes get what the first one had alone.
 void PlaneDigests::part_planes(const ForEach& for_each) {
   are_alike_ = false;
-  if (alike_.empty()) return;
-  for_each(now_.room.size().z - 1, [&](std::int64_t i) {
-    for (const Share& share : alike_) {
-      Bytes plane(static_cast<std::size_t>(share.room.size().x * share.room.size().y) *
-                  voxel_bytes_);
-      fill_uniform(share, plane.data());
-      hasher_of(now_.room.lo.z + 1 + i).add(plane);
-    }
-  });
+  for (const Share& share : alike_) {
+    Bytes plane(static_cast<std::size_t>(share.room.size().x * share.room.size().y) *
+                voxel_bytes_);
+    fill_uniform(share, plane.data());
+    for_each(share.room.size().z - 1, [&](std::int64_t i) {
+      hasher_of(share.room.lo.z + 1 + i).add(plane);
+    });
+  }
   alike_.clear();
 }
 

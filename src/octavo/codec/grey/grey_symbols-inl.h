@@ -56,7 +56,6 @@ constexpr WordPlaces make_word_places() {
 alignas(64) inline constexpr WordPlaces kWordPlaces = make_word_places();
 
 constexpr hn::FixedTag<std::uint32_t, 4> kFourWords{};
-constexpr hn::CappedTag<std::uint32_t, 8> kEightWords{};
 
 /// Single loads overlap better than a gather instruction where that is microcode.
 HWY_INLINE hn::Vec<decltype(kFourWords)> load_four(const std::uint32_t* from,
@@ -77,10 +76,9 @@ HWY_INLINE hn::Vec<decltype(kFourWords)> load_four(const std::uint32_t* from,
   return hn::Combine(kFourWords, last, first);
 #endif
 }
-HWY_INLINE hn::Vec<decltype(kEightWords)> load_eight(const std::uint32_t* from,
-                                                     const std::uint32_t* places) {
+HWY_INLINE Words load_eight(const std::uint32_t* from, const std::uint32_t* places) {
 #if HWY_MAX_BYTES >= 32
-  return hn::Combine(kEightWords, load_four(from, places + 4), load_four(from, places));
+  return hn::Combine(kWords, load_four(from, places + 4), load_four(from, places));
 #else
   return load_four(from, places);
 #endif

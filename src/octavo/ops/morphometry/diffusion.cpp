@@ -188,7 +188,7 @@ RestingPores come_to_rest(const PoreNetwork& network, const Size3& size, int axi
   });
   const int most = 1000 + 20 * static_cast<int>(std::min<std::int64_t>(
                                  size.x + size.y + size.z, 1'000'000));
-  for (double squares = inflow; product > 0 && rest.steps < most; ++rest.steps) {
+  for (; product > 0 && rest.steps < most; ++rest.steps) {
     if (progress.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
     const double along = sum_of_runs(count, [&](std::size_t begin, std::size_t end) {
       double sum = 0;
@@ -199,7 +199,7 @@ RestingPores come_to_rest(const PoreNetwork& network, const Size3& size, int axi
       return sum;
     });
     const double step = product / along;
-    squares = sum_of_runs(count, [&](std::size_t begin, std::size_t end) {
+    const double squares = sum_of_runs(count, [&](std::size_t begin, std::size_t end) {
       double sum = 0;
       for (std::size_t i = begin; i < end; ++i) {
         c[i] += step * way[i];

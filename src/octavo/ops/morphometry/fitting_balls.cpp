@@ -98,14 +98,14 @@ class BallFinder {
     for (int side = 0; side < 6; ++side) {
       const int axis = side / 2;
       const auto a = static_cast<std::size_t>(axis);
-      const double step = side % 2 == 0 ? -1 : 1;
+      const std::int64_t step = side % 2 == 0 ? -1 : 1;
       Index3 q = p;
-      q[axis] += side % 2 == 0 ? -1 : 1;
+      q[axis] += step;
       if (!planes_.has(q)) continue;
       const NearestSite& other = planes_.at(q);
       if (other.is_inside() == asked_.is_background) continue;
       Point3 from{};
-      from[a] = step;
+      from[a] = static_cast<double>(step);
       const Point3 other_way = way_of(other, from);
       const Point3 own_of_other = way_of(other, {});
       is_deepest = is_deepest && dot(own_of_other, own_of_other) <= squared;
@@ -113,7 +113,7 @@ class BallFinder {
       if (dot(apart, apart) <= apart_limit(squared)) continue;
       // Half way to the neighbor.
       Point3 half{};
-      half[a] = 0.5 * step * steps_[a];
+      half[a] = 0.5 * from[a] * steps_[a];
       const Point3 to_own = difference(way, half);
       const Point3 to_other = difference(other_way, half);
       if (dot(to_other, to_other) <= dot(to_own, to_own)) return true;

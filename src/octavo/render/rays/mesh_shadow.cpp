@@ -16,7 +16,6 @@ namespace {
 constexpr double kMostShadowCells = 2048;  // along an axis
 constexpr double kCellsPerRoot = 1.5;      // of the number of triangles
 constexpr double kCellMargin = 1e-3;       // cells that triangles are taken to be larger
-constexpr double kNoLampLight = 1 / 400.0;
 
 /// Twice the area of the triangle of an edge and a place: above 0 where the place lies to the left
 /// of it. Turned round the edge gives the same number times -1, bit for bit.
@@ -219,7 +218,7 @@ double MeshShadow::passed_to(const Point3& lamp_place) const {
         (beside_a.area * a[2] + beside_b.area * b[2] + beside_c.area * c[2]) / area;
     if (toward - lamp_place[2] <= nearest_mm_) continue;
     passed *= 1 - of.opacity;
-    if (passed < kNoLampLight) return 0;
+    if (passed < kNoLight) return 0;
   }
   return passed;
 }

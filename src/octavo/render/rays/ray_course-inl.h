@@ -180,7 +180,7 @@ class PacketCourse {
       place[axis] = (cells.low[axis] + cells.high[axis]) >> (b.shift + 1);
       const std::int32_t begin = place[axis] << b.shift;
       // A brick holds what surrounds cells next to it, of surfaces those that lie behind.
-            const std::int32_t below = is_of_surfaces_ && bounds_.step_high[axis] > 0 ? 0 : 1;
+      const std::int32_t below = is_of_surfaces_ && bounds_.step_high[axis] > 0 ? 0 : 1;
       const std::int32_t above = is_of_surfaces_ && bounds_.step_low[axis] < 0 ? 0 : 1;
       const std::int32_t end = begin + (1 << b.shift);
       if (cells.low[axis] < begin - below || cells.high[axis] >= end + above) return false;

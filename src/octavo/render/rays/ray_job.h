@@ -191,6 +191,8 @@ inline constexpr float kFlatLight = 0.75f;
 inline constexpr float kFlatAmbient = 0.25f;
 /// What is left of the lamp's light where nothing of it comes.
 inline constexpr float kDeepestShadow = 0.15f;
+/// A smaller share of light is none.
+inline constexpr float kNoLight = 1 / 400.0f;
 /// Steps that give less to a picture have that light.
 inline constexpr float kUnlitWeight = 1.0f / 512;
 /// A highlight is the cosine squared so many times.

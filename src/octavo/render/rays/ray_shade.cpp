@@ -18,7 +18,6 @@ namespace {
 constexpr double kAmbientWidening = 0.5;   // radius of a cone by its length
 constexpr double kLampWidening = 0.06;
 constexpr double kAmbientReachShare = 0.25;  // of the diagonal
-constexpr float kNoLight = 1 / 400.0f;
 constexpr std::size_t kPairPadding = 8;      // bytes that are read behind the last pair
 constexpr int kLitAround = 2;                // cells
 constexpr double kAmbientBegin = 1.5;        // where cones begin, cells from the middle

@@ -36,10 +36,10 @@ struct TransferFunction {
   /// last nothing changes.
   std::vector<TransferPoint> points;
   /// Thickness of a layer, mm; by default the finest spacing of the volume.
-  std::optional<double> layer_mm;
+  std::optional<double> layer_mm{};
   /// Values 0 .. 1 are those of a window of the volume, others lie beside it; real values if not.
   bool is_relative = false;
-  std::optional<GradientRamp> gradient;
+  std::optional<GradientRamp> gradient{};
 
   bool operator==(const TransferFunction&) const = default;
 
