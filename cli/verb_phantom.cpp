@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "common/failure.h"
@@ -101,22 +100,20 @@ int run_phantom(const PhantomArguments& arguments, Context& context) {
 }  // namespace
 
 void add_phantom(CLI::App& app, Context& context) {
-  const auto arguments = std::make_shared<PhantomArguments>();
-  Verb verb = add_verb(app, context, kPhantomText,
-                            [arguments, &context] { return run_phantom(*arguments, context); });
-  verb.add_output(arguments->output, "The .8vo, .raw or .mhd file to write");
-  verb.add_option("--size N", arguments->size, "Voxels, x,y,z or one side for a cube")
+  auto [verb, arguments] = add_verb(app, context, kPhantomText, run_phantom);
+  verb.add_output(arguments.output, "The .8vo, .raw or .mhd file to write");
+  verb.add_option("--size N", arguments.size, "Voxels, x,y,z or one side for a cube")
       .capture_default_str();
-  verb.add_option("--type TYPE", arguments->type, "int8, uint8, int16 or uint16")
+  verb.add_option("--type TYPE", arguments.type, "int8, uint8, int16 or uint16")
       .capture_default_str();
-  verb.add_option("--spacing MM", arguments->spacing, "Voxel distances in mm, x,y,z or one for all")
+  verb.add_option("--spacing MM", arguments.spacing, "Voxel distances in mm, x,y,z or one for all")
       .capture_default_str();
-  verb.add_option("--noise SIGMA", arguments->noise, "Standard deviation of Gaussian noise")
+  verb.add_option("--noise SIGMA", arguments.noise, "Standard deviation of Gaussian noise")
       .capture_default_str();
-  verb.add_option("--seed N", arguments->seed, "Of the noise").capture_default_str();
-  verb.add_option("--radii R,R", arguments->radii,
+  verb.add_option("--seed N", arguments.seed, "Of the noise").capture_default_str();
+  verb.add_option("--radii R,R", arguments.radii,
                   "Of the shell, OUTER,INNER in 0 .. 1 (default 0.9,0.8)");
-  verb.add_option("--densities D,D,D,D,D", arguments->densities,
+  verb.add_option("--densities D,D,D,D,D", arguments.densities,
                   "BACKGROUND,SHELL,INSIDE,CYLINDER1,CYLINDER2 (default fits the type)");
 }
 

@@ -80,12 +80,6 @@ Check one_of(std::vector<std::string> words) {
           all};
 }
 
-Check one_of(std::initializer_list<int> numbers) {
-  std::vector<std::string> words;
-  for (const int number : numbers) words.push_back(std::to_string(number));
-  return one_of(std::move(words));
-}
-
 Check above_zero() {
   return real_check("a number above 0", "above 0", [](double value) { return value > 0; });
 }
@@ -179,18 +173,12 @@ template Option Verb::add_option(const std::string&, std::vector<std::int64_t>&,
                                  const std::string&);
 template Option Verb::add_option(const std::string&, std::vector<double>&, const std::string&);
 
-template <class T>
-Option Verb::add_option_function(const std::string& names, std::function<void(const T&)> take,
+Option Verb::add_option_function(const std::string& names,
+                                 std::function<void(const std::string&)> take,
                                  const std::string& help) {
   const auto [words, value] = names_and_value(names);
-  return named(app_->add_option_function<T>(words, take, help), value);
+  return named(app_->add_option_function<std::string>(words, take, help), value);
 }
-
-template Option Verb::add_option_function(const std::string&,
-                                          std::function<void(const std::string&)>,
-                                          const std::string&);
-template Option Verb::add_option_function(const std::string&, std::function<void(const int&)>,
-                                          const std::string&);
 
 Option Verb::add_option_in_order(const std::string& names, const std::string& help, TakeText take) {
   const auto [words, value] = names_and_value(names);
@@ -327,7 +315,7 @@ void add_global_options(Verb verb, Context& context) {
   verb.add_flag("-q,--quiet", context.quiet, "Say nothing but warnings and errors").group(group);
   verb.add_flag("-v,--verbose", context.verbose, "Say what is being done").group(group);
   verb.add_flag("--json", context.json, "Print the result as one JSON object").group(group);
-  verb.add_option_function<std::string>(
+  verb.add_option_function(
           "--progress MODE",
           [&context](const std::string& name) { context.progress = kProgressModes.at(name); },
           "auto, bar, plain, json or none, on standard error")
@@ -337,12 +325,12 @@ void add_global_options(Verb verb, Context& context) {
   verb.add_option("-j,--threads N", context.threads, "Worker threads (default: all cores)")
       .check(whole_within(1, 1024))
       .group(group);
-  verb.add_option_function<std::string>(
+  verb.add_option_function(
           "--max-memory BYTES",
           [&context](const std::string& text) { context.max_memory_bytes = parse_bytes(text); },
           "Refuse work that needs more memory than this (500M, 2G)")
       .group(group);
-  verb.add_option_function<std::string>(
+  verb.add_option_function(
           "--max-voxels N",
           [&context](const std::string& text) { context.max_voxels = parse_voxel_count(text); },
           "Refuse to read or make a volume of more voxels than this (1e13)")

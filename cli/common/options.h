@@ -1,5 +1,6 @@
-// The options of verbs: a thin layer over CLI11, whose headers are read by options.cpp and two
-// other files alone, because every file that reads them pays seconds for it.
+// The options of verbs: a thin layer over CLI11, whose headers are read by options.cpp,
+// option_tree.cpp and the main.cpp of programs alone, because every file that reads them pays
+// seconds for it.
 //
 // Verb and Option are handles; copies speak of the same option. They live as long as the program's
 // CLI::App.
@@ -7,7 +8,6 @@
 
 #include <cstdint>
 #include <functional>
-#include <initializer_list>
 #include <memory>
 #include <optional>
 #include <string>
@@ -34,9 +34,8 @@ struct Check {
   std::string shown;                                       ///< what help says of it, or ""
 };
 
-/// One of these words, or of these numbers.
+/// One of these words.
 Check one_of(std::vector<std::string> words);
-Check one_of(std::initializer_list<int> numbers);
 /// A number above 0.
 Check above_zero();
 /// A number of 0 or more.
@@ -104,9 +103,9 @@ class Verb {
   ///           or double
   template <class T>
   Option add_option(const std::string& names, T& variable, const std::string& help);
-  /// T is std::string or int.
-  template <class T>
-  Option add_option_function(const std::string& names, std::function<void(const T&)> take,
+  /// `take` gets the text as it is read.
+  Option add_option_function(const std::string& names,
+                             std::function<void(const std::string&)> take,
                              const std::string& help);
   /// An option that may be repeated, in any order with others of its kind: `take` gets each value
   /// as it is read.

@@ -39,7 +39,7 @@ const char* fill_name(SalvageFill fill) {
 }  // namespace
 
 void add_salvage_option(Verb verb, std::optional<SalvageFilling>& filling) {
-  verb.add_option_function<std::string>(
+  verb.add_option_function(
           "--salvage [FILL]",
           [&filling](const std::string& fill) {
             filling.emplace().is_from_coarser = fill == "coarse";

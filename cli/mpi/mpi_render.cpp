@@ -35,8 +35,8 @@ void print_render_of_ranks(const RenderResult& result, const Communicator& ranks
   const RenderCounts& counts = result.counts;
   const auto pictures = static_cast<double>(std::max(counts.rays.pictures, std::int64_t{1}));
   const double fps = result.seconds > 0 ? pictures / result.seconds : 0;
-  if (context.json) {
-    print_json({{"outputs", result.outputs},
+  print_result(context,
+               {{"outputs", result.outputs},
                 {"ranks", ranks.size()},
                 {"level", result.level},
                 {"size", {result.width, result.height}},
@@ -44,13 +44,10 @@ void print_render_of_ranks(const RenderResult& result, const Communicator& ranks
                 {"bricks_decoded", counts.decoded_bricks},
                 {"first_seconds", result.first_seconds},
                 {"seconds", result.seconds},
-                {"fps", fps},
-                {"warnings", context.warnings}});
-  } else if (!context.quiet) {
-    print(fmt::format("{}: {} x {} pixels, level {}, by {} ranks, {:.2f} fps\n",
-                      result.outputs.front(), result.width, result.height, result.level,
-                      ranks.size(), fps));
-  }
+                {"fps", fps}},
+               fmt::format("{}: {} x {} pixels, level {}, by {} ranks, {:.2f} fps\n",
+                           result.outputs.front(), result.width, result.height, result.level,
+                           ranks.size(), fps));
 }
 
 int run_mpi_render(const MpiRenderArguments& arguments, Context& context) {

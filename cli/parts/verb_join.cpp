@@ -103,21 +103,21 @@ const char* step_name(JoinStep step) {
   return step == JoinStep::layout ? "layout" : step == JoinStep::copy ? "copy" : "seal";
 }
 
-int run_step(const JoinArguments& arguments, const JoinOptions& join, Context& context) {
+int run_step(const JoinArguments& arguments, Context& context) {
   JoinStepOptions options;
-  options.join = join;
+  options.join = arguments.options;
   options.step = *arguments.step;
   options.numbers = arguments.part.empty() ? arguments.parts : arguments.part;
   options.variables = [](const char* name) { return std::getenv(name); };
   const JoinStepResult done = run_task(join_step, options, context);
   print_result(context,
-               {{"output", join.output.path},
+               {{"output", options.join.output.path},
                 {"step", step_name(options.step)},
                 {"file_bytes", done.file_bytes},
                 {"part_count", done.part_count},
                 {"copied", done.copied},
                 {"uncopied", done.uncopied}},
-               step_words(done, options.step, join.output.path));
+               step_words(done, options.step, options.join.output.path));
   return kExitDone;
 }
 
@@ -139,10 +139,9 @@ void require_words(const JoinArguments& arguments) {
 int run_join(const JoinArguments& arguments, Context& context) {
   if (arguments.is_missing) return print_missing(arguments, context);
   require_words(arguments);
-  JoinOptions options = arguments.options;
-  options.output.overwrite = context.force;
+  const JoinOptions& options = arguments.options;
   if (arguments.is_runs) return print_runs(options, context);
-  if (arguments.step) return run_step(arguments, options, context);
+  if (arguments.step) return run_step(arguments, context);
   print_built(run_task(join_scan, options, context), options.output.path, context);
   return kExitDone;
 }
@@ -154,7 +153,7 @@ void add_join(CLI::App& app, Context& context) {
   verb.add_option("plan PLAN", arguments.options.plan, "The plan of the parts").required();
   verb.add_option("parts PART", arguments.options.parts,
                   "Parts, or the folder in which they are; default: that of the plan");
-  verb.add_option("-o,--output FILE", arguments.options.output.path, "The .8vo file to write");
+  verb.add_output_option("-o,--output FILE", arguments.options.output, "The .8vo file to write");
   Option missing =
       verb.add_flag("--missing", arguments.is_missing, "Print the numbers of parts to be made");
   Option consume = verb.add_flag("--consume", arguments.options.consumes_parts,

@@ -153,6 +153,4 @@ Color parse_color(const std::string& text, const std::string& what) {
       fmt::format("{}: '{}'; expected #rrggbb or one of {}", what, escaped(text), color_names()));
 }
 
-void check_level(const Levels& levels, int level) { require_level(levels, level); }
-
 }  // namespace octavo::cli

@@ -9,7 +9,6 @@
 
 #include "octavo/core/box.h"
 #include "octavo/core/geometry.h"
-#include "octavo/core/levels.h"
 #include "octavo/core/text.h"
 #include "octavo/tasks/pictures/color_names.h"
 #include "octavo/tasks/volume_parts.h"
@@ -68,8 +67,5 @@ AskedBox parse_box(const std::string& text, const std::string& what = "--box");
 
 /// A box in millimeters (LPS world space).
 BoxMm parse_box_mm(const std::string& text, const std::string& what = "--box-mm");
-
-/// Throws Error{invalid_argument} unless 0 <= level < levels.count().
-void check_level(const Levels& levels, int level);
 
 }  // namespace octavo::cli

@@ -33,22 +33,27 @@ std::string line_of(const std::vector<TextColumn>& columns, const std::vector<st
 
 TextColumn name_column() { return {"name", 0, Align::left}; }
 
+void TextTable::add(std::vector<std::string> cells) {
+  for (std::size_t i = 0; i < columns_.size(); ++i) {
+    if (is_of_names(columns_[i])) cells[i] = escaped(cells[i]);
+  }
+  rows_.push_back(std::move(cells));
+}
+
 std::string TextTable::text() const {
   std::vector<TextColumn> columns = columns_;
-  std::vector<std::vector<std::string>> rows = rows_;
   std::vector<std::string> heads;
   for (std::size_t i = 0; i < columns.size(); ++i) {
     heads.push_back(columns[i].head);
     if (!is_of_names(columns[i])) continue;
     std::size_t longest = 0;
-    for (std::vector<std::string>& cells : rows) {
-      cells[i] = escaped(cells[i]);
+    for (const std::vector<std::string>& cells : rows_) {
       longest = std::max(longest, std::min(cells[i].size(), kMaxNameWidth));
     }
     if (longest > 0) columns[i].width = std::max(longest, columns[i].head.size());
   }
   std::string text = line_of(columns, heads);
-  for (const std::vector<std::string>& cells : rows) text += line_of(columns, cells);
+  for (const std::vector<std::string>& cells : rows_) text += line_of(columns, cells);
   return text;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace octavo::cli {
@@ -24,7 +25,7 @@ class TextTable {
   explicit TextTable(std::vector<TextColumn> columns) : columns_(std::move(columns)) {}
 
   /// cells  one of each column; those of name_column() as they are, here they are escaped
-  void add(std::vector<std::string> cells) { rows_.push_back(std::move(cells)); }
+  void add(std::vector<std::string> cells);
 
   /// The heads and all rows, a line each.
   std::string text() const;
