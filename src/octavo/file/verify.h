@@ -16,9 +16,9 @@ namespace octavo {
 
 struct VerifyOptions {
   bool decode = true;   ///< decode every brick; compare what the index, digests and tiers say of it
-  ForEach for_each;     ///< how to run the bricks of a layer; empty: one after another
+  ForEach for_each{};   ///< how to run the bricks of a layer; empty: one after another
   std::size_t max_listed = 1000;  ///< damages that are described; the others are counted
-  MakeHasher make_hasher;         ///< empty: the portable one
+  MakeHasher make_hasher{};       ///< empty: the portable one
 };
 
 /// Checks all of `source`. A file whose header, trailer or index root is damaged, or whose metadata

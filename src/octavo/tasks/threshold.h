@@ -24,11 +24,11 @@ struct ThresholdOptions {
   std::string input;  ///< an .8vo file or a URL of one
   Output output;
   /// Ranges of the one label 1; they add up with the tissues.
-  std::vector<AskedRange> ranges;
-  std::vector<std::string> tissues;
-  AskedLabels labels;  ///< of a label map; they add up with the ranges
+  std::vector<AskedRange> ranges{};
+  std::vector<std::string> tissues{};
+  AskedLabels labels{};  ///< of a label map; they add up with the ranges
   /// In place of both: a label map. Where classes overlap the one named first counts.
-  std::vector<ValueClass> classes;
+  std::vector<ValueClass> classes{};
   bool is_stored = false;  ///< ranges are stored values instead of real ones
 };
 
