@@ -25,18 +25,28 @@ using namespace octavo::testing;
 
 const Size3 kSize{100, 70, 66};
 
-std::vector<std::uint8_t> built(VoxelType type, const BuildOptions& options) {
+/// What voxels hold.
+struct Waves {
+  Size3 size = kSize;
+  double height = 100;
+  unsigned noise = 8;
+};
+
+std::vector<std::uint8_t> built(VoxelType type, const BuildOptions& options,
+                                const Waves& waves = {}) {
   VolumeDescription description;
-  description.size = kSize;
+  const Size3& size = waves.size;
+  description.size = size;
   description.type = type;
   std::mt19937 random(4);
   std::vector<std::byte> voxels;
   with_voxel_type(type, [&](auto tag) {
     using T = typename decltype(tag)::type;
-    for (std::int64_t i = 0; i < kSize.voxel_count(); ++i) {
-      const double wave = std::sin(0.1 * static_cast<double>(i % kSize.x)) +
-                          std::cos(0.003 * static_cast<double>(i / kSize.x));
-      const auto voxel = static_cast<T>(400 + 100 * wave + static_cast<double>(random() % 8));
+    for (std::int64_t i = 0; i < size.voxel_count(); ++i) {
+      const double wave = std::sin(0.1 * static_cast<double>(i % size.x)) +
+                          std::cos(0.003 * static_cast<double>(i / size.x));
+      const auto voxel = static_cast<T>(400 + waves.height * wave +
+                                        static_cast<double>(random() % waves.noise));
       const auto* const bytes = reinterpret_cast<const std::byte*>(&voxel);
       voxels.insert(voxels.end(), bytes, bytes + sizeof voxel);
     }
@@ -84,6 +94,34 @@ Box random_box(const Size3& size, int form, std::mt19937& random) {
   return box;
 }
 
+/// Random boxes of every level. In front of each a brick of another file is decoded, so that
+/// nothing of the file itself is left in the work space of the thread.
+void expect_boxes(VoxelType type, const BuildOptions& how, const Waves& waves,
+                  std::mt19937& random) {
+  const auto bytes = built(type, how, waves);
+  const auto other_bytes = built(type, how, {waves.size, -waves.height, waves.noise});
+  const auto whole = FileReader::open(byte_source_of(bytes, "whole"), {.cache_bytes = 0});
+  const auto other = FileReader::open(byte_source_of(other_bytes, "other"), {.cache_bytes = 0});
+  const auto voxel_bytes = static_cast<std::size_t>(bytes_per_voxel(type));
+  std::vector<Bytes> all;
+  for (int level = 0; level < whole->levels().count(); ++level) {
+    all.push_back(box_of_reader(*whole, box_of(whole->levels().size(level)), level));
+  }
+  for (const std::uint64_t cache_bytes : {std::uint64_t{0}, std::uint64_t{64} << 20}) {
+    const auto reader =
+        FileReader::open(byte_source_of(bytes, "parts"), {.cache_bytes = cache_bytes});
+    for (int i = 0; i < 60; ++i) {
+      const int level = i % 2 == 0 ? 0 : static_cast<int>(random() % all.size());
+      const Size3& own = reader->levels().size(level);
+      const Box box = random_box(own, i % 5, random);
+      box_of_reader(*other, other->levels().brick_box(0, {0, 0, 0}));
+      ASSERT_EQ(box_of_reader(*reader, box, level),
+                cut_out(all[static_cast<std::size_t>(level)], box, voxel_bytes, own))
+          << "level " << level << " box " << i;
+    }
+  }
+}
+
 TEST(ReaderParts, EveryBoxOfEveryLevelIsThatOfTheWholeVolume) {
   std::mt19937 random(7);
   const BuildOptions options[] = {{.preset = Preset::small},
@@ -95,24 +133,10 @@ TEST(ReaderParts, EveryBoxOfEveryLevelIsThatOfTheWholeVolume) {
                                    .max_error = 9}};
   for (const VoxelType type : {VoxelType::int16, VoxelType::float32}) {
     for (const BuildOptions& how : options) {
-      const auto bytes = built(type, how);
-      const auto whole = FileReader::open(byte_source_of(bytes, "whole"), {.cache_bytes = 0});
-      const auto voxel_bytes = static_cast<std::size_t>(bytes_per_voxel(type));
-      std::vector<Bytes> all;
-      for (int level = 0; level < whole->levels().count(); ++level) {
-        all.push_back(box_of_reader(*whole, box_of(whole->levels().size(level)), level));
-      }
-      for (const std::uint64_t cache_bytes : {std::uint64_t{0}, std::uint64_t{64} << 20}) {
-        const auto reader =
-            FileReader::open(byte_source_of(bytes, "parts"), {.cache_bytes = cache_bytes});
-        for (int i = 0; i < 60; ++i) {
-          const int level = i % 2 == 0 ? 0 : static_cast<int>(random() % all.size());
-          const Size3& size = reader->levels().size(level);
-          const Box box = random_box(size, i % 5, random);
-          ASSERT_EQ(box_of_reader(*reader, box, level),
-                    cut_out(all[static_cast<std::size_t>(level)], box, voxel_bytes, size))
-              << "options " << &how - options << " level " << level << " box " << i;
-        }
+      for (const Waves& waves : {Waves{}, Waves{{20, 19, 21}, 100, 2000}}) {
+        SCOPED_TRACE(::testing::Message() << voxel_type_name(type) << " options " << &how - options
+                                          << " x " << waves.size.x);
+        expect_boxes(type, how, waves, random);
       }
     }
   }
