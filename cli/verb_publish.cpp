@@ -9,6 +9,7 @@
 #include "common/web_browser.h"
 #include "octavo/core/text.h"
 #include "octavo/tasks/files/publish.h"
+#include "octavo/tasks/files/web_page.h"
 #include "verbs.h"
 
 namespace octavo::cli {
@@ -19,10 +20,12 @@ constexpr VerbText kPublishText = {
     "publish", "Write a folder for any web server: a page that shows .8vo files, and these.",
     "The page needs no program on the server, only files. HOSTING.md in the folder says what to\n"
     "set for nginx, caddy, Apache and S3, which is little. In a folder that is there, other files\n"
-    "stay; --force replaces those of the same names.\n\n"
+    "stay; --force replaces those of the same names. What was published there before stays in the\n"
+    "list of the page, behind what is new, as long as it is in the folder.\n\n"
     "Examples:\n"
     "  octavo publish head.8vo -o site\n"
-    "  octavo publish head.8vo organs.8vo -o site --force"};
+    "  octavo publish head.8vo organs.8vo -o site\n"
+    "  octavo publish knee.8vo -o site --force     the page lists all three"};
 
 nlohmann::ordered_json published_json(const std::vector<PublishedFile>& files) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
@@ -30,6 +33,10 @@ nlohmann::ordered_json published_json(const std::vector<PublishedFile>& files) {
     list.push_back({{"name", file.name}, {"bytes", file.bytes}});
   }
   return list;
+}
+
+std::string others_text(std::size_t count) {
+  return count == 0 ? "" : fmt::format(" and {} more", count);
 }
 
 std::string published_text(const PublishOptions& options, const PublishResult& result) {
@@ -43,6 +50,10 @@ std::string published_text(const PublishOptions& options, const PublishResult& r
   for (const PublishedFile& file : result.volumes) {
     text += fmt::format("{}/{}: {}\n", options.output.path, file.name, bytes_text(file.bytes));
   }
+  if (!result.listed.empty()) {
+    text += fmt::format("{}/{}: also lists what was published before: {}{}\n", options.output.path,
+                        kWebListName, result.listed.front(), others_text(result.listed.size() - 1));
+  }
   return text + fmt::format("{}: the page, {} files of {}{}\n", options.output.path,
                             result.page.size(), bytes_text(page_bytes),
                             is_told_how ? "; HOSTING.md says how to serve it" : "");
@@ -53,7 +64,8 @@ int run_publish(const PublishOptions& options, Context& context) {
   print_result(context,
                {{"output", options.output.path},
                 {"volumes", published_json(result.volumes)},
-                {"page", published_json(result.page)}},
+                {"page", published_json(result.page)},
+                {"listed", result.listed}},
                published_text(options, result));
   return kExitDone;
 }

@@ -330,6 +330,35 @@ class Publishing(Serving):
         self.assertEqual((self.folder / "site" / "viewer.js").read_text(), "new")
         self.assertEqual((self.folder / "site" / "own.txt").read_text(), "mine")
 
+    def listed(self, site):
+        return [row["title"] for row in json.loads((self.folder / site / "files.json").read_text())]
+
+    def test_what_was_published_before_stays_listed_while_it_is_there(self):
+        (self.folder / "a.8vo").write_bytes(self.bytes)
+        (self.folder / "c d.8vo").write_bytes(self.bytes)
+        self.assertNotIn("before", self.publish(0, "a b.8vo", "c d.8vo", "-o", "site").stdout)
+        said = self.publish(0, "a.8vo", "-o", "site", "--force").stdout
+        self.assertIn("site/files.json: also lists what was published before: a b.8vo and 1 more",
+                      said)
+        self.assertEqual(self.listed("site"), ["a.8vo", "a b.8vo", "c d.8vo"])
+        # One of the same name is listed once, one that is gone no more, others as they were.
+        (self.folder / "site" / "a b.8vo").unlink()
+        list_path = self.folder / "site" / "files.json"
+        rows = json.loads(list_path.read_text())
+        rows += [{"title": "far", "url": "https://example.org/a.8vo"}, 5, {"title": "no address"}]
+        list_path.write_text(json.dumps(rows))
+        result = json.loads(self.publish(0, "c d.8vo", "-o", "site", "--force", "--json").stdout)
+        self.assertEqual(result["listed"], ["a.8vo", "far"])
+        self.assertEqual(self.listed("site"), ["c d.8vo", "a.8vo", "far"])
+
+    def test_a_list_that_is_none_is_said_to_be_replaced(self):
+        self.publish(0, "a b.8vo", "-o", "site")
+        for wrong in ["[", "{}", '"a"', "[{", "\xff", ""]:
+            (self.folder / "site" / "files.json").write_text(wrong, encoding="latin-1")
+            said = self.publish(0, "a b.8vo", "-o", "site", "--force")
+            self.assertIn("files.json was no list of volumes; it is replaced", said.stderr)
+            self.assertEqual(self.listed("site"), ["a b.8vo"])
+
     def test_a_published_folder_gives_its_page_alone(self):
         (self.folder / "other.8vo").write_bytes(self.bytes)
         self.publish(0, "other.8vo", "-o", "first")

@@ -1,11 +1,15 @@
 #include "octavo/tasks/files/publish.h"
 
 #include <algorithm>
+#include <optional>
+#include <set>
 #include <span>
 #include <string_view>
 
 #include "octavo/core/error.h"
+#include "octavo/core/url_text.h"
 #include "octavo/file/storage/storage.h"
+#include "octavo/io/serve/request_head.h"
 #include "octavo/tasks/files/web_page.h"
 #include "octavo/tasks/inputs.h"
 #include "octavo/tasks/surfaces/part_folder.h"
@@ -15,6 +19,7 @@ namespace octavo {
 namespace {
 
 constexpr std::size_t kCopiedBytes = std::size_t{1} << 20;
+constexpr std::uint64_t kMaxListBytes = std::uint64_t{1} << 24;
 
 /// Copies a file into a folder as `name`.
 PublishedFile copy_into(PartFolder& folder, const ByteSource& source, const std::string& name,
@@ -33,6 +38,40 @@ PublishedFile copy_into(PartFolder& folder, const ByteSource& source, const std:
     }
   });
   return {name, bytes};
+}
+
+/// Whether the file of a row stands in a folder; true of what stands elsewhere.
+bool is_still_there(Storage& storage, const std::string& folder, const WebListRow& row) {
+  if (is_url(row.url) || row.url.find('/') != std::string::npos) return true;
+  const std::optional<std::string> name = percent_decoded(row.url);
+  return name && storage.exists(folder + "/" + *name);
+}
+
+/// What the list of an earlier page names besides `rows`.
+std::vector<WebListRow> earlier_rows(Storage& storage, const std::string& folder,
+                                     const std::vector<WebListRow>& rows,
+                                     const TaskContext& context) {
+  const std::string path = folder + "/" + kWebListName;
+  if (!storage.exists(path)) return {};
+  std::vector<WebListRow> earlier;
+  try {
+    const auto source = open_byte_source(storage, path);
+    if (source->size() > kMaxListBytes) {
+      throw Error(ErrorKind::limit_exceeded, "more than 16 MB");
+    }
+    std::string list(static_cast<std::size_t>(source->size()), '\0');
+    source->read(0, {reinterpret_cast<std::uint8_t*>(list.data()), list.size()});
+    earlier = read_web_list(list);
+  } catch (const Error&) {
+    context.warn(path + " was no list of volumes; it is replaced");
+    return {};
+  }
+  std::set<std::string> urls;
+  for (const WebListRow& row : rows) urls.insert(row.url);
+  std::erase_if(earlier, [&](const WebListRow& row) {
+    return !urls.insert(row.url).second || !is_still_there(storage, folder, row);
+  });
+  return earlier;
 }
 
 }  // namespace
@@ -65,7 +104,12 @@ PublishResult publish(const PublishOptions& options, const TaskContext& context)
     const auto source = open_byte_source(storage, options.page_folder + "/" + name);
     result.page.push_back(copy_into(folder, *source, name, uncounted));
   }
-  const std::string list = web_list(names);
+  std::vector<WebListRow> rows = web_rows(names);
+  for (WebListRow& row : earlier_rows(storage, options.output.path, rows, context)) {
+    result.listed.push_back(row.title);
+    rows.push_back(std::move(row));
+  }
+  const std::string list = web_list(rows);
   const auto list_source = byte_source_of({list.begin(), list.end()}, kWebListName);
   result.page.push_back(copy_into(folder, *list_source, kWebListName, uncounted));
   folder.publish();

@@ -24,9 +24,12 @@ struct PublishedFile {
 struct PublishResult {
   std::vector<PublishedFile> volumes;
   std::vector<PublishedFile> page;  ///< and the list of volumes
+  std::vector<std::string> listed;  ///< titles of volumes that were listed before, and still are
 };
 
 /// Writes all files, or none. Every volume is opened before; its bytes are copied as they are.
+/// Volumes that were published there before stay listed as long as their files are there, behind
+/// the new ones.
 /// Throws  as open_volume; Error{io} where the page is not there, a name is taken and not to be
 ///         overwritten, and what writing throws; Error{cancelled}
 /// Memory  one part of a file

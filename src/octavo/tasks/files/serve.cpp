@@ -90,7 +90,8 @@ class Site {
       put(names_[i] + kZarrEnding, zarr_content(volumes[i], stem));
     }
     is_zarr_ = options.is_zarr;
-    put(kWebListName, memory_content(bytes_of(web_list(names_)), media_type_of(kWebListName)));
+    const std::string list = web_list(web_rows(names_));
+    put(kWebListName, memory_content(bytes_of(list), media_type_of(kWebListName)));
     has_page_ = !page.empty();
     if (has_page_) {
       table_[root_] = file_content(options.page_folder + "/index.html", media_type_of(".html"));

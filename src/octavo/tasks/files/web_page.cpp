@@ -3,9 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <optional>
+#include <string_view>
 #include <system_error>
 
 #include "octavo/core/error.h"
+#include "octavo/core/json_members.h"
+#include "octavo/core/json_reader.h"
 #include "octavo/core/json_text.h"
 #include "octavo/core/url_text.h"
 #include "octavo/file/storage/storage.h"
@@ -28,6 +32,14 @@ bool is_one_of(const std::vector<std::string>& names, const std::string& name) {
 /// What a published folder has besides the page.
 bool is_of_site(const std::string& name) {
   return name == kWebListName || name.ends_with(".8vo");
+}
+
+/// A string that stands in JSON; nothing where the value is none.
+std::optional<std::string> text_of(std::string_view json) {
+  if (!json.starts_with('"')) return std::nullopt;
+  JsonReader in(json);
+  in.next();
+  return in.string();
 }
 
 }  // namespace
@@ -71,14 +83,31 @@ std::vector<std::string> web_names(const std::vector<std::string>& paths,
   return names;
 }
 
-std::string web_list(const std::vector<std::string>& names) {
+std::vector<WebListRow> web_rows(const std::vector<std::string>& names) {
+  std::vector<WebListRow> rows;
+  for (const std::string& name : names) rows.push_back({name, percent_encoded(name)});
+  return rows;
+}
+
+std::string web_list(const std::vector<WebListRow>& rows) {
   std::string list;
-  for (const std::string& name : names) {
+  for (const WebListRow& row : rows) {
     list += list.empty() ? "[\n " : ",\n ";
-    list += "{\"title\": " + json_string(name) +
-            ", \"url\": " + json_string(percent_encoded(name)) + "}";
+    list += "{\"title\": " + json_string(row.title) + ", \"url\": " + json_string(row.url) + "}";
   }
   return list.empty() ? "[]\n" : list + "\n]\n";
+}
+
+std::vector<WebListRow> read_web_list(std::string_view list) {
+  std::vector<WebListRow> rows;
+  for (const std::string_view item : json_items(list)) {
+    if (!item.starts_with('{')) continue;
+    const JsonObject row = json_members(item);
+    const std::optional<std::string> title = text_of(row.json_of("title"));
+    const std::optional<std::string> url = text_of(row.json_of("url"));
+    if (title && url) rows.push_back({*title, *url});
+  }
+  return rows;
 }
 
 }  // namespace octavo

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace octavo {
@@ -16,8 +17,21 @@ std::vector<std::string> web_page_files(const std::string& folder);
 std::vector<std::string> web_names(const std::vector<std::string>& paths,
                                    const std::vector<std::string>& taken);
 
-/// The list that the page reads at its start: names and addresses as JSON.
-std::string web_list(const std::vector<std::string>& names);
+/// A row of the list that the page reads at its start.
+struct WebListRow {
+  std::string title;
+  std::string url;  ///< counted from the page
+};
+
+/// The rows of volumes beside the page.
+std::vector<WebListRow> web_rows(const std::vector<std::string>& names);
+
+/// Rows as JSON.
+std::string web_list(const std::vector<WebListRow>& rows);
+
+/// The rows of such a list; what is no row is left out.
+/// Throws  as json_items, where the text is no list
+std::vector<WebListRow> read_web_list(std::string_view list);
 
 /// What that list is called.
 inline constexpr const char* kWebListName = "files.json";
