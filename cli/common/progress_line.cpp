@@ -40,6 +40,7 @@ std::string amount_text(std::int64_t amount, const std::string& unit) {
 
 std::string rate_text(double per_second, const std::string& unit) {
   if (unit == "bytes") return bytes_text(static_cast<std::uint64_t>(per_second)) + "/s";
+  if (per_second < 1) return fmt::format("{:.2g} {}/s", per_second, unit);
   if (per_second < 10) return fmt::format("{:.1f} {}/s", per_second, unit);
   return fmt::format("{:.0f} {}/s", per_second, unit);
 }
@@ -114,10 +115,10 @@ void ProgressLine::erase_bar() {
 std::string ProgressLine::plain_text(double seconds) const {
   const double share = total_ > 0 ? static_cast<double>(done_) / static_cast<double>(total_) : 0;
   const double per_second = seconds > 0 ? static_cast<double>(done_) / seconds : 0;
-  std::string text = fmt::format("octavo: {} {:3.0f} %  {} of {}{}  {}", what_,
+  std::string text = fmt::format("octavo: {} {:3.0f} %  {} of {}{}", what_,
                                  std::floor(share * 100), amount_text(done_, unit_),
-                                 amount_text(total_, unit_), unit_ == "bytes" ? "" : " " + unit_,
-                                 rate_text(per_second, unit_));
+                                 amount_text(total_, unit_), unit_ == "bytes" ? "" : " " + unit_);
+  if (per_second > 0) text += "  " + rate_text(per_second, unit_);
   if (per_second > 0 && done_ < total_) {
     const double left = static_cast<double>(total_ - done_) / per_second;
     text += "  " + duration_text(std::max(1.0, std::round(left))) + " left";

@@ -106,6 +106,22 @@ class Morphometry(cli_test.InFolder):
         self.expect_error(2, [".png"], "morphometry", "tight.8vo", "--histogram", "i.svg")
         self.assertEqual([path.name for path in self.folder.glob("i.*")], [])
 
+    def test_every_way_says_how_far_it_is(self):
+        self.build("posts.8vo", lambda x, y, z: x % 8 < 3 and y % 8 < 3)
+        shown = self.expect(0, "morphometry", "posts.8vo", "--tortuosity", "--diffusion",
+                            "--progress", "json").stderr
+        last = {}
+        for line in shown.splitlines():
+            if not line.startswith("{"):
+                continue  # that the mask touches the border
+            event = json.loads(line)["progress"]
+            last[event["what"]] = (event["done"], event["total"])
+        for axis in "xyz":
+            for what in ("ways", "diffusion"):
+                done, total = last[f"{what} along {axis}"]
+                self.assertEqual(done, total)
+                self.assertGreater(total, 100)
+
     def test_empty_and_full_masks_are_said(self):
         self.build("empty.8vo", lambda x, y, z: False)
         failed = self.expect(2, "morphometry", "empty.8vo")

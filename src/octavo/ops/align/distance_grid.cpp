@@ -10,7 +10,13 @@ namespace octavo {
 DistanceGrid::DistanceGrid(const std::vector<float>& mm, const Size3& size,
                            const Geometry& geometry, std::int64_t step)
     : step_(static_cast<double>(step)), geometry_(geometry) {
-  for (int axis = 0; axis < 3; ++axis) size_[axis] = (size[axis] - 1) / step + 1;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto a = static_cast<std::size_t>(axis);
+    size_[axis] = (size[axis] - 1) / step + 1;
+    last_[a] = static_cast<double>(size_[axis] - 1);
+    apart_mm_[a] = step_ * geometry_.spacing_mm[a];
+  }
+  half_diagonal_mm_ = 0.5 * std::sqrt(dot(apart_mm_, apart_mm_));
   samples_.reserve(static_cast<std::size_t>(size_.voxel_count()));
   for (std::int64_t z = 0; z < size_.z; ++z) {
     for (std::int64_t y = 0; y < size_.y; ++y) {
@@ -32,6 +38,59 @@ DistanceGrid::DistanceGrid(const std::vector<float>& mm, const Size3& size,
 
 double DistanceGrid::sample_mm() const {
   return step_ * *std::min_element(geometry_.spacing_mm.begin(), geometry_.spacing_mm.end());
+}
+
+Point3 DistanceGrid::to_samples(const Point3& world) const {
+  const Point3 from_origin = difference(world, geometry_.origin_mm);
+  Point3 samples{};
+  for (std::size_t a = 0; a < 3; ++a) {
+    samples[a] = to_index_[3 * a] * from_origin[0] + to_index_[3 * a + 1] * from_origin[1] +
+                 to_index_[3 * a + 2] * from_origin[2];
+  }
+  return samples;
+}
+
+double DistanceGrid::mm_at(const Point3& samples) const {
+  const std::array<std::int64_t, 3> strides = {1, size_.x, size_.x * size_.y};
+  std::array<std::int64_t, 3> next{};
+  Point3 part{};
+  std::int64_t low = 0;
+  double beside2 = 0;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const double inside = std::clamp(samples[a], 0.0, last_[a]);
+    const double beside = (samples[a] - inside) * apart_mm_[a];
+    beside2 += beside * beside;
+    const auto floor = static_cast<std::int64_t>(std::min(inside, std::max(0.0, last_[a] - 1)));
+    part[a] = inside - static_cast<double>(floor);
+    low += floor * strides[a];
+    next[a] = last_[a] > 0 ? strides[a] : 0;
+  }
+  const float* const base = samples_.data() + low;
+  const auto along_x = [&](std::int64_t row) {
+    const double first = base[row];
+    return first + part[0] * (base[row + next[0]] - first);
+  };
+  const auto in_plane = [&](std::int64_t plane) {
+    const double first = along_x(plane);
+    return first + part[1] * (along_x(plane + next[1]) - first);
+  };
+  const double first = in_plane(0);
+  const double mm = first + part[2] * (in_plane(next[2]) - first);
+  return beside2 > 0 ? mm + std::sqrt(beside2) : mm;
+}
+
+double DistanceGrid::mm_at_least(const Point3& samples) const {
+  std::array<std::int64_t, 3> nearest{};
+  double beside2 = 0;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const double inside = std::clamp(samples[a], 0.0, last_[a]);
+    const double beside = (samples[a] - inside) * apart_mm_[a];
+    beside2 += beside * beside;
+    nearest[a] = static_cast<std::int64_t>(inside + 0.5);
+  }
+  const std::int64_t i = (nearest[2] * size_.y + nearest[1]) * size_.x + nearest[0];
+  const double mm = samples_[static_cast<std::size_t>(i)];
+  return mm - half_diagonal_mm_ + (beside2 > 0 ? std::sqrt(beside2) : 0);
 }
 
 GridDistance DistanceGrid::at(const Point3& world) const {

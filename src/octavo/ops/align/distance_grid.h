@@ -28,6 +28,14 @@ class DistanceGrid {
   /// that is.
   GridDistance at(const Point3& world) const;
 
+  /// A place in samples along each axis, 0 at the first.
+  Point3 to_samples(const Point3& world) const;
+  /// What at() says of a place in samples, without the way it grows: a search along a line asks
+  /// for many.
+  double mm_at(const Point3& samples) const;
+  /// Nothing above that, of the nearest sample alone.
+  double mm_at_least(const Point3& samples) const;
+
   /// From one sample to the next along the axis on which they are closest.
   double sample_mm() const;
 
@@ -36,6 +44,9 @@ class DistanceGrid {
   double step_;
   Geometry geometry_;
   std::array<double, 9> to_index_{};  ///< rows: samples per mm
+  Point3 last_{};                     ///< samples along each axis, less 1
+  Point3 apart_mm_{};                 ///< from one sample to the next along each axis
+  double half_diagonal_mm_ = 0;       ///< from any place to the nearest sample, at most
   std::vector<float> samples_;
 };
 

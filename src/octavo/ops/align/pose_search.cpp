@@ -163,12 +163,14 @@ class PoseSolver {
     std::size_t points;
     double cut_mm;  // c
     int steps;
+    double settled;  // ends where a step takes away less than this share of the cost
   };
 
   void improve(Pose& pose, const Stage& stage) const {
     PoseMatrix m{};
     PoseRow right{};
-    pose.cost = system(pose, stage, m, right);
+    Expected expected;
+    pose.cost = system(pose, stage, m, right, expected);
     double damping = 1e-3;
     for (int step = 0; step < stage.steps; ++step) {
       ++pose.iterations;
@@ -179,9 +181,9 @@ class PoseSolver {
       Pose next = moved(pose, change);
       PoseMatrix next_m{};
       PoseRow next_right{};
-      next.cost = system(next, stage, next_m, next_right);
+      next.cost = system(next, stage, next_m, next_right, expected);
       if (next.cost < pose.cost) {
-        const bool is_done = pose.cost - next.cost < 1e-6 * pose.cost;
+        const bool is_done = pose.cost - next.cost < stage.settled * pose.cost;
         pose = next;
         m = next_m;
         right = next_right;
@@ -197,31 +199,43 @@ class PoseSolver {
   double condition(const Pose& pose, const Stage& stage) const {
     PoseMatrix m{};
     PoseRow right{};
-    system(pose, stage, m, right);
+    Expected expected;
+    system(pose, stage, m, right, expected);
     return condition_of(m, n_);
   }
 
   /// A feature where a pose puts it: a point, or the place of a line that is nearest.
-  NearestSight placed(const Pose& pose, std::size_t i, const DistanceGrid& grid) const {
+  /// expected_mm  where along its line, if something is known of that
+  NearestSight placed(const Pose& pose, std::size_t i, const DistanceGrid& grid,
+                      std::optional<double> expected_mm = std::nullopt) const {
     const auto place_of = [&](const Point3& p) {
       return sum(scaled(turned_point(pose.turn, difference(p, pivot_)), pose.scale), pose.place);
     };
     if (!features_.lines.empty()) {
       const SightLine& line = features_.lines[i];
-      return nearest_sight(grid, {place_of(line.from), place_of(line.to)}, sight_reach(target_));
+      return nearest_sight(grid, {place_of(line.from), place_of(line.to)}, sight_reach(target_),
+                           expected_mm);
     }
     const Point3 place = place_of(features_.points[i]);
-    return {place, grid.at(place)};
+    return {place, grid.at(place), 0};
   }
 
  private:
+  /// Where along each line the surface was nearest the last time; empty before.
+  using Expected = std::vector<double>;
+
   /// The cost, and the system of normal equations; turns and scales count in radii of the target.
-  double system(const Pose& pose, const Stage& stage, PoseMatrix& m, PoseRow& right) const {
+  double system(const Pose& pose, const Stage& stage, PoseMatrix& m, PoseRow& right,
+                Expected& expected) const {
     const double cut2 = stage.cut_mm * stage.cut_mm;
     double cost = 0;
     const std::size_t count = std::min(stage.points, features_.count());
+    const bool is_first = expected.empty();
+    if (is_first && !features_.lines.empty()) expected.resize(count);
     for (std::size_t i = 0; i < count; ++i) {
-      const NearestSight feature = placed(pose, i, stage.grid);
+      const NearestSight feature =
+          is_first ? placed(pose, i, stage.grid) : placed(pose, i, stage.grid, expected[i]);
+      if (!expected.empty()) expected[i] = feature.along_mm;
       const Point3 arm = difference(feature.place, pose.place);
       const GridDistance& d = feature.distance;
       // Distances in the size of the points, or a scale of 0 would be best.
@@ -344,7 +358,8 @@ FoundPose found_pose(const PosedFeatures& features, const PointSpread& own,
   const auto improve = [&](std::size_t points, std::size_t lines, const DistanceGrid& grid,
                            double cut_mm, int steps, std::size_t kept) {
     poses = improved(solver, std::move(poses),
-                     {grid, has_lines ? lines : points, cut_mm, steps}, kept, progress);
+                     {grid, has_lines ? lines : points, cut_mm, steps, 1e-3}, kept,
+                     progress);
   };
   improve(100, 60, target.coarse, radius / 4, has_lines ? 4 : 0, has_lines ? 200 : 900);
   improve(150, 100, target.coarse, radius / 5, 12, has_lines ? 40 : 80);
@@ -355,7 +370,7 @@ FoundPose found_pose(const PosedFeatures& features, const PointSpread& own,
   FoundPose rough;
   measure_residuals(features.count(), solver, poses.front(), target, rough);
   const double cut = std::clamp(3 * rough.mean_mm, 0.7 * voxel, 3 * voxel);
-  const PoseSolver::Stage last{target.fine, features.count(), cut, 25};
+  const PoseSolver::Stage last{target.fine, features.count(), cut, 25, 1e-6};
   poses = improved(solver, std::move(poses), last, 1, progress);
 
   const Pose& best = poses.front();

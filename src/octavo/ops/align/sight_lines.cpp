@@ -8,39 +8,48 @@
 
 namespace octavo {
 
-NearestSight nearest_sight(const DistanceGrid& grid, const SightLine& line,
-                           const SightReach& reach) {
+NearestSight nearest_sight(const DistanceGrid& grid, const SightLine& line, const SightReach& reach,
+                           std::optional<double> expected_mm) {
   const Point3 along = unit(difference(line.to, line.from));
   const double nearest = dot(difference(reach.middle, line.from), along);
   const auto place_at = [&](double t) { return sum(line.from, scaled(along, t)); };
+  const auto found_at = [&](double t) {
+    return NearestSight{place_at(t), grid.at(place_at(t)), t};
+  };
   const Point3 beside = difference(place_at(nearest), reach.middle);
   const double half2 = reach.radius_mm * reach.radius_mm - dot(beside, beside);
-  NearestSight found{place_at(nearest), grid.at(place_at(nearest))};
-  if (half2 <= 0) return found;
+  if (half2 <= 0) return found_at(nearest);
+
+  // In samples, so that a step is three additions.
+  const Point3 middle = grid.to_samples(place_at(nearest));
+  const Point3 per_mm = difference(grid.to_samples(place_at(nearest + 1)), middle);
+  double best = nearest;
+  double smallest = HUGE_VAL;
+  const auto samples_at = [&](double t) { return sum(middle, scaled(per_mm, t - nearest)); };
+  const auto look_at = [&](double t) {
+    const double mm = grid.mm_at(samples_at(t));
+    if (mm < smallest) {
+      smallest = mm;
+      best = t;
+    }
+    return mm;
+  };
+  look_at(nearest);
+  const double half = std::sqrt(half2);
+  if (expected_mm && std::abs(*expected_mm - nearest) < half) look_at(*expected_mm);
 
   // No distance grows or shrinks faster than the way that is gone.
   const double step = grid.sample_mm();
-  const double end = nearest + std::sqrt(half2);
-  double best = nearest;
-  const auto look_at = [&](double t) {
-    const Point3 place = place_at(t);
-    const GridDistance distance = grid.at(place);
-    if (distance.mm < found.distance.mm) {
-      found = {place, distance};
-      best = t;
-    }
-    return distance.mm;
-  };
-  for (double t = nearest - std::sqrt(half2); t <= end;) {
-    const double mm = look_at(t);
-    t += std::max(step, mm - found.distance.mm);
+  for (double t = nearest - half; t <= nearest + half;) {
+    const double mm = grid.mm_at_least(samples_at(t));
+    t += std::max(step, (mm > smallest + step ? mm : look_at(t)) - smallest);
   }
   for (double part = step / 2; part > step / 16; part /= 2) {
-    const double middle = best;
-    look_at(middle - part);
-    look_at(middle + part);
+    const double at = best;
+    look_at(at - part);
+    look_at(at + part);
   }
-  return found;
+  return found_at(best);
 }
 
 SightMiddle middle_of(std::span<const SightLine> lines) {

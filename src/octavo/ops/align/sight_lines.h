@@ -12,6 +12,7 @@
 //         Machine Intelligence 17 (1995)
 #pragma once
 
+#include <optional>
 #include <span>
 
 #include "octavo/ops/align/distance_grid.h"
@@ -35,9 +36,13 @@ struct SightReach {
 struct NearestSight {
   Point3 place{};
   GridDistance distance;
+  double along_mm = 0;  ///< from line.from on
 };
-NearestSight nearest_sight(const DistanceGrid& grid, const SightLine& line,
-                           const SightReach& reach);
+
+/// expected_mm  where along the line it is likely to be, as of a pose that differs little: what is
+///              found there lets more of the line be passed over
+NearestSight nearest_sight(const DistanceGrid& grid, const SightLine& line, const SightReach& reach,
+                           std::optional<double> expected_mm = std::nullopt);
 
 /// The place that is nearest to all lines, by least squares, and how far they pass from it, root
 /// mean square.

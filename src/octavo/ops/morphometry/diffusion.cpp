@@ -15,6 +15,7 @@ namespace {
 constexpr std::int32_t kNoPore = -1;
 constexpr std::size_t kPoresAtOnce = 1 << 15;  // a sum is made of sums of so many
 constexpr double kSmallestResidual = 1e-6;     // of what flows in
+constexpr std::size_t kStepsAtOnce = 1 << 20;  // between two looks whether to stop
 
 /// The sum of sum(begin, end) over runs of pores, in their order.
 template <class SumOf>
@@ -33,8 +34,8 @@ double sum_of_runs(std::size_t count, SumOf&& sum) {
 class PoreNetwork {
  public:
   PoreNetwork(const std::vector<std::uint8_t>& pores, const Size3& size, const Point3& spacing,
-              int axis)
-      : size_(size), axis_(axis), strides_{1, size.x, size.x * size.y} {
+              int axis, const Progress& progress)
+      : size_(size), axis_(axis), strides_{1, size.x, size.x * size.y}, progress_(progress) {
     for (std::size_t a = 0; a < 3; ++a) {
       const double area = spacing[(a + 1) % 3] * spacing[(a + 2) % 3];
       conductance_[a] = area / spacing[a];
@@ -43,6 +44,7 @@ class PoreNetwork {
     const std::vector<std::uint8_t> from_last = flooded(pores, size[axis] - 1);
     index_.assign(pores.size(), kNoPore);
     for (std::size_t i = 0; i < pores.size(); ++i) {
+      if (i % kStepsAtOnce == 0) stop_if_cancelled();
       if (from_first[i] == 0 || from_last[i] == 0) continue;
       if (voxels_.size() == std::numeric_limits<std::int32_t>::max()) {
         throw Error(ErrorKind::limit_exceeded, "more than 2^31 voxels of pores");
@@ -52,6 +54,7 @@ class PoreNetwork {
     }
     faces_.resize(voxels_.size());
     tbb::parallel_for(std::size_t{0}, voxels_.size(), [&](std::size_t i) {
+      if (i % kStepsAtOnce == 0) stop_if_cancelled();
       std::uint8_t bits = 0;
       visit_neighbors(voxels_[i], [&](int side, std::size_t neighbor) {
         if (index_[neighbor] != kNoPore) bits = static_cast<std::uint8_t>(bits | 1 << side);
@@ -97,6 +100,9 @@ class PoreNetwork {
   }
 
  private:
+  void stop_if_cancelled() const {
+    if (progress_.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
+  }
   double end_conductance() const { return conductance_[static_cast<std::size_t>(axis_)]; }
   std::size_t pore_at(std::size_t voxel) const { return static_cast<std::size_t>(index_[voxel]); }
 
@@ -133,7 +139,8 @@ class PoreNetwork {
         reach(static_cast<std::size_t>(plane * stride(axis_) + i * stride(u) + j * stride(v)));
       }
     }
-    while (!next.empty()) {
+    for (std::int64_t steps = 0; !next.empty(); ++steps) {
+      if (steps % static_cast<std::int64_t>(kStepsAtOnce) == 0) stop_if_cancelled();
       const std::size_t voxel = next.back();
       next.pop_back();
       visit_neighbors(voxel, [&](int, std::size_t neighbor) { reach(neighbor); });
@@ -144,11 +151,35 @@ class PoreNetwork {
   Size3 size_;
   int axis_;
   std::array<std::int64_t, 3> strides_;
+  const Progress& progress_;
   Point3 conductance_{};  // of a face across each axis
   std::vector<std::int32_t> index_;
   std::vector<std::size_t> voxels_;
   std::vector<std::uint8_t> faces_;  // bits: pores on six sides, the two ends
   std::array<double, 256> diagonal_{};
+};
+
+/// Says how far a residual has fallen, by its logarithm: conjugate gradients divide it by about the
+/// same at every step.
+class FallingResidual {
+ public:
+  FallingResidual(Progress& progress, double from, double to)
+      : progress_(progress), from_(from), fall_(std::log(from / to)) {}
+
+  void reach(double squares) {
+    const double share = fall_ > 0 ? std::log(from_ / std::max(squares, 1e-300)) / fall_ : 1;
+    const auto parts = static_cast<std::int64_t>(kDiffusionParts * std::clamp(share, 0.0, 1.0));
+    if (parts <= done_) return;
+    progress_.advance(parts - done_);
+    done_ = parts;
+  }
+  void finish() { reach(0); }
+
+ private:
+  Progress& progress_;
+  double from_;
+  double fall_;
+  std::int64_t done_ = 0;
 };
 
 /// Concentrations at rest, and how many steps that took.
@@ -186,6 +217,13 @@ RestingPores come_to_rest(const PoreNetwork& network, const Size3& size, int axi
     }
     return sum;
   });
+  const double start = sum_of_runs(count, [&](std::size_t begin, std::size_t end) {
+    double sum = 0;
+    for (std::size_t i = begin; i < end; ++i) sum += residual[i] * residual[i];
+    return sum;
+  });
+  const double wanted = kSmallestResidual * kSmallestResidual * inflow;
+  FallingResidual falling(progress, start, wanted);
   const int most = 1000 + 20 * static_cast<int>(std::min<std::int64_t>(
                                  size.x + size.y + size.z, 1'000'000));
   for (; product > 0 && rest.steps < most; ++rest.steps) {
@@ -208,7 +246,8 @@ RestingPores come_to_rest(const PoreNetwork& network, const Size3& size, int axi
       }
       return sum;
     });
-    if (squares <= kSmallestResidual * kSmallestResidual * inflow) break;
+    if (squares <= wanted) break;
+    falling.reach(squares);
     const double before = product;
     product = sum_of_runs(count, [&](std::size_t begin, std::size_t end) {
       double sum = 0;
@@ -222,6 +261,7 @@ RestingPores come_to_rest(const PoreNetwork& network, const Size3& size, int axi
       way[i] = residual[i] / network.diagonal(i) + kept * way[i];
     });
   }
+  falling.finish();
   return rest;
 }
 
@@ -230,8 +270,11 @@ RestingPores come_to_rest(const PoreNetwork& network, const Size3& size, int axi
 std::optional<PoreDiffusion> pore_diffusion(const std::vector<std::uint8_t>& pores,
                                             const Size3& size, const Point3& spacing_mm, int axis,
                                             double counted_voxels, Progress& progress) {
-  const PoreNetwork network(pores, size, spacing_mm, axis);
-  if (network.count() == 0) return std::nullopt;
+  const PoreNetwork network(pores, size, spacing_mm, axis, progress);
+  if (network.count() == 0) {
+    progress.advance(kDiffusionParts);
+    return std::nullopt;
+  }
   const RestingPores rest = come_to_rest(network, size, axis, progress);
   double in = 0;
   double out = 0;

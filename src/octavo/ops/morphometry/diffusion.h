@@ -35,9 +35,13 @@ struct PoreDiffusion {
   double imbalance = 0;   ///< how far the fluxes in and out are apart, as a share
 };
 
+/// What pore_diffusion announces of itself.
+constexpr std::int64_t kDiffusionParts = 1000;
+
 /// Along one axis; nothing where no pore leads through.
 /// pores           [z][y][x], not 0 in pores
 /// counted_voxels  that the porosity is a share of, pores and others
+/// progress        advances by kDiffusionParts in all, as the logarithm of the residual falls
 /// Uses the threads of the calling task arena; does not depend on them.
 /// Throws  Error{limit_exceeded} beyond 2^31 voxels of pores, Error{cancelled}
 /// Memory  41 bytes for each voxel of pores that lead through, and 6 for each voxel; while these

@@ -171,6 +171,10 @@ class EllipsoidGrower {
 
 }  // namespace
 
+std::int64_t ellipsoid_count(const std::vector<FittingBall>& balls) {
+  return static_cast<std::int64_t>(std::min(balls.size(), kMostEllipsoids));
+}
+
 std::optional<EllipsoidFactors> ellipsoid_factors(const ThicknessClass& asked,
                                                   const Point3& spacing_mm,
                                                   const std::vector<FittingBall>& balls,
@@ -178,10 +182,11 @@ std::optional<EllipsoidFactors> ellipsoid_factors(const ThicknessClass& asked,
   if (balls.empty()) return std::nullopt;
   const MaskAccessor mask(asked.mask);
   const EllipsoidGrower grower(asked, mask, spacing_mm);
-  std::vector<GrownEllipsoid> grown(std::min(balls.size(), kMostEllipsoids));
+  std::vector<GrownEllipsoid> grown(static_cast<std::size_t>(ellipsoid_count(balls)));
   tbb::parallel_for(std::size_t{0}, grown.size(), [&](std::size_t i) {
     if (progress.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
     grown[i] = grower.grow(balls[i * balls.size() / grown.size()]);
+    progress.advance(1);
   });
   // The largest first: each center belongs to the first ellipsoid that holds it.
   std::stable_sort(grown.begin(), grown.end(),

@@ -32,7 +32,11 @@ struct EllipsoidFactors {
   std::array<double, 20> shares{};
 };
 
+/// How many ellipsoids grow around balls.
+std::int64_t ellipsoid_count(const std::vector<FittingBall>& balls);
+
 /// Of up to 2000 balls, spread evenly over their sizes; nothing without balls.
+/// progress  advances by ellipsoid_count(balls)
 /// Uses the threads of the calling task arena; does not depend on them.
 /// Throws  Error{cancelled}
 /// Memory  that of a MaskAccessor

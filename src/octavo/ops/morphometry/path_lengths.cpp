@@ -12,6 +12,7 @@ namespace octavo {
 
 namespace {
 
+constexpr std::int64_t kVoxelsAtOnce = 1 << 16;
 constexpr float kNever = std::numeric_limits<float>::infinity();
 
 class MarchingFront {
@@ -33,14 +34,16 @@ class MarchingFront {
   }
 
   void march(Progress& progress) {
-    for (std::int64_t steps = 0; !front_.empty(); ++steps) {
-      if (steps % 65536 == 0 && progress.is_cancelled()) {
-        throw Error(ErrorKind::cancelled, "stopped");
-      }
+    std::int64_t reached = 0;
+    while (!front_.empty()) {
       const Arrival next = front_.top();
       front_.pop();
       if (is_final_[next.voxel] != 0) continue;
       is_final_[next.voxel] = 1;
+      if (++reached % kVoxelsAtOnce == 0) {
+        if (progress.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
+        progress.advance(kVoxelsAtOnce);
+      }
       visit_neighbors(next.voxel, [&](std::size_t neighbor) {
         if (pores_[neighbor] == 0 || is_final_[neighbor] != 0) return;
         const float time = arrival_at(neighbor);
@@ -49,6 +52,7 @@ class MarchingFront {
         front_.push({time, neighbor});
       });
     }
+    progress.advance(reached % kVoxelsAtOnce);
   }
 
   template <class Visit>

@@ -28,7 +28,8 @@ struct PathLengths {
 };
 
 /// Along one axis of a volume of two planes or more; nothing where no way leads through.
-/// pores   [z][y][x], not 0 in pores
+/// pores     [z][y][x], not 0 in pores
+/// progress  advances by the voxels of pores that the front reaches
 /// Throws  Error{cancelled}
 /// Memory  5 bytes a voxel, and 12 for each of the voxels on the front
 std::optional<PathLengths> path_lengths(const std::vector<std::uint8_t>& pores, const Size3& size,

@@ -149,11 +149,11 @@ class MorphometryWork {
     const ThicknessClass asked{mask_.tree, region(), is_background};
     std::vector<FittingBall> balls;
     const char* const what = is_background ? "spacing" : "thickness";
-    watched(what, size_.z, "planes", [&] {
+    watched(is_background ? "balls outside" : "balls inside", size_.z, "planes", [&] {
       balls = fitting_balls(asked, spacing_, sites, context_.watcher());
     });
     if (!is_background) {
-      context_.on_threads([&] {
+      watched("ellipsoids", ellipsoid_count(balls), "ellipsoids", [&] {
         result_.ellipsoids = ellipsoid_factors(asked, spacing_, balls, context_.watcher());
       });
     }
@@ -232,20 +232,22 @@ class MorphometryWork {
       }
     }
     result_.has_diffusion = options_.has_diffusion;
-    const ProgressScope scope(context_.watcher(), "ways through pores", 3, "axes");
+    const auto pore_count = static_cast<std::int64_t>(
+        std::count(pores.begin(), pores.end(), std::uint8_t{1}));
     for (int axis = 0; axis < 3; ++axis) {
       const auto a = static_cast<std::size_t>(axis);
+      const std::string along = std::string(" along ") + "xyz"[axis];
       if (options_.has_tortuosity) {
+        const ProgressScope scope(context_.watcher(), "ways" + along, pore_count, "voxels");
         result_.paths[a] = path_lengths(pores, size_, spacing_, axis, context_.watcher());
       }
       if (options_.has_diffusion) {
         const auto counted = static_cast<double>(result_.region_voxels);
-        context_.on_threads([&] {
+        watched(("diffusion" + along).c_str(), kDiffusionParts, "parts", [&] {
           result_.diffusions[a] =
               pore_diffusion(pores, size_, spacing_, axis, counted, context_.watcher());
         });
       }
-      context_.watcher().advance(1);
     }
   }
 

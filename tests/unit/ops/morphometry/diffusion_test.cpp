@@ -4,7 +4,9 @@
 
 #include <cmath>
 
+#include "octavo/core/error.h"
 #include "support/dense_mask.h"
+#include "support/stopping_progress.h"
 
 namespace octavo {
 namespace {
@@ -88,6 +90,29 @@ TEST(Diffusion, DeadEndsHoldStill) {
   EXPECT_NEAR(with_ends->effective, open->effective, 1e-6);
   EXPECT_GT(with_ends->tortuosity, open->tortuosity);
   EXPECT_FALSE(diffusion_of({5, 5, 9}, {1, 1, 1}, 2, [](const Index3& p) { return p.z != 4; }));
+}
+
+TEST(Diffusion, SaysHowFarItIsAndStopsWhenAsked) {
+  const Size3 size = {24, 24, 24};
+  std::vector<std::uint8_t> pores;
+  for_each_voxel(size, [&](const Index3& p) { pores.push_back(p.x % 5 < 3 || p.z % 7 == 0); });
+  testing::StoppingProgress watching(1 << 30);
+  const auto found = pore_diffusion(pores, size, {1, 1, 1}, 2, 24 * 24 * 24, watching);
+  ASSERT_TRUE(found);
+  EXPECT_EQ(watching.done_, kDiffusionParts);
+  // Before the first step of the solution, and at one in its middle.
+  for (const int answered : {0, watching.questions_ / 2}) {
+    testing::StoppingProgress stopping(answered);
+    EXPECT_THROW(pore_diffusion(pores, size, {1, 1, 1}, 2, 24 * 24 * 24, stopping), Error);
+    EXPECT_LT(stopping.done_, kDiffusionParts);
+    if (answered > 0) {
+      EXPECT_GT(stopping.done_, kDiffusionParts / 10);
+    }
+  }
+  testing::StoppingProgress closed(1 << 30);
+  EXPECT_FALSE(pore_diffusion(std::vector<std::uint8_t>(pores.size()), size, {1, 1, 1}, 2,
+                              24 * 24 * 24, closed));
+  EXPECT_EQ(closed.done_, kDiffusionParts);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include "octavo/core/error.h"
 #include "support/dense_mask.h"
+#include "support/stopping_progress.h"
 
 namespace octavo {
 namespace {
@@ -62,6 +63,16 @@ TEST(PathLengths, WhereNoWayLeadsThroughThereAreNone) {
   });
   ASSERT_TRUE(half.has_value());
   EXPECT_NEAR(half->reached_share, 4.0 / 7, 1e-9);
+}
+
+TEST(PathLengths, SayHowManyVoxelsAreReachedAndStopWhenAsked) {
+  const Size3 size = {60, 50, 40};
+  const std::vector<std::uint8_t> pores(static_cast<std::size_t>(size.voxel_count()), 1);
+  testing::StoppingProgress watching(1 << 30);
+  ASSERT_TRUE(path_lengths(pores, size, {1, 1, 1}, 0, watching));
+  EXPECT_EQ(watching.done_, size.voxel_count());
+  testing::StoppingProgress stopping;
+  EXPECT_THROW(path_lengths(pores, size, {1, 1, 1}, 0, stopping), Error);
 }
 
 }  // namespace
