@@ -1,4 +1,8 @@
-"""Writes grey files of 16 bits as docs/format.md has them, with the bricks of written_grey.py."""
+"""Writes files as docs/format.md has them; written_grey.py, _labels and _floats have the bricks.
+
+Written from that text alone and sharing nothing with the two readers, so that the tests tell what
+the text leaves open.
+"""
 
 import dataclasses
 import hashlib
@@ -7,11 +11,27 @@ import struct
 import numpy as np
 
 from file_bytes import crc32c
-from written_grey import (Model, cell_flags, flag_cells, levels_of, pack, signed, symbols_of,
-                          varint)
 
 TIER_LEVELS = 6
-AXES = "xyz"
+
+
+def varint(value):
+    out = bytearray()
+    while value >= 128:
+        out.append(value & 127 | 128)
+        value >>= 7
+    return bytes(out + bytes([value]))
+
+
+def signed(value):
+    """0, -1, 1, -2, .. as 0, 1, 2, 3, .."""
+    return 2 * value if value >= 0 else -2 * value - 1
+
+
+def pack(values, width):
+    """Numbers of so many bits, packed lowest bit first."""
+    bits = sum(int(value) << width * i for i, value in enumerate(values))
+    return bits.to_bytes((width * len(values) + 7) // 8, "little")
 
 
 def o_code(place):
@@ -28,23 +48,26 @@ def halved(size, mask):
 
 @dataclasses.dataclass
 class Brick:
-    """One brick that is not uniform: its place, its range, its steps and its pieces."""
+    """One brick: its place, its range, its root, its segments and its pieces."""
 
     place: tuple
     smallest: int
     largest: int
-    plain: bytes = b""
-    levels: list = dataclasses.field(default_factory=list)  # symbols of each, finest first
-    cells: bytes = b""
     root: int = 0
+    segments: list = dataclasses.field(default_factory=list)  # finest first
     pieces: list = dataclasses.field(default_factory=list)
 
+    def is_uniform(self):
+        return self.smallest == self.largest
 
-class Volume:
-    """Voxels [z][y][x] of int16, the masks of its ladder, the axis order of its model."""
 
-    def __init__(self, voxels, masks, order="xyz", spacing=(1.0, 1.0, 1.0), metadata=b"{}"):
-        self.voxels, self.masks, self.order = voxels.astype(np.int64), masks, order
+class File:
+    """Voxels [z][y][x], the masks of their ladder; who knows a kind of bricks codes them."""
+
+    KIND, TYPE, DTYPE = 1, 3, "<i2"
+
+    def __init__(self, voxels, masks, spacing=(1.0, 1.0, 1.0), metadata=b"{}"):
+        self.voxels, self.masks = voxels.astype(np.int64), masks
         self.spacing, self.metadata = spacing, metadata
         self.size = list(voxels.shape[::-1])
         self.tiers = []
@@ -58,12 +81,34 @@ class Volume:
             for brick in bricks:
                 above[brick.place[::-1]] = brick.root
             samples, level = above, level + TIER_LEVELS
-        model = Model(order, [(min(i, 1), symbols) for bricks in self.tiers for brick in bricks
-                              for i, symbols in enumerate(brick.levels)])
-        self.model = model.bytes()
-        for bricks in self.tiers:
+        self.model = self.code_all([brick for bricks in self.tiers for brick in bricks])
+        for tier, bricks in enumerate(self.tiers):
             for brick in bricks:
-                self._fill_pieces(brick, model)
+                self._fill_pieces(brick, self._level_count(tier))
+
+    def planes(self):
+        """Those of level 0 as they are read."""
+        return self.voxels
+
+    def extensions(self):
+        """Those of the header."""
+        return []
+
+    def analyze(self, brick, samples, steps, weights, count):
+        """Finds the root of a brick of `count` levels that is not uniform.
+
+        steps: masks of its steps, the last one to its root; weights: of each axis the halvings up
+        to its first level, what a sample stands for, and what the last one stands for.
+        """
+        raise NotImplementedError
+
+    def code_all(self, bricks):
+        """Gives the bricks that are not uniform their segments. Returns the bytes of the model."""
+        raise NotImplementedError
+
+    def _level_count(self, tier):
+        """A tier has the levels that the file has; the steps behind lead to the root."""
+        return min(TIER_LEVELS, len(self.masks) + 1 - TIER_LEVELS * tier)
 
     def _steps(self, level):
         """The masks of the steps of a tier, the last to the next tier."""
@@ -81,12 +126,14 @@ class Volume:
         return [self._brick(samples, level, steps, sides, place) for place in places]
 
     def _brick(self, samples, level, steps, sides, place):
-        """Without its pieces."""
+        """Without its segments."""
         low = [p * side for p, side in zip(place, sides)]
         box = tuple(slice(low[k], low[k] + sides[k]) for k in (2, 1, 0))
         own = samples[box]
         brick = Brick(place, int(own.min()), int(own.max()))
-        assert brick.smallest < brick.largest, "uniform bricks are not written"
+        brick.root = brick.smallest
+        if brick.is_uniform():
+            return brick
         halvings = [sum(mask >> axis & 1 for mask in self.masks[:level]) for axis in range(3)]
         each = [1 << h for h in halvings]
         last = []
@@ -94,34 +141,17 @@ class Volume:
             length, end = samples.shape[2 - axis], low[axis] + own.shape[2 - axis]
             is_last = end == length
             last.append(self.size[axis] - (length - 1) * each[axis] if is_last else each[axis])
-        turn = [AXES.index(name) for name in self.order]  # of the model's axes
-        turned = (own - brick.smallest - 2**15).transpose([2 - turn[k] for k in (2, 1, 0)])
-        masks = [sum((mask >> turn[k] & 1) << k for k in range(3)) for mask in steps]
-        by_axis = [[values[turn[k]] for k in range(3)] for values in (halvings, each, last)]
-        made = levels_of(turned, masks, *by_axis)
-        # A tier has the levels that the file has; the steps behind lead to the root.
-        count = min(TIER_LEVELS, len(self.masks) + 1 - level)
-        if count >= 3:
-            brick.cells = cell_flags(flag_cells(turned, masks, made))
-        high = brick.largest - brick.smallest - 2**15
-        brick.levels = [symbols_of(splits, high) for splits, _ in made[:count - 1]]
-        coarsest = made[count - 2][1] if count > 1 else turned
-        width = (brick.largest - brick.smallest).bit_length()
-        brick.plain = pack((coarsest + 2**15).flat, width)
-        brick.root = int(made[-1][1].item()) + 2**15 + brick.smallest
+        self.analyze(brick, own, steps, (halvings, each, last),
+                     self._level_count(level // TIER_LEVELS))
         return brick
 
     @staticmethod
-    def _fill_pieces(brick, model):
-        count = len(brick.levels) + 1
-        segments = [model.details(min(i, 1), symbols) for i, symbols in enumerate(brick.levels)]
-        if count >= 3:
-            segments[1] = varint(len(brick.cells)) + brick.cells + segments[1]
-        segments.append(brick.plain)
+    def _fill_pieces(brick, count):
+        segments = brick.segments or [b""] * count
         brick.pieces = segments[:3]
         if count > 3:
             lengths = b"".join(varint(len(segment)) for segment in segments[3:-1])
-            brick.pieces.append(lengths + b"".join(segments[3:]))
+            brick.pieces.append(lengths + b"".join(segments[3:]) if segments[-1] else b"")
 
     def piece_crc(self, level, code, data):
         return crc32c(struct.pack("<QBQ", self.build_id, level, code) + data)
@@ -130,7 +160,8 @@ class Volume:
         description = self._description()
         # The bytes 16 to 215 and 12 to 14 of the header, and the metadata.
         upper = crc32c(description[16:216] + description[12:15] + self.metadata)
-        planes = [hashlib.sha256(plane.astype("<i2").tobytes()).digest() for plane in self.voxels]
+        planes = [hashlib.sha256(plane.astype(self.DTYPE).tobytes()).digest()
+                  for plane in self.planes()]
         self.build_id = upper << 32 | int.from_bytes(planes[0][:4], "little")
         body, trailers = self._slabs(planes)
         for tier, bricks in enumerate(self.tiers):
@@ -144,7 +175,8 @@ class Volume:
             place += len(data)
         header = description[:216] + struct.pack("<QQ", self.build_id, place + 96)
         header += b"".join(sections[name] for name in ("metadata", "pages", "root", "directory"))
-        header += struct.pack("<BBH", 1, 1, 0)
+        extensions = self.extensions()
+        header += struct.pack("<BBH", 1, 1, len(extensions)) + b"".join(extensions)
         header += bytes(508 - len(header))
         header_crc = crc32c(header)
         header += struct.pack("<I", header_crc)
@@ -157,7 +189,8 @@ class Volume:
     def _description(self):
         """The first 216 bytes of the header."""
         masks = bytes(self.masks)
-        return (b"\x8f8vo\r\n\x1a\n" + struct.pack("<HHBBBB", 1, 0, 1, 3, len(masks), 1)
+        return (b"\x8f8vo\r\n\x1a\n" + struct.pack("<HHBBBB", 1, 0, self.KIND, self.TYPE,
+                                                           len(masks), 1)
                 + masks + bytes(32 - len(masks)) + struct.pack("<3Q", *self.size)
                 + struct.pack("<3d", 0, 0, 0) + struct.pack("<3d", *self.spacing)
                 + struct.pack("<9d", 1, 0, 0, 0, 1, 0, 0, 0, 1) + struct.pack("<3d", 1, 0, 0))
@@ -189,8 +222,9 @@ class Volume:
             page += varint(brick.largest - brick.smallest)
             before = brick.smallest
         for number in range(len(bricks[0].pieces)):
-            page += b"".join(varint(len(brick.pieces[number])) for brick in bricks)
-            for brick in bricks:
+            coded = [brick for brick in bricks if not brick.is_uniform()]
+            page += b"".join(varint(len(brick.pieces[number])) for brick in coded)
+            for brick in coded:
                 if brick.pieces[number]:
                     page += struct.pack("<I", self.piece_crc(TIER_LEVELS * tier + number,
                                                              o_code(brick.place),
@@ -211,7 +245,8 @@ class Volume:
                 largest = max(brick.largest for brick in bricks)
                 root += varint(trailers[layer]) if tier == 0 else b""
                 root += varint(len(page)) + struct.pack("<I", crc32c(page))
-                root += varint(signed(smallest - before)) + varint(largest - smallest) + varint(0)
+                root += varint(signed(smallest - before)) + varint(largest - smallest)
+                root += varint(sum(brick.is_uniform() for brick in bricks))
                 before = smallest
                 for number in range(len(bricks[0].pieces)):
                     root += varint(sum(len(brick.pieces[number]) for brick in bricks))

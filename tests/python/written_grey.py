@@ -9,30 +9,13 @@ import struct
 
 import numpy as np
 
+from written_files import File, pack, signed, varint
+
 ORDERS = ("xyz", "xzy", "yxz", "yzx", "zxy", "zyx")
 FAR_SHARE, SLOPE, BEHIND = 24, 300, 20  # of all groups, axes and classes
 THRESHOLD = 40
 CONTEXT_WEIGHTS = (20, 6, 9, 30, 21, 40, 0, 0, 0, 0, 0, 33, 17, 17, 9, 9)
 SLOT_BITS = 11
-
-
-def varint(value):
-    out = bytearray()
-    while value >= 128:
-        out.append(value & 127 | 128)
-        value >>= 7
-    return bytes(out + bytes([value]))
-
-
-def signed(value):
-    """0, -1, 1, -2, .. as 0, 1, 2, 3, .."""
-    return 2 * value if value >= 0 else -2 * value - 1
-
-
-def pack(values, width):
-    """Numbers of so many bits, packed lowest bit first."""
-    bits = sum(int(value) << width * i for i, value in enumerate(values))
-    return bits.to_bytes((width * len(values) + 7) // 8, "little")
 
 
 class BinaryEncoder:
@@ -60,8 +43,8 @@ class BinaryEncoder:
 class AdaptiveBit:
     """Section 10."""
 
-    def __init__(self):
-        self.chance, self.count = 32768, 0
+    def __init__(self, chance=32768):
+        self.chance, self.count = chance, 0
 
     def put(self, coder, bit):
         coder.put(bit, self.chance)
@@ -84,15 +67,16 @@ def cell_flags(flags):
 
 
 class AdaptiveNumber:
-    """Section 10."""
+    """Section 10; of numbers of at most `longest` bits."""
 
-    def __init__(self):
-        self.lengths = [AdaptiveBit() for _ in range(25)]
-        self.highs = [AdaptiveBit() for _ in range(25)]
+    def __init__(self, longest=24):
+        self.longest = longest
+        self.lengths = [AdaptiveBit() for _ in range(longest + 1)]
+        self.highs = [AdaptiveBit() for _ in range(longest + 1)]
 
     def put(self, coder, value):
         length = int(value).bit_length()
-        for j in range(24):
+        for j in range(self.longest):
             self.lengths[j].put(coder, j == length)
             if j == length:
                 break
@@ -375,3 +359,38 @@ class Model:
         packed = plain.to_bytes((plain_length + 7) // 8, "little")
         return (varint(len(packed)) + packed + struct.pack(f"<{count}I", *states)
                 + struct.pack(f"<{len(words)}H", *reversed(words)))
+
+
+class GreyFile(File):
+    """Of int16; its model has an order of axes."""
+
+    def __init__(self, voxels, masks, order="xyz", spacing=(1.0, 1.0, 1.0)):
+        self.order = order
+        self.parts = {}  # of each brick plain bytes, flags of cells, symbols of its levels
+        super().__init__(voxels, masks, spacing)
+
+    def analyze(self, brick, samples, steps, weights, count):
+        turn = ["xyz".index(name) for name in self.order]  # of the model's axes
+        turned = (samples - brick.smallest - 2**15).transpose([2 - turn[k] for k in (2, 1, 0)])
+        masks = [sum((mask >> turn[k] & 1) << k for k in range(3)) for mask in steps]
+        made = levels_of(turned, masks, *[[values[turn[k]] for k in range(3)]
+                                          for values in weights])
+        cells = cell_flags(flag_cells(turned, masks, made)) if count >= 3 else b""
+        high = brick.largest - brick.smallest - 2**15
+        symbols = [symbols_of(splits, high) for splits, _ in made[:count - 1]]
+        coarsest = made[count - 2][1] if count > 1 else turned
+        width = (brick.largest - brick.smallest).bit_length()
+        self.parts[id(brick)] = pack((coarsest + 2**15).flat, width), cells, symbols
+        brick.root = int(made[-1][1].item()) + 2**15 + brick.smallest
+
+    def code_all(self, bricks):
+        coded = [brick for brick in bricks if not brick.is_uniform()]
+        model = Model(self.order, [(min(i, 1), symbols) for brick in coded
+                                   for i, symbols in enumerate(self.parts[id(brick)][2])])
+        for brick in coded:
+            plain, cells, levels = self.parts[id(brick)]
+            brick.segments = [model.details(min(i, 1), symbols)
+                              for i, symbols in enumerate(levels)] + [plain]
+            if len(levels) >= 2:
+                brick.segments[1] = varint(len(cells)) + cells + brick.segments[1]
+        return model.bytes()
