@@ -17,11 +17,12 @@ constexpr std::size_t kMostEllipsoids = 2000;
 constexpr int kRays = 500;
 constexpr double kLongestRay = 12;  // radii of the ball
 constexpr double kRayStep = 0.25;  // of a ray, in voxels
+constexpr int kPlaces = 4;         // of an ellipsoid, that are asked which is the largest there
 
-/// A direction of those that are spread evenly over the sphere.
-Point3 ray_at(int i) {
+/// A direction of `count` that are spread evenly over the sphere.
+Point3 ray_at(int i, int count) {
   constexpr double kGolden = 2.399963229728653;  // the golden angle
-  const double z = 1 - (2 * i + 1.0) / kRays;
+  const double z = 1 - (2 * i + 1.0) / count;
   const double r = std::sqrt(1 - z * z);
   return {r * std::cos(kGolden * i), r * std::sin(kGolden * i), z};
 }
@@ -30,9 +31,19 @@ struct GrownEllipsoid {
   Point3 center{};
   std::array<Point3, 3> axes{};
   std::array<double, 3> lengths{};
-  double ball_volume = 0;
 
   double volume() const { return lengths[0] * lengths[1] * lengths[2]; }
+
+  double longest() const { return std::max({lengths[0], lengths[1], lengths[2]}); }
+
+  /// One of a few that are spread evenly over it.
+  Point3 place(int i) const {
+    const Point3 ray = ray_at(i, kPlaces);
+    const double far = std::cbrt((i * 7 % kPlaces + 0.5) / kPlaces);
+    Point3 at = center;
+    for (std::size_t a = 0; a < 3; ++a) at = sum(at, scaled(axes[a], far * ray[a] * lengths[a]));
+    return at;
+  }
 
   double factor() const {
     std::array<double, 3> sorted = lengths;
@@ -42,6 +53,7 @@ struct GrownEllipsoid {
 
   bool holds(const Point3& place) const {
     const Point3 p = difference(place, center);
+    if (dot(p, p) > longest() * longest()) return false;
     double squares = 0;
     for (std::size_t i = 0; i < 3; ++i) {
       const double part = dot(p, axes[i]) / lengths[i];
@@ -67,12 +79,13 @@ class EllipsoidGrower {
     // No center of the other class is nearer than the ball reaches; their voxels begin half a
     // diagonal before.
     const double within =
-        static_cast<double>(ball.reach_mm) - 0.5 * std::sqrt(dot(spacing_, spacing_));
+        std::min(static_cast<double>(ball.reach_mm) - 0.5 * std::sqrt(dot(spacing_, spacing_)),
+                 to_border(center));
     std::vector<Point3> surface;
     double shortest = HUGE_VAL;
     Point3 first{};
     for (int i = 0; i < kRays; ++i) {
-      const Point3 ray = ray_at(i);
+      const Point3 ray = ray_at(i, kRays);
       const double length = length_along(center, ray, within, kLongestRay * radius + 4 * step_);
       surface.push_back(scaled(ray, length));
       if (length < shortest) {
@@ -83,11 +96,32 @@ class EllipsoidGrower {
     first = middle_of_near(surface, first, shortest);
     GrownEllipsoid grown = fitted(surface, first, shortest, kLongestRay * radius + 4 * step_);
     grown.center = center;
-    grown.ball_volume = radius * radius * radius;
     return grown;
   }
 
+  /// Whether a place is in a voxel of the class.
+  bool is_inside(const Point3& place) const {
+    Index3 voxel;
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto a = static_cast<std::size_t>(axis);
+      voxel[axis] = static_cast<std::int64_t>(std::floor(place[a] / spacing_[a]));
+    }
+    return box_of(asked_.mask.size()).contains(voxel) &&
+           mask_.contains(voxel) != asked_.is_background;
+  }
+
  private:
+  /// To the border of the volume, beyond which balls may reach.
+  double to_border(const Point3& center) const {
+    double nearest = HUGE_VAL;
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto a = static_cast<std::size_t>(axis);
+      const double end = static_cast<double>(asked_.mask.size()[axis]) * spacing_[a];
+      nearest = std::min({nearest, center[a], end - center[a]});
+    }
+    return nearest;
+  }
+
   /// From voxel to voxel, up to one that is not of the class.
   double length_along(const Point3& center, const Point3& ray, double within, double most) const {
     double t = std::max(within, 0.0);
@@ -160,7 +194,7 @@ class EllipsoidGrower {
       if (used >= touching) continue;
       third_length = std::min(third_length, std::abs(dot(p, third)) / std::sqrt(1 - used));
     }
-    return {{}, {first, second, third}, {shortest, second_length, third_length}, 0};
+    return {{}, {first, second, third}, {shortest, second_length, third_length}};
   }
 
   const ThicknessClass& asked_;
@@ -168,6 +202,27 @@ class EllipsoidGrower {
   Point3 spacing_;
   double step_;
 };
+
+/// What a place stands for.
+struct HeldPlace {
+  double volume = 0;
+  double factor = 0;
+};
+
+/// The factor of the first ellipsoid that holds a place of one of such a volume. Where several
+/// overlap each has places, so that one stands for less.
+HeldPlace held_place(const std::vector<GrownEllipsoid>& largest_first, const Point3& place,
+                     double volume) {
+  const GrownEllipsoid* first = nullptr;
+  int holders = 0;
+  for (const GrownEllipsoid& one : largest_first) {
+    if (!one.holds(place)) continue;
+    if (first == nullptr) first = &one;
+    ++holders;
+  }
+  if (first == nullptr) return {};
+  return {volume / holders, first->factor()};
+}
 
 }  // namespace
 
@@ -188,25 +243,31 @@ std::optional<EllipsoidFactors> ellipsoid_factors(const ThicknessClass& asked,
     grown[i] = grower.grow(balls[i * balls.size() / grown.size()]);
     progress.advance(1);
   });
-  // The largest first: each center belongs to the first ellipsoid that holds it.
+  // The largest first: each place belongs to the first ellipsoid that holds it.
   std::stable_sort(grown.begin(), grown.end(),
                    [](const GrownEllipsoid& one, const GrownEllipsoid& other) {
                      return one.volume() > other.volume();
                    });
+  std::vector<std::array<HeldPlace, kPlaces>> places(grown.size());
+  tbb::parallel_for(std::size_t{0}, grown.size(), [&](std::size_t i) {
+    for (int k = 0; k < kPlaces; ++k) {
+      const Point3 place = grown[i].place(k);
+      if (!grower.is_inside(place)) continue;
+      places[i][static_cast<std::size_t>(k)] = held_place(grown, place, grown[i].volume());
+    }
+  });
   EllipsoidFactors factors;
   factors.ellipsoids = grown.size();
   double volume = 0;
   double squares = 0;
-  for (const GrownEllipsoid& one : grown) {
-    const auto holder = std::find_if(grown.begin(), grown.end(), [&](const GrownEllipsoid& other) {
-      return other.holds(one.center);
-    });
-    const double factor = holder->factor();
-    volume += one.ball_volume;
-    factors.mean += one.ball_volume * factor;
-    squares += one.ball_volume * factor * factor;
-    const double place = std::clamp((factor + 1) * 10, 0.0, 19.0);
-    factors.shares[static_cast<std::size_t>(place)] += one.ball_volume;
+  for (const auto& of_one : places) {
+    for (const HeldPlace& place : of_one) {
+      volume += place.volume;
+      factors.mean += place.volume * place.factor;
+      squares += place.volume * place.factor * place.factor;
+      const double step = std::clamp((place.factor + 1) * 10, 0.0, 19.0);
+      factors.shares[static_cast<std::size_t>(step)] += place.volume;
+    }
   }
   if (!(volume > 0)) return std::nullopt;
   factors.mean /= volume;

@@ -6,7 +6,8 @@
 //
 //     a <= b <= c      a / b - b / c      plate: a << b = c      rod: a = b << c
 //
-// Each center takes the factor of the largest ellipsoid that holds it.
+// Each place takes the factor of the largest ellipsoid that holds it, and the mean is that of all
+// places that ellipsoids hold.
 //
 // The surface is where rays from the center leave the class; the border of the volume counts as
 // surface.
@@ -26,7 +27,7 @@ namespace octavo {
 
 struct EllipsoidFactors {
   std::uint64_t ellipsoids = 0;
-  double mean = 0;       ///< of all centers, each by the volume of its ball
+  double mean = 0;       ///< by the volume that ellipsoids hold
   double deviation = 0;
   /// Volume in twenty steps from -1 to 1, as shares.
   std::array<double, 20> shares{};

@@ -56,5 +56,29 @@ TEST(EllipsoidFactor, SpacingCounts) {
   EXPECT_GT(rod.mean, 0.5);
 }
 
+TEST(EllipsoidFactor, TheBorderOfTheVolumeHoldsEllipsoids) {
+  // A post across thin volumes, whose balls reach far beyond them: a plate.
+  const auto post = factors_of({60, 60, 6}, {1, 1, 1}, [](const Index3& p) {
+    const std::int64_t x = p.x - 30;
+    const std::int64_t y = p.y - 30;
+    return x * x + y * y <= 500;
+  });
+  EXPECT_LT(post.mean, -0.6);
+}
+
+TEST(EllipsoidFactor, TheMeanIsThatOfWhatIsHeld) {
+  // A ball of three quarters of the volume, and a rod of a quarter, that has far more centers.
+  const auto both = factors_of({90, 40, 40}, {1, 1, 1}, [](const Index3& p) {
+    const std::int64_t y = p.y - 20;
+    const std::int64_t z = p.z - 20;
+    const bool is_rod = p.x >= 46 && p.x < 86 && y * y + z * z <= 16;
+    const std::int64_t x = p.x - 20;
+    return is_rod || x * x + y * y + z * z <= 225;
+  });
+  EXPECT_GT(both.shares[9] + both.shares[10], 0.7);
+  EXPECT_GT(both.mean, 0.02);
+  EXPECT_LT(both.mean, 0.25);
+}
+
 }  // namespace
 }  // namespace octavo
