@@ -20,10 +20,10 @@ inline std::vector<BrickPiece> pieces_of(const FileReader& reader) {
     for (std::int64_t i = 0; i < grid.voxel_count(); ++i) {
       const BrickEntry entry =
           reader.brick(tier, {i % grid.x, i / grid.x % grid.y, i / (grid.x * grid.y)});
-      for (std::size_t i = 0; i < entry.pieces.size(); ++i) {
-        if (entry.pieces[i].length == 0) continue;
+      for (std::size_t k = 0; k < entry.pieces.size(); ++k) {
+        if (entry.pieces[k].length == 0) continue;
         pieces.push_back(
-            {entry, Levels::first_level(tier) + static_cast<int>(i), entry.pieces[i]});
+            {entry, Levels::first_level(tier) + static_cast<int>(k), entry.pieces[k]});
       }
     }
   }

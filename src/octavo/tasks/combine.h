@@ -20,7 +20,7 @@ const char* combination_name(Combination combination);
 
 struct CombineOptions {
   std::vector<std::string> inputs;  ///< label maps: one for the complement, else two or more
-  Output output;
+  Output output{};
   Combination combination = Combination::unite;
   /// Further masks are brought onto the grid of the first, by nearest voxels.
   bool is_resampling = false;

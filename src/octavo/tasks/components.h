@@ -18,8 +18,8 @@
 namespace octavo {
 
 struct ComponentsOptions {
-  std::string input;             ///< a label map; every voxel but 0 is in the mask
-  std::optional<Output> output;  ///< nothing: no label map is written
+  std::string input;               ///< a label map; every voxel but 0 is in the mask
+  std::optional<Output> output{};  ///< nothing: no label map is written
   Connectivity connectivity = Connectivity::faces;
   std::int64_t keep_largest = 0;  ///< so many are kept; 0: all
   double min_mm3 = 0;             ///< smaller ones are not kept

@@ -19,7 +19,7 @@ struct FillHolesOptions {
   Output output;
   /// That of the object; the background takes the dual one (ops/mask/fill_holes.h).
   Connectivity connectivity = Connectivity::corners;
-  std::optional<double> max_mm3;  ///< larger holes are left
+  std::optional<double> max_mm3{};  ///< larger holes are left
 };
 
 struct FillHolesResult {

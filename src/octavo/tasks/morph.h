@@ -23,7 +23,7 @@ struct MorphOptions {
   Morphology morphology = Morphology::dilate;
   std::string input;  ///< a label map; every voxel but 0 is in the mask
   Output output;
-  std::optional<double> mm;  ///< radius of the ball, between voxel centers; 0 or more
+  std::optional<double> mm{};  ///< radius of the ball, between voxel centers; 0 or more
   /// Without a radius: steps from voxel to neighbor, 0 or more.
   std::int64_t steps = 0;
   Connectivity connectivity = Connectivity::faces;  ///< which voxels are neighbors

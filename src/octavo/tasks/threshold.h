@@ -22,7 +22,7 @@ struct ValueClass {
 
 struct ThresholdOptions {
   std::string input;  ///< an .8vo file or a URL of one
-  Output output;
+  Output output{};
   /// Ranges of the one label 1; they add up with the tissues.
   std::vector<AskedRange> ranges{};
   std::vector<std::string> tissues{};

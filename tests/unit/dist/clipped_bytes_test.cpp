@@ -52,7 +52,7 @@ TEST_F(ClippedOfParts, AreThoseOfABuild) {
   EXPECT_EQ(expected_.count, 33 * 20 * 300 / 5003);
   EXPECT_EQ(expected_.farthest, -2e20f);
   ASSERT_GE(plan_.group_count, 3);
-  for (const std::uint64_t band_bytes : {0, 4096}) {
+  for (const std::uint64_t band_bytes : {0u, 4096u}) {
     for (const GroupRun& run : runs_) {
       make_part(volume_, plan_, run, storage_, "", 1, band_bytes);
       EXPECT_GT(PartFile::open(storage_, part_name(run))->clipped().count, 0);

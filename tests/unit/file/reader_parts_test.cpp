@@ -277,7 +277,7 @@ TEST(ReaderParts, OfDamagedPartsTheFirstIsNamedWhateverTheOrderOfTasks) {
   auto bytes = built(VoxelType::int16, {.preset = Preset::fast, .access = Access::boxes});
   const auto good = FileReader::open(byte_source_of(bytes, "good"));
   const auto piece = good->brick(0, {0, 0, 0}).pieces.front();
-  for (const std::uint64_t at : {20, 40}) bytes[piece.offset + piece.length * at / 100] ^= 1;
+  for (const std::uint64_t at : {20u, 40u}) bytes[piece.offset + piece.length * at / 100] ^= 1;
   const auto failure = [&](const ForEach& run) {
     const auto bad = FileReader::open(byte_source_of(bytes, "bad"));
     Bytes found;

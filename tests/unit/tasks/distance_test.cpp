@@ -71,7 +71,7 @@ TEST_F(Distance, InStepsIsWithinHalfAStep) {
     const DistanceResult result = distance(options_, context_);
     EXPECT_EQ(result.volume.type, VoxelType::int16);
     const double half = result.volume.rescale.slope / 2 * (1 + 1e-6);
-    if (step) EXPECT_EQ(result.volume.rescale.slope, *step);
+    EXPECT_EQ(result.volume.rescale.slope, step.value_or(result.volume.rescale.slope));
     const std::vector<double> in_steps = made();
     for (std::size_t i = 0; i < exact.size(); ++i) ASSERT_NEAR(in_steps[i], exact[i], half);
   }
@@ -88,7 +88,7 @@ TEST_F(Distance, NeedsAMaskWithASurfaceAndGoodNumbers) {
   options_.step_mm.reset();
   options_.input = write("plain.8vo", mask_, false);
   EXPECT_EQ(failing().kind, ErrorKind::invalid_argument);
-  for (const std::uint8_t value : {0, 1}) {
+  for (const std::uint8_t value : {std::uint8_t{0}, std::uint8_t{1}}) {
     std::fill(mask_.voxels.begin(), mask_.voxels.end(), value);
     options_.input = write("one" + std::to_string(value) + ".8vo", mask_);
     EXPECT_EQ(failing().kind, ErrorKind::invalid_argument);

@@ -23,9 +23,9 @@ struct AskedPlane {
 
 /// Several slices in one picture.
 struct AskedMontage {
-  std::optional<std::int64_t> columns;  ///< both or none: as many as `every` gives
-  std::optional<std::int64_t> rows;
-  std::optional<std::int64_t> every;  ///< slices from one to the next; none: spread evenly
+  std::optional<std::int64_t> columns{};  ///< both or none: as many as `every` gives
+  std::optional<std::int64_t> rows{};
+  std::optional<std::int64_t> every{};  ///< slices from one to the next; none: spread evenly
 };
 
 /// A volume to be drawn over the slices.

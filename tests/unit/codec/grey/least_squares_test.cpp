@@ -71,7 +71,8 @@ TEST(LeastSquares, SumsAreThoseOfTheScaledSamples) {
     for (std::size_t i = 0; i < count; ++i) {
       const SampleMeasures measured = measure(problem.of(i), {});
       equations.add(problem.of(i), problem.targets[i], measured, problem.roots[i]);
-      total += problem.roots[i] * std::max(measured.maximum, std::abs(problem.targets[i]));
+      const auto largest = std::max(measured.maximum, std::abs(problem.targets[i]));
+      total += problem.roots[i] * static_cast<float>(largest);
     }
     equations.finish();
     const double unit = static_cast<double>(count) * 4094 / (8 * total);

@@ -111,8 +111,8 @@ TEST(RayRefine, AdaptivePicturesAreNearlyTheWholeOfFewerRays) {
       for (std::size_t i = 0; i < whole.pixels.size(); ++i) {
         // What lies between the rays of a quarter may differ more than these.
         ASSERT_LE(difference_at(whole, adaptive, i), 32) << i;
-        far += difference_at(whole, adaptive, i) > 20 ? 1 : 0;
-        same += whole.pixels[i] == adaptive.pixels[i] ? 1 : 0;
+        far += difference_at(whole, adaptive, i) > 20;
+        same += whole.pixels[i] == adaptive.pixels[i];
       }
       EXPECT_LT(far, whole.pixels.size() / 1000);
       EXPECT_GT(same, whole.pixels.size() / 2);

@@ -73,7 +73,7 @@ TEST_F(SceneMeshFiles, ThatAreRasAreTurned) {
 TEST_F(SceneMeshFiles, MarksElsewhereAreNoted) {
   options_.marks.resize(2);
   options_.marks[0].at_mm = {3, 3, 3};
-  options_.marks[1] = {.at_mm = {300, 3, 3}, .text = "far"};
+  options_.marks[1] = {{300, 3, 3}, "far", std::nullopt};
   read();
   EXPECT_NE(said_.find("the mark far: lies beside the volume: along its x axis"),
             std::string::npos)
