@@ -2,6 +2,7 @@
 
 import concurrent.futures
 import os
+import re
 import threading
 import urllib.parse
 
@@ -90,15 +91,21 @@ class _Url:
     _BLOCK = 1 << 16
     _BLOCKS_KEPT = 512
 
+    # Where everything begins: the header, and what the index of most files fits into with what is
+    # read before it.
+    _HEAD, _TAIL = _BLOCK, 5 * _BLOCK
+
     _SILENT_SECONDS = 60  # that a server may be
 
     def __init__(self, url):
         self._url = url
         self._blocks = None
+        self._ends = {}  # offset: bytes that came with the length of the file
         self.name = without_secrets(url)
 
     def forget(self):
         """Fetches everything anew from now on: some of it was not as it should be."""
+        self._ends = {}
         if self._blocks is not None:
             self._blocks.forget()
 
@@ -110,7 +117,7 @@ class _Url:
                                 "installed (pip install fsspec aiohttp)") from None
         try:
             files, path = fsspec.core.url_to_fs(self._url, **self._options())
-            size = files.size(path)
+            size = self._opened(files, path)
         except (ImportError, ValueError) as error:
             raise ArgumentError(f"{self.name}: {self._words_of(error)}",
                                 path=self.name) from None
@@ -122,6 +129,9 @@ class _Url:
                                path=self.name)
 
         def fetch(start, stop):
+            held = self._held(start, stop)
+            if held is not None:
+                return held
             try:
                 return files.cat_file(path, start=start, end=stop)
             except Exception as error:
@@ -130,17 +140,68 @@ class _Url:
         self._blocks = _Blocks(fetch, size, self._BLOCK, self._BLOCKS_KEPT)
 
         def fetch_all(offsets, lengths):
-            ends = [offset + length for offset, length in zip(offsets, lengths)]
+            ranges = [(offset, offset + length) for offset, length in zip(offsets, lengths)]
+            found = {one: self._held(*one) for one in ranges}
+            wanted = [one for one in ranges if found[one] is None]
             try:
-                return list(map(bytes, files.cat_ranges([path] * len(ends), offsets, ends,
-                                                        on_error="raise")))
+                if wanted:
+                    found.update(zip(wanted, map(bytes, files.cat_ranges(
+                        [path] * len(wanted), *map(list, zip(*wanted)), on_error="raise"))))
             except Exception as error:
                 raise OSError(self._words_of(error)) from None
+            return [found[one] for one in ranges]
 
         return _octavo.OpenFile(self._blocks.read, fetch_all, size, self.name, cache_bytes)
 
+    def _opened(self, files, path):
+        """The length of the file. Both its ends come in the same round, where servers can that."""
+        self._ends = {}
+        if not self._is_http():
+            return files.size(path)
+        import asyncio
+        import fsspec
+
+        async def asked():
+            return await asyncio.gather(
+                files._info(path), self._part(files, path, f"0-{self._HEAD - 1}"),
+                self._part(files, path, f"-{self._TAIL}"), return_exceptions=True)
+
+        info, *parts = fsspec.asyn.sync(files.loop, asked)
+        if isinstance(info, BaseException):
+            raise info
+        for part in parts:
+            # What failed is asked for again when it is read, and fails then.
+            if isinstance(part, tuple) and part[2] == info["size"]:
+                self._ends[part[0]] = part[1]
+        return info["size"]
+
+    @staticmethod
+    async def _part(files, path, span):
+        """(offset, bytes, length of the file) of a range; None of servers that do not know it."""
+        words = dict(files.kwargs)
+        words["headers"] = {**words.get("headers", {}), "Range": f"bytes={span}"}
+        session = await files.set_session()
+        async with session.get(files.encode_url(path), **words) as answer:
+            said = re.fullmatch(r"bytes (\d+)-(\d+)/(\d+)",
+                                answer.headers.get("Content-Range", ""))
+            if answer.status != 206 or not said:
+                return None  # before the rest of the file arrives
+            first, last, size = map(int, said.groups())
+            held = await answer.read()
+            return (first, held, size) if len(held) == last + 1 - first else None
+
+    def _held(self, start, stop):
+        """The bytes [start, stop), where an end of the file has them."""
+        for at, held in self._ends.items():
+            if at <= start and stop <= at + len(held):
+                return held[start - at:stop - at]
+        return None
+
+    def _is_http(self):
+        return self._url.startswith(("http://", "https://"))
+
     def _options(self):
-        if not self._url.startswith(("http://", "https://")):
+        if not self._is_http():
             return {}
         try:
             import aiohttp
