@@ -7,7 +7,6 @@ import { type Window } from "../view/window.js";
 import { type Layout, type Mode } from "./permalink.js";
 
 export type Tool = "cursor" | "window" | "pan" | MeasureKind;
-export const TOOLS: readonly Tool[] = ["cursor", "window", "pan", "distance", "angle", "roi"];
 
 /** Where a slice panel looks: the voxel in its middle, and how much larger than fitting. */
 export interface SliceView {

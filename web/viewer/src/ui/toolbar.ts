@@ -1,23 +1,7 @@
-// Buttons above the panels.
+// Buttons above the panels, which stand in the page.
 import { type Layout } from "../store/permalink.js";
-import { type Store, TOOLS, type Tool } from "../store/state.js";
-import { button, byId } from "./dom.js";
-
-const TOOL_NAMES: Readonly<Record<Tool, readonly [string, string]>> = {
-  cursor: ["Cursor", "Move the crosshair (c)"],
-  window: ["Window", "Drag to change window and level (w); the right button always does"],
-  pan: ["Move", "Move the picture (p)"],
-  distance: ["Distance", "Measure a distance (d)"],
-  angle: ["Angle", "Measure an angle: three clicks (a)"],
-  roi: ["Region", "Statistics of a region (e)"],
-};
-const LAYOUT_NAMES: Readonly<Record<Layout, readonly [string, string]>> = {
-  four: ["⊞", "All four views (l)"],
-  z: ["z", "Slices across z alone"],
-  y: ["y", "Slices across y alone"],
-  x: ["x", "Slices across x alone"],
-  "3d": ["3-D", "The 3-D view alone"],
-};
+import { type Store, type Tool } from "../store/state.js";
+import { byId } from "./dom.js";
 
 export interface ToolbarActions {
   readonly choose: () => void;
@@ -28,43 +12,31 @@ export interface ToolbarActions {
   readonly help: () => void;
 }
 
+/** Those that have a word of one kind, and it. */
+function buttons<T extends string>(kind: string): [HTMLElement, T][] {
+  const all = document.querySelectorAll<HTMLElement>(`header [data-${kind}]`);
+  return [...all].map((made) => [made, made.dataset[kind] as T]);
+}
+
 export function makeToolbar(store: Store, actions: ToolbarActions): void {
-  const tools = TOOLS.map((tool) => {
-    const [text, title] = TOOL_NAMES[tool];
-    return [tool, button(text, title, () => store.set({ tool }))] as const;
-  });
-  byId("tools").append(...tools.map(([, made]) => made));
-  const layouts = (["four", "z", "y", "x", "3d"] as const).map((layout) => {
-    const [text, title] = LAYOUT_NAMES[layout];
-    return [layout, button(text, title, () => store.set({ layout }))] as const;
-  });
-  const sides = button("L|R", "Neurological: the patient’s left on the left (n)", () =>
-    store.set({ isNeurological: !store.now.isNeurological }),
-  );
-  byId("views").append(
-    ...layouts.map(([, made]) => made),
-    sides,
-    button("Open", "Open another file, or labels to lay over this one", actions.choose),
-    button("Link", "Copy a link to this view", actions.copyLink),
-    button("PNG", "Save a picture (s)", actions.save),
-    button("◐", "Dark or light (t)", actions.theme),
-    button("☰", "Show or hide the settings", actions.side),
-    button("?", "Help (?)", actions.help),
-  );
+  const tools = buttons<Tool>("tool");
+  for (const [made, tool] of tools) made.onclick = () => store.set({ tool });
+  const layouts = buttons<Layout>("layout");
+  for (const [made, layout] of layouts) made.onclick = () => store.set({ layout });
+  for (const [made, act] of buttons<keyof ToolbarActions>("act")) made.onclick = actions[act];
+  const sides = byId("sides");
+  sides.onclick = () => store.set({ isNeurological: !store.now.isNeurological });
+  const press = (made: HTMLElement, isPressed: boolean): void =>
+    made.setAttribute("aria-pressed", String(isPressed));
   store.listen((changed) => {
     const state = store.now;
     if (changed.has("tool")) {
-      for (const [tool, made] of tools)
-        made.setAttribute("aria-pressed", String(tool === state.tool));
+      for (const [made, tool] of tools) press(made, tool === state.tool);
     }
     if (changed.has("layout")) {
-      for (const [layout, made] of layouts) {
-        made.setAttribute("aria-pressed", String(layout === state.layout));
-      }
+      for (const [made, layout] of layouts) press(made, layout === state.layout);
       byId("panels").dataset["layout"] = state.layout;
     }
-    if (changed.has("isNeurological")) {
-      sides.setAttribute("aria-pressed", String(state.isNeurological));
-    }
+    if (changed.has("isNeurological")) press(sides, state.isNeurological);
   });
 }
