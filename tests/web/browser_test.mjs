@@ -92,6 +92,26 @@ test("200 damaged files: a sentence each, and the next file still opens", async 
   assert.ok(length > 0);
 });
 
+test("a page takes the package, its worker and its wasm from another origin", async () => {
+  files.files.set("/scan.8vo", Buffer.from(golden("small-int16.8vo")));
+  const scripts = await startServer({ "/dist/": dist });
+  scripts.headers = { "Access-Control-Allow-Origin": "*" };
+  try {
+    const count = await inChromium(async (browser) => {
+      const page = await newPage(browser, site.url);
+      return page.evaluate(async ([from, url]) => {
+        const { open } = await import(`${from}/dist/reader.js`);
+        const scan = await open(url);
+        return (await scan.read({ lo: [0, 0, 0], hi: scan.size }, 0)).length;
+      }, [scripts.url, `${files.url}/scan.8vo`]);
+    });
+    assert.ok(count > 0);
+    assert.equal(scripts.requestsOf("/dist/worker.js").length > 0, true);
+  } finally {
+    await scripts.close();
+  }
+});
+
 test("a dropped file opens without a request", async () => {
   const found = await inChromium(async (browser) => {
     const page = await newPage(browser, site.url);

@@ -4,7 +4,7 @@ import { join } from "node:path";
 import { test } from "node:test";
 import { dist, golden, goldenNames, programDigests, sha1 } from "./support/golden.mjs";
 
-const { createPool, open } = await import(join(dist, "reader.js"));
+const { createPool, open } = await import(join(dist, "reader-node.js"));
 
 test("every level of every golden file has the voxels of the program", async () => {
   const pool = await createPool({ workers: 2 });

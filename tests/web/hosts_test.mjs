@@ -3,11 +3,11 @@
 //
 // usage: node hosts_test.mjs FOLDER, which tests/web/setup has filled
 import assert from "node:assert/strict";
-import { readFileSync } from "node:fs";
+import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { inChromium, newPage } from "./support/chromium.mjs";
-import { builtScan, dist } from "./support/golden.mjs";
+import { builtScan, dist, golden, inFolder, run } from "./support/golden.mjs";
 import { startServer } from "./support/server.mjs";
 
 const folder = process.argv[2];
@@ -72,24 +72,35 @@ test("a Service Worker answers for a zarr hierarchy", async () => {
     const page = await newPage(browser, `${site.url}/blank.html`);
     await startWorker(page);
     const said = await page.evaluate(async () => {
-      const get = (key) => fetch(`/scan.8vo.zarr/${key}`);
+      const json = async (url) => (await fetch(url)).json();
+      const group = await json("/scan.8vo.zarr/zarr.json");
+      const [{ path }] = group.attributes.ome.multiscales[0].datasets;
+      const build = `/scan.8vo.zarr/${path.split("/")[0]}`;
+      const get = (key, range) => fetch(`${build}/${key}`, range ? { headers: { Range: range } } : {});
       const chunk = await (await get("0/c/0/1/1")).arrayBuffer();
-      const part = await fetch("/scan.8vo.zarr/0/c/0/0/0", { headers: { Range: "bytes=2-5" } });
+      const part = await get("0/c/0/0/0", "bytes=2-5");
+      const keys = ["0/c/9/0/0", "99/zarr.json", ".zattrs", "0/c/00/0/0", "0/c/1e0/0/0", "00/zarr.json",
+        "0/c/0/0", "0/c/0/0/0/0", "0/c/0/0/0x0", "0/c/ 0/0/0", "0/c/-0/0/0", "0/c//0/0", "", "0"];
+      const missing = await Promise.all(keys.map(async (key) => (await get(key)).status));
+      const others = ["none.8vo.zarr/zarr.json", "scan.8vo.zarr/0/zarr.json", "scan.8vo.zarr/.zgroup"];
+      for (const other of others) missing.push((await fetch(`/${other}`)).status);
       return {
-        group: await (await get("zarr.json")).json(), array: await (await get("0/zarr.json")).json(),
+        group, inner: await json(`${build}/zarr.json`), array: await json(`${build}/0/zarr.json`),
         chunk: Array.from(new Int16Array(chunk)),
-        part: [part.status, (await part.arrayBuffer()).byteLength],
-        missing: [(await get("0/c/9/0/0")).status, (await get("99/zarr.json")).status,
-          (await get(".zattrs")).status, (await fetch("/none.8vo.zarr/zarr.json")).status],
+        part: [part.status, (await part.arrayBuffer()).byteLength], missing,
       };
     });
     assert.deepEqual(said.array.shape, [...size].reverse());
     assert.equal(said.array.data_type, "int16");
     const [{ datasets }] = said.group.attributes.ome.multiscales;
     assert.deepEqual(datasets[1].coordinateTransformations, [
-      { type: "scale", scale: [1, 1, 1] }, { type: "translation", translation: [0.25, 0.25, 0.25] }]);
+      { type: "scale", scale: [1, 1, 1] },
+      { type: "translation", translation: [30.25, -19.75, 10.25] }]);
+    const [inner] = said.inner.attributes.ome.multiscales;
+    assert.deepEqual(
+      inner.datasets, datasets.map((one) => ({ ...one, path: one.path.split("/")[1] })));
     assert.deepEqual(said.part, [206, 4]);
-    assert.deepEqual(said.missing, [404, 404, 404, 502]);
+    assert.deepEqual(said.missing, said.missing.map(() => 404));
     const [depth, height, width] = said.array.chunk_grid.configuration.chunk_shape;
     for (let z = 0; z < depth; z += 5) {
       for (let y = 0; y < height; y += 3) {
@@ -103,6 +114,77 @@ test("a Service Worker answers for a zarr hierarchy", async () => {
       }
     }
   });
+});
+
+/** A scan that lies oblique, and the levels that the program writes of it as OME-Zarr. */
+function obliqueScan() {
+  return inFolder((at) => {
+    writeFileSync(join(at, "scan.raw"), Uint8Array.from({ length: 90 * 70 * 40 }, (_, i) => i % 251));
+    const [c, s] = [Math.cos(0.4), Math.sin(0.4)];
+    writeFileSync(join(at, "scan.mhd"), [
+      "ObjectType = Image", "NDims = 3", "DimSize = 90 70 40", "ElementType = MET_UCHAR",
+      "ElementSpacing = 0.5 0.75 2", `TransformMatrix = ${c} ${s} 0 0 0 -1 ${-s} ${c} 0`,
+      "Offset = 3 -2 1", "ElementByteOrderMSB = False", "ElementDataFile = scan.raw", ""].join("\n"));
+    run("build", join(at, "scan.mhd"), "-o", join(at, "scan.8vo"));
+    run("export", join(at, "scan.8vo"), "-o", join(at, "scan.ome.zarr"));
+    const group = JSON.parse(readFileSync(join(at, "scan.ome.zarr/zarr.json"), "utf8"));
+    return { bytes: readFileSync(join(at, "scan.8vo")), image: group.attributes.ome.multiscales[0] };
+  });
+}
+
+test("a zarr hierarchy stands where the exported one does", async () => {
+  const { bytes, image } = await obliqueScan();
+  site.files.set("/oblique.8vo", bytes);
+  const own = await inChromium(async (browser) => {
+    const page = await newPage(browser, `${site.url}/blank.html`);
+    await startWorker(page);
+    return page.evaluate(async () => (await fetch("/oblique.8vo.zarr/zarr.json")).json());
+  });
+  const [{ axes, datasets }] = own.attributes.ome.multiscales;
+  assert.deepEqual(axes, image.axes);
+  const places = (all) => all.flatMap(({ coordinateTransformations: [{ scale }, { translation }] }) =>
+    [...scale, ...translation]);
+  assert.ok(datasets.length > 1);
+  const exported = places(image.datasets);
+  places(datasets).forEach((at, i) => assert.ok(Math.abs(at - exported[i]) < 1e-9));
+});
+
+test("chunks of a file that took another one's place are none of the old hierarchy", async () => {
+  const shorter = golden("small-int16.8vo");
+  for (const next of [Buffer.from((await builtScan(2)).bytes), Buffer.from(shorter)]) {
+    await inChromium(async (browser) => {
+      site.files.set("/one.8vo", Buffer.from((await builtScan(1)).bytes));
+      for (let i = 0; i < 5; ++i) site.files.set(`/other${i}.8vo`, Buffer.from(shorter));
+      const page = await newPage(browser, `${site.url}/blank.html`);
+      await startWorker(page);
+      const get = (url) => page.evaluate(async (at) => {
+        const answer = await fetch(at);
+        const bytes = new Uint8Array(await answer.arrayBuffer());
+        return [answer.status, bytes.length < 5000 ? new TextDecoder().decode(bytes) : ""];
+      }, url);
+      const firstPath = async () => {
+        const [, text] = await get("/one.8vo.zarr/zarr.json");
+        return JSON.parse(text).attributes.ome.multiscales[0].datasets[0].path;
+      };
+      const old = await firstPath();
+      assert.equal((await get(`/one.8vo.zarr/${old}/c/0/0/0`))[0], 200);
+      site.files.set("/one.8vo", next);
+      const late = await get(`/one.8vo.zarr/${old}/c/1/1/1`);
+      assert.equal(late[0], 409);
+      assert.match(late[1], /one\.8vo: another file stands there now; read zarr\.json anew/);
+      // As after a pause, when nothing is known any more.
+      for (let i = 0; i < 5; ++i) await get(`/other${i}.8vo.zarr/zarr.json`);
+      for (const key of ["zarr.json", "c/0/0/0"]) {
+        assert.equal((await get(`/one.8vo.zarr/${old}/${key}`))[0], 409);
+      }
+      const now = await firstPath();
+      assert.notEqual(now, old);
+      assert.equal((await get(`/one.8vo.zarr/${now}/c/0/0/0`))[0], 200);
+      // Whoever asks for zarr.json anew gets the file that stands there, noticed or not.
+      site.files.set("/one.8vo", Buffer.from((await builtScan(1)).bytes));
+      assert.equal(await firstPath(), old);
+    });
+  }
 });
 
 /**

@@ -16,7 +16,7 @@ import {
   panelPng, settled, showPanelsAlone, showRaysAlone, text,
 } from "./support/viewer_page.mjs";
 
-const { createPool, open } = await import(join(dist, "reader.js"));
+const { createPool, open } = await import(join(dist, "reader-node.js"));
 const shared = process.env.OCTAVO_SHARED_DATA ?? join(root, "../shared/data");
 const chest = join(shared, "ct_chest_lidc0314");
 const skull = join(shared, "cranium/cranium.mhd");

@@ -11,7 +11,7 @@ import {
 import { damagedFiles } from "./support/damage.mjs";
 import { beginRange, startServer } from "./support/server.mjs";
 
-const { createPool, open, OctavoError } = await import(join(dist, "reader.js"));
+const { createPool, open, OctavoError } = await import(join(dist, "reader-node.js"));
 
 let pool;
 let host;
@@ -411,7 +411,7 @@ test("a thumbnail is the picture that the program writes", async () => {
 });
 
 test("a NIfTI file for niivue is the one that the program exports", async () => {
-  const { niftiOf } = await import(join(dist, "niivue.js"));
+  const { niftiOf } = await import(join(dist, "niivue-node.js"));
   const golds = ["small-int16.8vo", "small-axis-order.8vo", "float32-plain.8vo"].map(golden);
   for (const bytes of [...golds, (await builtScan(4)).bytes]) {
     const scan = await open(bytes, { pool });
@@ -442,6 +442,118 @@ test("what is not there to be read is an error of its own", async () => {
   const text = readFileSync(join(goldenFolder, "levels.txt"));
   await assert.rejects(open(new Uint8Array(text), { name: "levels.txt", pool }),
     failsWith("not_octavo", /levels\.txt/));
+});
+
+test("whatever is no box, place, pool or source is an error of this package", async () => {
+  const scan = await open(golden("small-int16.8vo"), { name: "scan", pool });
+  const wrong = failsWith("invalid_argument", /./);
+  for (const box of [null, undefined, {}, 5, { lo: [0, 0], hi: [1, 1] }, { lo: "abc", hi: null }]) {
+    await assert.rejects(scan.read(box, 0), wrong);
+    await assert.rejects(scan.plan(box, 0), wrong);
+    await assert.rejects(scan.brickRanges(box, 0), wrong);
+  }
+  for (const level of [null, undefined, "length", 0.5, -1, {}]) {
+    await assert.rejects(scan.read(whole(scan.levels[0]), level), wrong);
+  }
+  for (const place of [null, {}, [1, 2], "123", ["1", "2", "3"]]) {
+    for (const call of ["oCode", "toWorld", "toIndex"]) {
+      assert.throws(() => scan[call](place), wrong);
+    }
+  }
+  scan.close();
+  for (const source of [null, undefined, 5, {}, "d/x.8vo", "", { fetchBytes: 1 }]) {
+    await assert.rejects(open(source, { pool }), wrong);
+  }
+  await assert.rejects(open("ftp://127.0.0.1/x.8vo", { pool }),
+    failsWith("io", /x\.8vo: .*ftp:.* cannot be fetched/));
+  for (const workers of [-1, 1.5, "2", NaN]) await assert.rejects(createPool({ workers }), wrong);
+  await assert.rejects(createPool({ wasm: "/no/octavo.wasm" }),
+    failsWith("io", /octavo\.wasm: .*\/no\//));
+  host.files.set("/page.wasm", Buffer.from("<!doctype html>"));
+  for (const name of ["/none.wasm", "/page.wasm"]) {
+    await assert.rejects(createPool({ wasm: host.url + name }),
+      failsWith("io", new RegExp(`octavo\\.wasm: .*${host.url}${name}`)));
+  }
+  const none = await createPool({ workers: 1, worker: "/no/worker-node.js" });
+  await assert.rejects(
+    open(golden("small-int16.8vo"), { pool: none }).then((own) => own.read(whole(own), 0)),
+    failsWith("internal", /\/no\/worker-node\.js/));
+});
+
+test("closing ends what waits, whether it was asked for or not, as closed", async () => {
+  const { bytes } = await builtScan(6);
+  const local = await createPool({ workers: 0 });
+  for (const own of [pool, local]) {
+    const url = serve(bytes);
+    const scan = await open(url, { pool: own, parallelRequests: 1 });
+    host.misbehave = () => new Promise(() => undefined);
+    const low = { lo: [0, 0, 0], hi: [64, 64, 8] };
+    const high = { lo: [64, 32, 72], hi: [128, 96, 80] };
+    const reads = [low, high].map((box) =>
+      assert.rejects(scan.read(box, 0), failsWith("closed", /closed/)));
+    while (scan.statistics.pendingRequests < 2) await new Promise((go) => setTimeout(go, 5));
+    scan.close();
+    await Promise.all(reads);
+  }
+  local.close();
+});
+
+test("one signal for many reads is no reason for a warning", async () => {
+  const told = [];
+  const hear = (warning) => told.push(warning.name);
+  process.on("warning", hear);
+  const scan = await open(serve((await builtScan(7)).bytes), { pool, joinGapBytes: 0 });
+  const { signal } = new AbortController();
+  const planes = Array.from({ length: 30 }, (_, z) => ({ lo: [0, 0, z], hi: [128, 96, z + 1] }));
+  await Promise.all(planes.map((box) => scan.read(box, 0, { signal })));
+  await new Promise((go) => setTimeout(go, 20));
+  process.off("warning", hear);
+  assert.deepEqual(told, []);
+  scan.close();
+});
+
+test("a shorter file in place of another one is another one", async () => {
+  const { bytes } = await builtScan(8);
+  const short = golden("small-int16.8vo");
+  const end = { lo: [64, 32, 64], hi: [128, 96, 80] };
+  const replaced = failsWith("replaced", /another file stands there now/);
+  const hiding = (request, response) => {
+    const [first, last] = /=(\d+)-(\d+)$/.exec(request.headers.range).slice(1).map(Number);
+    const part = host.files.get("/scan.8vo").subarray(first, last + 1);
+    response.writeHead(part.length > 0 ? 206 : 416, { "Content-Length": part.length });
+    response.end(part);
+    return true;
+  };
+  for (const size of [short.length, bytes.length / 2]) {
+    const now = size === short.length ? short : bytes.subarray(0, size);
+    let mine = bytes;
+    const fetcher = {
+      name: "mine", fetchBytes: async (offset, length) => mine.slice(offset, offset + length) };
+    for (const way of ["told", "hidden", "fetcher"]) {
+      const url = serve(bytes);
+      if (way === "hidden") host.misbehave = hiding;
+      const scan = await open(way === "fetcher" ? fetcher : url, { pool });
+      host.files.set("/scan.8vo", Buffer.from(now));
+      mine = now;
+      await assert.rejects(scan.read(end, 0), replaced, `${way} ${size}`);
+      if (size === short.length) {
+        const again = await scan.reopen();
+        assert.equal(again.byteLength, size);
+        again.close();
+      }
+      mine = bytes;
+    }
+  }
+  // One that never was whole is not.
+  const half = serve(bytes.subarray(0, bytes.length / 2));
+  await assert.rejects(open(half, { pool }), failsWith("truncated", /scan\.8vo/));
+  host.misbehave = hiding;
+  await assert.rejects(open(half, { pool }), OctavoError);
+});
+
+test("what the server answered stands in the error", async () => {
+  serve(golden("small-int16.8vo"));
+  await assert.rejects(open(`${host.url}/none.8vo`, { pool }), (error) => error.status === 404);
 });
 
 test("an address with a name or password is rejected without a request", async () => {

@@ -1,4 +1,8 @@
-// Bundles the package into dist/, beside octavo.wasm of build-web.
+// Bundles the package into dist/, beside octavo.wasm of build-web: node build.mjs [WASM]
+//
+//   reader.js, niivue.js, worker.js                  for browsers
+//   reader-node.js, niivue-node.js, worker-node.js   for Node.js
+//   zarr-worker.js                                   a Service Worker
 import { copyFile, mkdir, readdir, rm } from "node:fs/promises";
 import { fileURLToPath } from "node:url";
 import { build } from "esbuild";
@@ -15,19 +19,33 @@ const settings = {
   target: "es2022",
   minify: true,
   legalComments: "none",
-  external: ["node:*"],
   loader: { ".8vo": "binary" },
   logLevel: "warning",
 };
-// What both entries share stands in a file of its own, so that there is one shared pool.
-await build({
+const forNode = {
   ...settings,
+  target: "node18",
+  external: ["node:*"],
+  entryNames: "[name]-node",
+  plugins: [{
+    name: "platform",
+    setup: ({ onResolve }) =>
+      onResolve({ filter: /\/platform\/browser\.js$/ }, () => ({ path: here("src/platform/node.ts") })),
+  }],
+};
+// What both entries share stands in a file of its own, so that there is one shared pool.
+const entries = {
   format: "esm",
   splitting: true,
   chunkNames: "shared-[hash]",
   entryPoints: { reader: here("src/index.ts"), niivue: here("src/hosts/niivue.ts") },
-});
-await build({ ...settings, format: "esm", entryPoints: { worker: here("src/decode/worker.ts") } });
+};
+const worker = (platform) =>
+  ({ format: "esm", entryPoints: { worker: here(`src/platform/${platform}_worker.ts`) } });
+await build({ ...settings, ...entries });
+await build({ ...settings, ...worker("browser") });
+await build({ ...forNode, ...entries });
+await build({ ...forNode, ...worker("node") });
 // Not all browsers take a Service Worker that is a module; a script says where octavo.wasm is.
 await build({
   ...settings,

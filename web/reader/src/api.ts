@@ -27,7 +27,7 @@ export interface VoxelArrays {
 export type VoxelArray = VoxelArrays[VoxelTypeName];
 
 /**
- * - invalid_argument     a box or level that the volume does not have
+ * - invalid_argument     a box or level that the volume does not have; a source that is none
  * - not_octavo           the bytes are no .8vo file
  * - unsupported_version  of a later version
  * - corrupt, truncated   damaged: the message names what and where
@@ -47,6 +47,8 @@ export type ErrorKind =
 /** Every failure of this package: one sentence in `message`. Show it as text, never as HTML. */
 export interface OctavoFailure extends Error {
   readonly kind: ErrorKind;
+  /** What the server answered, where that is why: 404 for example. */
+  readonly status?: number;
 }
 
 /** Bytes of a file from anywhere. */
@@ -93,17 +95,24 @@ export interface OpenOptions {
   /** Called about once a second while the server is slow, and with null once it no longer is. */
   readonly onSlow?: (slow: SlowServer | null) => void;
   /** Sends cookies and the like to another origin; "omit" where absent. */
-  readonly credentials?: RequestCredentials;
+  readonly credentials?: "omit" | "same-origin" | "include";
 }
+
+/** WebAssembly.Module, where the types of the program that uses this know it. */
+export type CompiledModule = typeof globalThis extends
+  { WebAssembly: { Module: { prototype: infer Module } } } ? Module : never;
 
 export interface PoolOptions {
   /** Workers that decode; cores less one, at most 8, where absent. 0: on the calling thread. */
   readonly workers?: number;
   /** Decoded bricks that each worker keeps at most, 32 MiB of each volume where absent. */
   readonly cacheBytes?: number;
-  /** Where octavo.wasm is, or the compiled module; beside this script where absent. */
-  readonly wasm?: string | URL | WebAssembly.Module;
-  /** Where worker.js is; beside this script where absent. */
+  /**
+   * Where octavo.wasm is, or the compiled module; beside this script where absent. Text counts from
+   * the page; in Node.js it may be a path.
+   */
+  readonly wasm?: string | URL | CompiledModule;
+  /** Where worker.js is, of Node.js worker-node.js; as for wasm. */
   readonly worker?: string | URL;
 }
 

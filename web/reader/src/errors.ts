@@ -3,11 +3,14 @@ import type { ErrorKind, OctavoFailure } from "./api.js";
 
 export class OctavoError extends Error implements OctavoFailure {
   readonly kind: ErrorKind;
+  readonly status?: number;
 
-  constructor(kind: ErrorKind, message: string, options?: ErrorOptions) {
+  constructor(
+    kind: ErrorKind, message: string, options: { cause?: unknown; status?: number } = {}) {
     super(message, options);
     this.name = "OctavoError";
     this.kind = kind;
+    if (options.status !== undefined) this.status = options.status;
   }
 }
 

@@ -17,7 +17,7 @@ export class LocalPool implements Decoders {
     readonly module: WebAssembly.Module, readonly engine: Engine, readonly cacheBytes: number) {}
 
   static async create(options: PoolOptions = {}): Promise<LocalPool> {
-    const module = await compile(options.wasm ?? new URL("./octavo.wasm", import.meta.url));
+    const module = await compile(options.wasm);
     return new LocalPool(
       module, await Engine.create(module, "octavo"), options.cacheBytes ?? 32 * 1024 * 1024);
   }

@@ -10,7 +10,8 @@ import type { DecodedBox, Decoders, JobOptions, PoolFile } from "./decoders.js";
 import { Engine } from "./engine.js";
 import type { FromWorker, ToWorker } from "./messages.js";
 import { compile } from "./module.js";
-import { isNode, startWorker, type WorkerPort } from "./ports.js";
+import { platform } from "../platform/browser.js";
+import type { WorkerPort } from "../platform/platform.js";
 
 interface Job extends JobOptions {
   readonly number: number;
@@ -35,18 +36,19 @@ export class WorkerPool implements Decoders {
   private isClosed = false;
 
   private constructor(
-    readonly module: WebAssembly.Module, readonly engine: Engine, private readonly worker: URL,
-    workers: number, readonly cacheBytes: number) {
+    readonly module: WebAssembly.Module, readonly engine: Engine,
+    private readonly worker: string | URL | undefined, workers: number,
+    readonly cacheBytes: number) {
     this.slots = Array.from({ length: workers }, () => new Slot());
   }
 
+  /** workers  1 or more */
   static async create(options: PoolOptions = {}): Promise<WorkerPool> {
-    const module = await compile(options.wasm ?? new URL("./octavo.wasm", import.meta.url));
+    const module = await compile(options.wasm);
     const pool = new WorkerPool(
-      module, await Engine.create(module, "octavo"),
-      new URL(options.worker ?? "./worker.js", import.meta.url),
-      options.workers ?? await usualWorkers(), options.cacheBytes ?? 32 * 1024 * 1024);
-    await Promise.all(pool.slots.map((slot, i) => pool.start(slot, i === 0)));
+      module, await Engine.create(module, "octavo"), options.worker,
+      options.workers ?? usualWorkers(), options.cacheBytes ?? 32 * 1024 * 1024);
+    pool.slots.forEach((slot, i) => pool.start(slot, i === 0));
     return pool;
   }
 
@@ -87,7 +89,7 @@ export class WorkerPool implements Decoders {
       };
       signal?.addEventListener("abort", stop, { once: true });
       slot.queue.push(job);
-      for (const one of [slot, ...this.slots]) void this.next(one);
+      for (const one of [slot, ...this.slots]) this.next(one);
     });
   }
 
@@ -103,16 +105,16 @@ export class WorkerPool implements Decoders {
     }
   }
 
-  private async start(slot: Slot, isWarming: boolean): Promise<void> {
-    const port = await startWorker(this.worker);
+  private start(slot: Slot, isWarming: boolean): void {
+    const port = platform.startWorker(this.worker);
     slot.port = port;
     slot.opened.clear();
     port.listen((message) => this.hear(slot, message as FromWorker));
-    port.onEnd((reason) => {
+    port.onEnd((kind, reason) => {
       port.end();
       if (slot.port === port) slot.port = null;
       this.finish(slot, (job) => job.reject(new OctavoError(
-        "internal", `${job.file.opening.name}: a decoder ended by itself: ${reason}`)));
+        kind, `${job.file.opening.name}: the decoder ended: ${reason}`)));
     });
     port.post({ kind: "start", module: this.module, isWarming } satisfies ToWorker);
   }
@@ -132,15 +134,17 @@ export class WorkerPool implements Decoders {
     return from.queue.splice(best, 1)[0];
   }
 
-  private async next(slot: Slot): Promise<void> {
+  private next(slot: Slot): void {
     if (slot.current) return;
     const job = this.take(slot);
     if (!job) return;
     slot.current = job;
     try {
-      if (!slot.port) await this.start(slot, false);
+      if (!slot.port) this.start(slot, false);
     } catch (cause) {
-      this.finish(slot, () => job.reject(failureOf(cause, job.file.opening.name)));
+      // Later: each of a long queue would be one call deeper.
+      queueMicrotask(() => this.finish(
+        slot, () => job.reject(failureOf(cause, job.file.opening.name))));
       return;
     }
     slot.port?.hold(true);
@@ -157,7 +161,7 @@ export class WorkerPool implements Decoders {
     slot.current = null;
     slot.port?.hold(false);
     if (job) settle(job);
-    void this.next(slot);
+    this.next(slot);
   }
 
   private hear(slot: Slot, said: FromWorker): void {
@@ -197,8 +201,6 @@ export class WorkerPool implements Decoders {
   }
 }
 
-async function usualWorkers(): Promise<number> {
-  const cores = isNode ? (await import("node:os")).availableParallelism()
-    : navigator.hardwareConcurrency || 4;
-  return Math.min(8, Math.max(1, cores - 1));
+function usualWorkers(): number {
+  return Math.min(8, Math.max(1, platform.coreCount() - 1));
 }

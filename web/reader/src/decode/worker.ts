@@ -5,19 +5,18 @@
 import { failureOf } from "../errors.js";
 import { EngineFile } from "./engine.js";
 import type { FromWorker, ToWorker } from "./messages.js";
-import { portOfWorker } from "./ports.js";
 import { voxelsOf } from "./reading.js";
 import { warm } from "./warming.js";
+import type { Port } from "../platform/platform.js";
 
 type ReadJob = Extract<ToWorker, { kind: "read" }>;
 type SentBytes = Extract<ToWorker, { kind: "bytes" }>["parts"];
 
-const port = await portOfWorker();
 const files = new Map<number, EngineFile>();
 const waiting = new Map<number, (parts: SentBytes) => void>();
 let module: WebAssembly.Module | null = null;
 
-const send = (message: FromWorker, transfer: ArrayBuffer[] = []) => port.post(message, transfer);
+let send: (message: FromWorker, transfer?: ArrayBuffer[]) => void;
 
 function bytesFor(job: number, ranges: Extract<FromWorker, { kind: "needs" }>["ranges"]) {
   return new Promise<SentBytes>((resolve) => {
@@ -43,8 +42,7 @@ async function read(job: ReadJob): Promise<void> {
   }
 }
 
-port.listen((message) => {
-  const said = message as ToWorker;
+function hear(said: ToWorker): void {
   switch (said.kind) {
     case "start":
       module = said.module;
@@ -64,4 +62,10 @@ port.listen((message) => {
       waiting.delete(said.job);
       break;
   }
-});
+}
+
+/** Does what the page at the other side of `port` asks for. */
+export function serve(port: Port): void {
+  send = (message, transfer = []) => port.post(message, transfer);
+  port.listen((message) => hear(message as ToWorker));
+}

@@ -1,24 +1,48 @@
 // An .8vo file as the keys of an OME-Zarr 0.5 hierarchy (zarr v3): what viewers ask a server for.
 //
+//     zarr.json                the group: its levels stand at BUILD/0, BUILD/1, ...
+//     BUILD/zarr.json          the same group, its levels at 0, 1, ...
+//     BUILD/2/zarr.json        the array of level 2
+//     BUILD/2/c/0/3/1          its chunk z 0, y 3, x 1
+//
+// BUILD is the build id of the file. Where another file takes its place, those who know the old
+// keys get nothing of it: metadata and chunks of two files never mix.
+//
 // A level is an array [z][y][x] in chunks of about 64^3 samples, uncompressed and little-endian.
-// Sizes are in mm along the axes of the volume; how these lie in a body is not said there.
+// Places are in mm along the axes of the volume, as `octavo export` writes them; how these lie in a
+// body is not said there.
 import type { Level, Vector3, Volume } from "../api.js";
+import { OctavoError } from "../errors.js";
 import { cellSideOf } from "../volume/cells.js";
 
-/** The bytes of a key; null where there is none. */
+/** The status of an error about a key that is one of another file. */
+export const otherFile = 409;
+
+/**
+ * The bytes of a key; null where there is none.
+ * Rejects with kind replaced where another file has taken the place of `scan`, and with that status
+ * where it is the key that is one of another.
+ */
 export async function valueOf(
   scan: Volume, key: string, signal?: AbortSignal): Promise<Uint8Array<ArrayBuffer> | null> {
-  const parts = key.split("/");
-  if (key === "zarr.json") return jsonBytes(groupOf(scan));
-  const level = /^\d+$/.test(parts[0]!) ? scan.levels[Number(parts[0])] : undefined;
+  if (key === "zarr.json") return jsonBytes(groupOf(scan, `${scan.buildId}/`));
+  const [build, ...parts] = key.split("/") as [string, ...string[]];
+  if (build !== scan.buildId) {
+    if (!/^[0-9a-f]{16}$/.test(build)) return null;
+    throw new OctavoError("replaced",
+      `${scan.name}: another file stands there now; read zarr.json anew`, { status: otherFile });
+  }
+  if (parts.join("/") === "zarr.json") return jsonBytes(groupOf(scan, ""));
+  const level = scan.levels[numberOf(parts[0]!)];
   if (!level) return null;
   if (parts.length === 2 && parts[1] === "zarr.json") return jsonBytes(arrayOf(scan, level));
-  const place = parts.slice(2).map(Number);
-  if (parts[1] !== "c" || place.length !== 3 || !place.every(isPlace)) return null;
+  const place = parts.slice(2).map(numberOf);
+  if (parts[1] !== "c" || place.length !== 3 || place.some(Number.isNaN)) return null;
   return chunkAt(scan, level, [place[2]!, place[1]!, place[0]!], signal);
 }
 
-const isPlace = (n: number): boolean => Number.isInteger(n) && n >= 0;
+/** Of digits alone, as keys have them; else NaN. */
+const numberOf = (text: string): number => (/^(0|[1-9]\d*)$/.test(text) ? Number(text) : NaN);
 
 const zyx = <T>(v: readonly T[]): T[] => [v[2]!, v[1]!, v[0]!];
 
@@ -32,16 +56,16 @@ function shownLevels(scan: Volume): readonly Level[] {
   return scan.levels.slice(0, scan.levels.findIndex(isChunk) + 1);
 }
 
-function groupOf(scan: Volume): unknown {
+/** A world position along the axes of the volume. */
+const alongAxes = (scan: Volume, world: Vector3): number[] => [0, 1, 2].map((axis) =>
+  world.reduce((sum, at, row) => sum + scan.direction[3 * row + axis]! * at, 0));
+
+function groupOf(scan: Volume, before: string): unknown {
   const datasets = shownLevels(scan).map((level) => ({
-    path: String(level.level),
+    path: `${before}${level.level}`,
     coordinateTransformations: [
       { type: "scale", scale: zyx(level.spacingMm) },
-      // Samples stand at the centers of the voxels that they stand for.
-      {
-        type: "translation",
-        translation: zyx(level.factor.map((n, axis) => ((n - 1) / 2) * scan.spacingMm[axis]!)),
-      },
+      { type: "translation", translation: zyx(alongAxes(scan, level.originMm)) },
     ],
   }));
   const axes = ["z", "y", "x"].map((name) => ({ name, type: "space", unit: "millimeter" }));

@@ -7,7 +7,7 @@ import type { Volume } from "../api.js";
 import { LocalPool } from "../decode/local_pool.js";
 import { OctavoError } from "../errors.js";
 import { open } from "../volume/opening.js";
-import { valueOf } from "./zarr.js";
+import { otherFile, valueOf } from "./zarr.js";
 
 interface FetchEvent extends Event {
   readonly request: Request;
@@ -26,36 +26,77 @@ const mark = ".8vo.zarr/";
 /** Scans kept open. */
 const mostScans = 4;
 
-let pool: Promise<LocalPool> | null = null;
-const scans = new Map<string, Promise<Volume>>();
-
-function openOnce(url: string): Promise<Volume> {
-  pool ??= LocalPool.create({ wasm: new URL("octavo.wasm", scope.location.href) });
-  const own = pool;
-  const opened = scans.get(url) ?? own.then((decoders) => open(url, { pool: decoders }));
-  scans.delete(url);
-  scans.set(url, opened);
-  opened.catch(() => scans.delete(url));
-  own.catch(() => {
-    pool = null;
-  });
-  for (const [other, scan] of scans) {
-    if (scans.size <= mostScans) break;
-    scans.delete(other);
-    void scan.then((volume) => volume.close());
-  }
-  return opened;
+/** A scan that is open, and how many requests read it now. */
+interface HeldScan {
+  readonly volume: Promise<Volume>;
+  readers: number;
 }
 
-/** Another file at the same place is opened anew. */
-async function valueAt(url: string, key: string): Promise<Uint8Array<ArrayBuffer> | null> {
-  try {
-    return await valueOf(await openOnce(url), key);
-  } catch (cause) {
-    if (!(cause instanceof OctavoError && cause.kind === "replaced")) throw cause;
-    scans.delete(url);
-    return valueOf(await openOnce(url), key);
+let pool: Promise<LocalPool> | null = null;
+const scans = new Map<string, HeldScan>();
+
+function decoders(): Promise<LocalPool> {
+  pool ??= LocalPool.create({ wasm: new URL("octavo.wasm", scope.location.href) });
+  // The next one tries again.
+  pool.catch(() => {
+    pool = null;
+  });
+  return pool;
+}
+
+function heldScan(url: string): HeldScan {
+  const held = scans.get(url) ?? {
+    volume: decoders().then((own) => open(url, { pool: own })), readers: 0 };
+  held.volume.catch(() => forget(url, held));
+  scans.delete(url);
+  scans.set(url, held);
+  for (const [other, scan] of scans) {
+    if (scans.size <= mostScans) break;
+    forget(other, scan);
   }
+  return held;
+}
+
+/** Closes a scan once nobody reads it; whoever comes next opens it anew. */
+function forget(url: string, held: HeldScan): void {
+  if (scans.get(url) === held) scans.delete(url);
+  if (held.readers === 0) void held.volume.then((volume) => volume.close(), () => undefined);
+}
+
+async function valueOnce(url: string, key: string): Promise<Uint8Array<ArrayBuffer> | null> {
+  const held = heldScan(url);
+  held.readers += 1;
+  try {
+    return await valueOf(await held.volume, key);
+  } catch (cause) {
+    if (isReplaced(cause)) forget(url, held);
+    throw cause;
+  } finally {
+    held.readers -= 1;
+    if (scans.get(url) !== held) forget(url, held);
+  }
+}
+
+const isReplaced = (cause: unknown): boolean =>
+  cause instanceof OctavoError && cause.kind === "replaced" && cause.status !== otherFile;
+
+/** Another file at the same place is opened anew, and looked for where somebody begins. */
+async function valueAt(url: string, key: string): Promise<Uint8Array<ArrayBuffer> | null> {
+  const known = scans.get(url);
+  if (key === "zarr.json" && known) forget(url, known);
+  try {
+    return await valueOnce(url, key);
+  } catch (cause) {
+    if (!isReplaced(cause)) throw cause;
+    return valueOnce(url, key);
+  }
+}
+
+/** What a failure is to those who ask for a key. */
+function statusOf(cause: unknown): number {
+  if (!(cause instanceof OctavoError)) return 502;
+  const { status = 502 } = cause;
+  return [401, 403, 404, otherFile, 410].includes(status) ? status : 502;
 }
 
 async function answer(request: Request): Promise<Response> {
@@ -68,7 +109,8 @@ async function answer(request: Request): Promise<Response> {
     return ranged(request, value);
   } catch (cause) {
     const text = cause instanceof Error ? cause.message : String(cause);
-    return new Response(text, { status: 502, headers: { "Content-Type": "text/plain" } });
+    return new Response(
+      text, { status: statusOf(cause), headers: { "Content-Type": "text/plain" } });
   }
 }
 

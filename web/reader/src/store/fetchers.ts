@@ -2,8 +2,9 @@
 //
 // Of a URL only plain ranges are asked for, `bytes=a-b`: anything else makes a browser ask another
 // origin for leave first, which most static hosts do not answer.
-import type { Source } from "../api.js";
+import type { ByteFetcher, OpenOptions, Source } from "../api.js";
 import { OctavoError } from "../errors.js";
+import { platform } from "../platform/browser.js";
 
 /** How a fetcher answers: more than was asked for where a host ignores ranges. */
 export interface FetchedBytes {
@@ -34,10 +35,13 @@ export class Unsettled extends Error {
   }
 }
 
+/** An answer that ended well, and before the file does: of another file, perhaps. */
+export class ShortAnswer extends Unsettled {}
+
 export interface FetchSettings {
   readonly name?: string;
   readonly wholeFileBytes: number;
-  readonly credentials: RequestCredentials;
+  readonly credentials: NonNullable<OpenOptions["credentials"]>;
 }
 
 /** Without a byte for so long a request is given up. */
@@ -97,6 +101,11 @@ class UrlFetcher implements Fetcher {
       if (signal.aborted || cause instanceof OctavoError || cause instanceof Unsettled) throw cause;
       if (stalled.signal.aborted) throw new Unsettled("the server stopped answering");
       if (hasAnswered) throw new Unsettled("the connection ended early");
+      const { protocol } = new URL(this.url);
+      if (!/^https?:$/.test(protocol)) {
+        throw new OctavoError("io",
+          `${this.name}: addresses of ${protocol} cannot be fetched here`, { cause });
+      }
       throw new Unsettled(
         "the server cannot be reached, or does not let pages of other sites read it (CORS)");
     } finally {
@@ -116,14 +125,14 @@ class UrlFetcher implements Fetcher {
     if (status === 206 || status === 200) return response;
     void response.body?.cancel();
     if (status === 416) {
-      throw new OctavoError("truncated", `${this.name}: ends before byte ${offset}`);
+      throw endsBefore(this.name, offset);
     }
     const text = `the server answered ${status} ${response.statusText}`.trim();
     if (status >= 500 || status === 429 || status === 408) {
       const wait = Number(response.headers.get("Retry-After"));
       throw new Unsettled(text, Number.isFinite(wait) ? Math.min(wait, 30) * 1000 : 0);
     }
-    throw new OctavoError("io", `${this.name}: ${text}`);
+    throw new OctavoError("io", `${this.name}: ${text}`, { status });
   }
 
   /** The host sends all of the file whatever is asked for. */
@@ -150,7 +159,8 @@ class UrlFetcher implements Fetcher {
 /** The controller's signal, aborted when `signal` is: AbortSignal.any, which browsers may lack. */
 export function chained(signal: AbortSignal, controller: AbortController): AbortSignal {
   if (signal.aborted) controller.abort(signal.reason);
-  signal.addEventListener("abort", () => controller.abort(signal.reason), { once: true });
+  signal.addEventListener("abort", () => controller.abort(signal.reason), {
+    once: true, signal: controller.signal });
   return controller.signal;
 }
 
@@ -239,21 +249,46 @@ class MemoryFetcher implements Fetcher {
   }
 }
 
-export function fetcherOf(source: Source, settings: FetchSettings): Fetcher {
-  if (typeof source === "string") {
-    const base = (globalThis as { document?: { baseURI: string } }).document?.baseURI
-      ?? (globalThis as { location?: { href: string } }).location?.href;
-    return new UrlFetcher(new URL(source, base).href, settings);
+/** An address as text, relative to the page; Node.js has none that it could count from. */
+function addressOf(text: string): string {
+  try {
+    return new URL(text, platform.baseAddress()).href;
+  } catch (cause) {
+    throw new OctavoError("invalid_argument",
+      `${text}: no address; of a file that is no server's give its bytes or a Blob`, { cause });
   }
+}
+
+/** A fetcher of the caller's, which gives fewer bytes than it is asked for where the file ends. */
+function ownFetcher(source: ByteFetcher, settings: FetchSettings): Fetcher {
+  const name = settings.name ?? source.name ?? "file";
+  return {
+    name,
+    fetchBytes: async (offset, length, signal) => {
+      const bytes = await source.fetchBytes(offset, length, signal);
+      if (bytes.length >= length) return { bytes };
+      if (bytes.length === 0 && offset > 0) throw endsBefore(name, offset);
+      return { bytes, total: offset + bytes.length };
+    },
+  };
+}
+
+function endsBefore(name: string, offset: number): OctavoError {
+  return new OctavoError("truncated", `${name}: ends before byte ${offset}`);
+}
+
+export function fetcherOf(source: Source, settings: FetchSettings): Fetcher {
+  if (typeof source === "string") return new UrlFetcher(addressOf(source), settings);
   if (source instanceof URL) return new UrlFetcher(source.href, settings);
   if (source instanceof Blob) return new BlobFetcher(source, settings.name);
   if (source instanceof ArrayBuffer) {
     return new MemoryFetcher(new Uint8Array(source), settings.name ?? "bytes");
   }
   if (source instanceof Uint8Array) return new MemoryFetcher(source, settings.name ?? "bytes");
-  return {
-    name: settings.name ?? source.name,
-    fetchBytes: async (offset, length, signal) =>
-      ({ bytes: await source.fetchBytes(offset, length, signal) }),
-  };
+  // Programs without types may give anything.
+  if (typeof (source as ByteFetcher | null)?.fetchBytes === "function") {
+    return ownFetcher(source, settings);
+  }
+  throw new OctavoError("invalid_argument",
+    `${settings.name ?? "file"}: no address, File, Blob, bytes or fetcher to open`);
 }

@@ -3,7 +3,7 @@
 // Ranges are joined into few requests, of which some run at a time. Who waits for bytes that
 // somebody else has asked for waits for that request; one that nobody waits for any more is ended.
 import { cancelled, failureOf, OctavoError, orCancelled } from "../errors.js";
-import { chained, type FetchedBytes, type Fetcher, Unsettled } from "./fetchers.js";
+import { chained, type FetchedBytes, type Fetcher, ShortAnswer, Unsettled } from "./fetchers.js";
 import type { SlowServer } from "../api.js";
 import { type ByteRange, endOf, joined, RangeStore } from "./ranges.js";
 import { SlowWatch, type WatchedRequest } from "./slow_watch.js";
@@ -61,6 +61,8 @@ export class FileBytes {
   /** Not known before the first bytes came. */
   size: number | undefined;
   hostNote = "";
+  /** Header and trailer have been read: where there are fewer bytes now, the file is another. */
+  isOpen = false;
   private waiting: FileRequest[] = [];
   private running = new Set<FileRequest>();
   private isClosed = false;
@@ -134,7 +136,8 @@ export class FileBytes {
   close(): void {
     this.isClosed = true;
     for (const request of [...this.waiting, ...this.running]) request.controller.abort();
-    this.waiting = [];
+    // Those that have not begun end as well.
+    for (const request of this.waiting.splice(0)) request.start();
     this.store.clear();
   }
 
@@ -220,7 +223,7 @@ export class FileBytes {
   private async fetchWithRetries(request: FileRequest): Promise<void> {
     const { signal } = request.controller;
     for (let attempt = 1; ; ++attempt) {
-      if (signal.aborted) throw new OctavoError("cancelled", `${this.name}: cancelled`);
+      if (signal.aborted) throw this.ending();
       request.attempt = new AbortController();
       const either = chained(signal, request.attempt);
       request.arrivedBytes = 0;
@@ -235,14 +238,14 @@ export class FileBytes {
           }));
         return;
       } catch (cause) {
-        if (signal.aborted) throw new OctavoError("cancelled", `${this.name}: cancelled`);
+        if (signal.aborted) throw this.ending();
         if (either.aborted) {
           // Somebody asked for another try.
           this.retries += 1;
           attempt = 0;
           continue;
         }
-        if (!(cause instanceof Unsettled)) throw failureOf(cause, this.name);
+        if (!(cause instanceof Unsettled)) throw this.failureAt(request.range, cause);
         if (attempt === tries) {
           throw new OctavoError(
             "io", `${this.name}: ${cause.message}; tried ${tries} times`, { cause });
@@ -253,11 +256,29 @@ export class FileBytes {
     }
   }
 
+  /** Why a request is ended. */
+  private ending(): OctavoError {
+    return this.isClosed ? new OctavoError("closed", `${this.name}: closed`) : cancelled(this.name);
+  }
+
+  private failureAt(range: ByteRange, cause: unknown): OctavoError {
+    const failure = failureOf(cause, this.name);
+    const isShorter = failure.kind === "truncated" && this.isOpen &&
+      range.offset < (this.size ?? 0);
+    return isShorter ? this.replaced("a shorter one") : failure;
+  }
+
+  private replaced(what: string): OctavoError {
+    return new OctavoError("replaced",
+      `${this.name}: another file stands there now, ${what}; open it again`);
+  }
+
   private take(range: ByteRange, fetched: FetchedBytes): void {
     const { bytes, total, isWhole } = fetched;
     if (total !== undefined && this.size !== undefined && total !== this.size) {
-      throw new OctavoError("replaced",
-        `${this.name}: another file stands there now, of ${total} bytes instead of ${this.size}`);
+      if (this.isOpen) throw this.replaced(`of ${total} bytes instead of ${this.size}`);
+      throw new OctavoError("truncated",
+        `${this.name}: has ${total} bytes instead of ${this.size}`);
     }
     if (isWhole) {
       this.hostNote =
@@ -270,7 +291,7 @@ export class FileBytes {
       if (bytes.length < range.length) {
         const size = total ?? this.size;
         if (size === undefined) this.size = end;
-        else if (end < size) throw new Unsettled("the connection ended early");
+        else if (end < size) throw new ShortAnswer("the connection ended early");
       }
       this.store.put(range.offset, bytes);
     }

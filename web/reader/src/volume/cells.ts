@@ -16,8 +16,18 @@ export function voxelCount(box: Box): number {
   return x * y * z;
 }
 
-/** Throws where the box is empty, not whole numbers or not inside `size`. */
+/** Throws where there are no three numbers. Programs without types may give anything. */
+export function checkVector(vector: unknown, name: string, what: string): void {
+  const { length } = vector as Partial<Vector3> ?? {};
+  if (length === 3 && Array.from(vector as Vector3).every((n) => typeof n === "number")) return;
+  throw new OctavoError("invalid_argument", `${name}: ${what} is no [x, y, z]`);
+}
+
+/** Throws where the box is none, empty, not whole numbers or not inside `size`. */
 export function checkBox(box: Box, size: Vector3, name: string, what: string): void {
+  const { lo, hi }: Partial<Box> = box ?? {};
+  checkVector(lo, name, "lo");
+  checkVector(hi, name, "hi");
   const isInside = [0, 1, 2].every((axis) => {
     const lo = box.lo[axis]!;
     const hi = box.hi[axis]!;

@@ -3,7 +3,8 @@ import type { Open, OpenOptions, Pool, Source, Volume } from "../api.js";
 import type { Decoders } from "../decode/decoders.js";
 import { createVolume, Engine, EngineFile } from "../decode/engine.js";
 import { WorkerPool } from "../decode/pool.js";
-import { OctavoError } from "../errors.js";
+import { failureOf, OctavoError } from "../errors.js";
+import { platform } from "../platform/browser.js";
 import { FileBytes, type PlacedBytes, type WaitOptions } from "../store/file_bytes.js";
 import { fetcherOf } from "../store/fetchers.js";
 import type { ByteRange } from "../store/ranges.js";
@@ -33,7 +34,16 @@ function isDecoders(pool: Pool): pool is Decoders {
   return "module" in pool && "engine" in pool;
 }
 
-export const open: Open = async (source, options = {}) => {
+export const open: Open = async (source, options) => {
+  try {
+    return await opened(source, options ?? {});
+  } catch (cause) {
+    throw failureOf(cause, options?.name ?? (typeof source === "string" ? source : "file"));
+  }
+};
+
+async function opened(source: Source, options: OpenOptions): Promise<Volume> {
+  if (options.signal) platform.expectListeners(options.signal);
   const pool = options.pool ?? await sharedPool();
   if (!isDecoders(pool)) {
     throw new OctavoError("invalid_argument", "the pool is none of createPool");
@@ -63,7 +73,7 @@ export const open: Open = async (source, options = {}) => {
     bytes.size = undefined;
     return opening.volume({ signal: options.signal, fresh: true });
   }
-};
+}
 
 class Opening {
   constructor(
@@ -82,9 +92,11 @@ class Opening {
       own.text(exports.octavo_describe(volume)), own.text(exports.octavo_metadata(volume))]);
     const ends = [
       { offset: 0, length: headerBytes }, { offset: size - trailerBytes, length: trailerBytes }];
+    const identity = new Identity(bytes, await bytes.bytesOf(ends));
+    bytes.isOpen = true;
     return new OpenVolume({
-      description: JSON.parse(json) as Description, metadataText, bytes, pool, index,
-      cacheBytes: this.cacheBytes, identity: new Identity(bytes, await bytes.bytesOf(ends)),
+      description: JSON.parse(json) as Description, metadataText, bytes, pool, index, identity,
+      cacheBytes: this.cacheBytes,
       openAgain: ({ signal }) =>
         open(this.source, { ...this.options, ...(signal ? { signal } : {}) }),
     });

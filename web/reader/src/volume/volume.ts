@@ -1,15 +1,18 @@
 // An opened file: plans, fetches and decodes boxes of it.
 import type {
-  Box, BrickRanges, FileFacts, LabelInfo, Level, Plan, ReadOptions, Statistics, Vector3, Volume,
-  VoxelArray,
+  Box, BrickRanges, ErrorKind, FileFacts, LabelInfo, Level, Plan, ReadOptions, Statistics,
+  Vector3, Volume, VoxelArray,
 } from "../api.js";
 import type { DecodedBox, Decoders, PoolFile } from "../decode/decoders.js";
 import type { EngineFile } from "../decode/engine.js";
 import { cancelled, failureOf, OctavoError } from "../errors.js";
+import { platform } from "../platform/browser.js";
+import { ShortAnswer } from "../store/fetchers.js";
 import type { FileBytes, WaitOptions } from "../store/file_bytes.js";
 import { type ByteRange, totalLength } from "../store/ranges.js";
 import {
-  arrayOf, type Cell, cellsOf, checkBox, copyPart, cornersOf, halvesOf, newArray, voxelCount,
+  arrayOf, type Cell, cellsOf, checkBox, checkVector, copyPart, cornersOf, halvesOf, newArray,
+  voxelCount,
 } from "./cells.js";
 import { levelFor, toIndex, toWorld } from "./geometry.js";
 import { type NeededBytes, Planner } from "./planner.js";
@@ -138,10 +141,12 @@ export class OpenVolume implements Volume {
   }
 
   toWorld(index: Vector3, level = 0): Vector3 {
+    checkVector(index, this.name, "the index");
     return toWorld(index, this.levelAt(level), this.direction);
   }
 
   toIndex(worldMm: Vector3, level = 0): Vector3 {
+    checkVector(worldMm, this.name, "the place");
     return toIndex(worldMm, this.levelAt(level), this.direction);
   }
 
@@ -158,6 +163,7 @@ export class OpenVolume implements Volume {
   }
 
   oCode(voxel: Vector3, level = 0): string {
+    checkVector(voxel, this.name, "the voxel");
     const isInside = voxel.every((at, axis) =>
       Number.isInteger(at) && at >= 0 && at < this.size[axis]!);
     if (!isInside) {
@@ -196,10 +202,10 @@ export class OpenVolume implements Volume {
   }
 
   private levelAt(level: number): Level {
-    const found = this.levels[level];
+    const found = Number.isInteger(level) ? this.levels[level] : undefined;
     if (found) return found;
     throw new OctavoError("invalid_argument",
-      `${this.name}: level ${level}; the file has levels 0 to ${this.levels.length - 1}`);
+      `${this.name}: level ${String(level)}; the file has levels 0 to ${this.levels.length - 1}`);
   }
 
   private checked(box: Box, level: number): Level {
@@ -210,16 +216,31 @@ export class OpenVolume implements Volume {
 
   /** What `work` gives; its failures are those of this package and end what they have to end. */
   private async named<T>(signal: AbortSignal | undefined, work: () => Promise<T>): Promise<T> {
-    if (this.ended) throw this.ended;
+    this.throwIfEnded("replaced", "closed");
     if (signal?.aborted) throw cancelled(this.name, signal);
+    if (signal) platform.expectListeners(signal);
     try {
-      return await work();
+      const result = await work();
+      this.throwIfEnded("closed");
+      return result;
     } catch (cause) {
-      const failure = failureOf(cause, this.name);
+      const failure = await this.whyFailed(cause);
       if (failure.kind === "replaced") this.ended ??= failure;
       if (failure.kind === "closed" && this.ended) throw this.ended;
       throw failure;
     }
+  }
+
+  private throwIfEnded(...kinds: readonly ErrorKind[]): void {
+    if (this.ended && kinds.includes(this.ended.kind)) throw this.ended;
+  }
+
+  private async whyFailed(cause: unknown): Promise<OctavoError> {
+    const failure = failureOf(cause, this.name);
+    if (!(failure.cause instanceof ShortAnswer)) return failure;
+    // Where the server hides how long the file is, a shorter one has to be looked for.
+    return this.parts.identity.prove().then(() => failure, (other: unknown) =>
+      failureOf(other, this.name));
   }
 
   /** Does it once more past all caches where the bytes were damaged and the file is the same. */
