@@ -8,16 +8,20 @@
 #include "octavo/core/error.h"
 #include "octavo/core/vectors.h"
 #include "octavo/octree/mask_accessor.h"
+#include "octavo/ops/morphometry/ellipsoid_search.h"
 
 namespace octavo {
 
 namespace {
 
-constexpr std::size_t kMostEllipsoids = 2000;
-constexpr int kRays = 500;
+constexpr std::size_t kMostEllipsoids = 1000;
+constexpr int kRays = 300;
+constexpr int kRounds = 3;          // each looks where the ellipsoid of the one before is
+constexpr int kRaysARound = 100;
+constexpr int kTriesARound = 100;
 constexpr double kLongestRay = 12;  // radii of the ball
+constexpr double kDrift = 1.75;    // of the center, in voxels
 constexpr double kRayStep = 0.25;  // of a ray, in voxels
-constexpr int kPlaces = 4;         // of an ellipsoid, that are asked which is the largest there
 
 /// A direction of `count` that are spread evenly over the sphere.
 Point3 ray_at(int i, int count) {
@@ -27,23 +31,17 @@ Point3 ray_at(int i, int count) {
   return {r * std::cos(kGolden * i), r * std::sin(kGolden * i), z};
 }
 
-struct GrownEllipsoid {
-  Point3 center{};
-  std::array<Point3, 3> axes{};
-  std::array<double, 3> lengths{};
+struct GrownEllipsoid : FreeEllipsoid {
 
   double volume() const { return lengths[0] * lengths[1] * lengths[2]; }
 
-  double longest() const { return std::max({lengths[0], lengths[1], lengths[2]}); }
-
-  /// One of a few that are spread evenly over it.
-  Point3 place(int i) const {
-    const Point3 ray = ray_at(i, kPlaces);
-    const double far = std::cbrt((i * 7 % kPlaces + 0.5) / kPlaces);
+  Point3 surface_at(const Point3& ray) const {
     Point3 at = center;
-    for (std::size_t a = 0; a < 3; ++a) at = sum(at, scaled(axes[a], far * ray[a] * lengths[a]));
+    for (std::size_t a = 0; a < 3; ++a) at = sum(at, scaled(axes[a], ray[a] * lengths[a]));
     return at;
   }
+
+  double longest() const { return std::max({lengths[0], lengths[1], lengths[2]}); }
 
   double factor() const {
     std::array<double, 3> sorted = lengths;
@@ -70,7 +68,7 @@ class EllipsoidGrower {
     step_ = kRayStep * std::min({spacing[0], spacing[1], spacing[2]});
   }
 
-  GrownEllipsoid grow(const FittingBall& ball) const {
+  GrownEllipsoid grow(const FittingBall& ball, std::uint64_t seed) const {
     Point3 center{};
     for (std::size_t a = 0; a < 3; ++a) {
       center[a] = static_cast<double>(ball.center[a]) * spacing_[a];
@@ -81,33 +79,36 @@ class EllipsoidGrower {
     const double within =
         std::min(static_cast<double>(ball.reach_mm) - 0.5 * std::sqrt(dot(spacing_, spacing_)),
                  to_border(center));
+    const double most = kLongestRay * radius + 4 * step_;
+    EllipsoidSearch search(kDrift * std::min({spacing_[0], spacing_[1], spacing_[2]}), most, seed);
     std::vector<Point3> surface;
     double shortest = HUGE_VAL;
     Point3 first{};
     for (int i = 0; i < kRays; ++i) {
       const Point3 ray = ray_at(i, kRays);
-      const double length = length_along(center, ray, within, kLongestRay * radius + 4 * step_);
+      const double length = length_along(center, ray, within, most);
       surface.push_back(scaled(ray, length));
+      search.add(surface.back());
       if (length < shortest) {
         shortest = length;
         first = ray;
       }
     }
+    if (!(shortest > 0)) return {{center, {}, {}}};
     first = middle_of_near(surface, first, shortest);
-    GrownEllipsoid grown = fitted(surface, first, shortest, kLongestRay * radius + 4 * step_);
-    grown.center = center;
-    return grown;
-  }
-
-  /// Whether a place is in a voxel of the class.
-  bool is_inside(const Point3& place) const {
-    Index3 voxel;
-    for (int axis = 0; axis < 3; ++axis) {
-      const auto a = static_cast<std::size_t>(axis);
-      voxel[axis] = static_cast<std::int64_t>(std::floor(place[a] / spacing_[a]));
+    GrownEllipsoid grown = fitted(surface, first, shortest, most);
+    search.improve(grown, 0);
+    // What lies between the rays, where the ellipsoid is now, holds it as well.
+    for (int round = 0; round < kRounds; ++round) {
+      for (int i = 0; i < kRaysARound; ++i) {
+        const Point3 to = grown.surface_at(ray_at(i, kRaysARound));
+        const Point3 ray = unit(to);
+        search.add(scaled(ray, length_along(center, ray, within, most)));
+      }
+      search.improve(grown, kTriesARound);
     }
-    return box_of(asked_.mask.size()).contains(voxel) &&
-           mask_.contains(voxel) != asked_.is_background;
+    grown.center = sum(grown.center, center);
+    return grown;
   }
 
  private:
@@ -194,7 +195,7 @@ class EllipsoidGrower {
       if (used >= touching) continue;
       third_length = std::min(third_length, std::abs(dot(p, third)) / std::sqrt(1 - used));
     }
-    return {{}, {first, second, third}, {shortest, second_length, third_length}};
+    return {{{}, {first, second, third}, {shortest, second_length, third_length}}};
   }
 
   const ThicknessClass& asked_;
@@ -203,25 +204,26 @@ class EllipsoidGrower {
   double step_;
 };
 
-/// What a place stands for.
-struct HeldPlace {
+/// What a center stands for.
+struct HeldCenter {
   double volume = 0;
   double factor = 0;
 };
 
-/// The factor of the first ellipsoid that holds a place of one of such a volume. Where several
-/// overlap each has places, so that one stands for less.
-HeldPlace held_place(const std::vector<GrownEllipsoid>& largest_first, const Point3& place,
-                     double volume) {
+/// The factor of the first ellipsoid that holds a center. Where several overlap each has a center,
+/// so that one stands for less.
+HeldCenter held_center(const std::vector<GrownEllipsoid>& largest_first,
+                       const GrownEllipsoid& own) {
   const GrownEllipsoid* first = nullptr;
   int holders = 0;
   for (const GrownEllipsoid& one : largest_first) {
-    if (!one.holds(place)) continue;
+    if (!one.holds(own.center)) continue;
     if (first == nullptr) first = &one;
     ++holders;
   }
+  // None where the center lies on a face of the surface: its own has no extent.
   if (first == nullptr) return {};
-  return {volume / holders, first->factor()};
+  return {own.volume() / holders, first->factor()};
 }
 
 }  // namespace
@@ -240,34 +242,27 @@ std::optional<EllipsoidFactors> ellipsoid_factors(const ThicknessClass& asked,
   std::vector<GrownEllipsoid> grown(static_cast<std::size_t>(ellipsoid_count(balls)));
   tbb::parallel_for(std::size_t{0}, grown.size(), [&](std::size_t i) {
     if (progress.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
-    grown[i] = grower.grow(balls[i * balls.size() / grown.size()]);
+    grown[i] = grower.grow(balls[i * balls.size() / grown.size()], i);
     progress.advance(1);
   });
-  // The largest first: each place belongs to the first ellipsoid that holds it.
+  // The largest first: each center belongs to the first ellipsoid that holds it, its own at last.
   std::stable_sort(grown.begin(), grown.end(),
                    [](const GrownEllipsoid& one, const GrownEllipsoid& other) {
                      return one.volume() > other.volume();
                    });
-  std::vector<std::array<HeldPlace, kPlaces>> places(grown.size());
-  tbb::parallel_for(std::size_t{0}, grown.size(), [&](std::size_t i) {
-    for (int k = 0; k < kPlaces; ++k) {
-      const Point3 place = grown[i].place(k);
-      if (!grower.is_inside(place)) continue;
-      places[i][static_cast<std::size_t>(k)] = held_place(grown, place, grown[i].volume());
-    }
-  });
+  std::vector<HeldCenter> centers(grown.size());
+  tbb::parallel_for(std::size_t{0}, grown.size(),
+                    [&](std::size_t i) { centers[i] = held_center(grown, grown[i]); });
   EllipsoidFactors factors;
   factors.ellipsoids = grown.size();
   double volume = 0;
   double squares = 0;
-  for (const auto& of_one : places) {
-    for (const HeldPlace& place : of_one) {
-      volume += place.volume;
-      factors.mean += place.volume * place.factor;
-      squares += place.volume * place.factor * place.factor;
-      const double step = std::clamp((place.factor + 1) * 10, 0.0, 19.0);
-      factors.shares[static_cast<std::size_t>(step)] += place.volume;
-    }
+  for (const HeldCenter& center : centers) {
+    volume += center.volume;
+    factors.mean += center.volume * center.factor;
+    squares += center.volume * center.factor * center.factor;
+    const double step = std::clamp((center.factor + 1) * 10, 0.0, 19.0);
+    factors.shares[static_cast<std::size_t>(step)] += center.volume;
   }
   if (!(volume > 0)) return std::nullopt;
   factors.mean /= volume;

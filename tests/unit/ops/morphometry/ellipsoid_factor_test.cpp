@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "octavo/core/vectors.h"
 #include "support/dense_mask.h"
 #include "support/memory_storage.h"
 
@@ -45,6 +46,24 @@ TEST(EllipsoidFactor, TellsPlatesFromRodsFromBalls) {
     return d.x * d.x + d.y * d.y + d.z * d.z <= 400;
   });
   EXPECT_NEAR(ball.mean, 0, 0.1);
+}
+
+TEST(EllipsoidFactor, OfEllipsoidsIsThatOfTheirAxes) {
+  // Turned, so that no axis lies along the grid.
+  const std::array<Point3, 3> axes = {{{2.0 / 3, -2.0 / 3, 1.0 / 3},
+                                       {1.0 / 3, 2.0 / 3, 2.0 / 3},
+                                       {-2.0 / 3, -1.0 / 3, 2.0 / 3}}};
+  for (const Point3& lengths : {Point3{8, 12, 24}, Point3{10, 10, 26}, Point3{6, 20, 20}}) {
+    const auto found = factors_of({56, 56, 56}, {1, 1, 1}, [&](const Index3& p) {
+      const Point3 d = {static_cast<double>(p.x) - 27.8, static_cast<double>(p.y) - 27.6,
+                        static_cast<double>(p.z) - 28.1};
+      double squares = 0;
+      for (std::size_t a = 0; a < 3; ++a) squares += std::pow(dot(d, axes[a]) / lengths[a], 2);
+      return squares <= 1;
+    });
+    EXPECT_NEAR(found.mean, lengths[0] / lengths[1] - lengths[1] / lengths[2], 0.03)
+        << lengths[0] << " " << lengths[1] << " " << lengths[2];
+  }
 }
 
 TEST(EllipsoidFactor, SpacingCounts) {
