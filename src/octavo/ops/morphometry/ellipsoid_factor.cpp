@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "octavo/core/error.h"
 #include "octavo/core/vectors.h"
@@ -17,7 +18,9 @@ namespace {
 constexpr std::size_t kMostEllipsoids = 1000;
 constexpr int kRays = 300;
 constexpr int kRounds = 3;          // each looks where the ellipsoid of the one before is
-constexpr int kRaysARound = 100;
+constexpr double kRayArea = 4;      // of the ellipsoid, in squares of the smallest spacing
+constexpr int kFewestRays = 100;    // of a round
+constexpr int kMostRays = 4000;
 constexpr int kTriesARound = 100;
 constexpr double kLongestRay = 12;  // radii of the ball
 constexpr double kDrift = 1.75;    // of the center, in voxels
@@ -100,10 +103,13 @@ class EllipsoidGrower {
     search.improve(grown, 0);
     // What lies between the rays, where the ellipsoid is now, holds it as well.
     for (int round = 0; round < kRounds; ++round) {
-      for (int i = 0; i < kRaysARound; ++i) {
-        const Point3 to = grown.surface_at(ray_at(i, kRaysARound));
-        const Point3 ray = unit(to);
-        search.add(scaled(ray, length_along(center, ray, within, most)));
+      const int rays = rays_around(grown);
+      for (int i = 0; i < rays; ++i) {
+        const Point3 to = grown.surface_at(ray_at(i, rays));
+        const double far = std::sqrt(dot(to, to));
+        const Point3 ray = scaled(to, 1 / far);
+        const double length = length_along(center, ray, within, std::min(most, 1.5 * far));
+        if (length < 1.5 * far) search.add(scaled(ray, length));
       }
       search.improve(grown, kTriesARound);
     }
@@ -112,6 +118,15 @@ class EllipsoidGrower {
   }
 
  private:
+  /// So many that nothing slips through between them.
+  int rays_around(const GrownEllipsoid& grown) const {
+    const auto& [a, b, c] = grown.lengths;
+    const double squares = (a * a * b * b + b * b * c * c + c * c * a * a) / 3;
+    const double voxel = step_ / kRayStep;
+    const double area = 4 * std::numbers::pi * std::sqrt(squares) / (voxel * voxel);
+    return static_cast<int>(std::clamp<double>(area / kRayArea, kFewestRays, kMostRays));
+  }
+
   /// To the border of the volume, beyond which balls may reach.
   double to_border(const Point3& center) const {
     double nearest = HUGE_VAL;
