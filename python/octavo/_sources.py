@@ -187,6 +187,8 @@ class _Url:
             if answer.status != 206 or not said:
                 return None  # before the rest of the file arrives
             first, last, size = map(int, said.groups())
+            if last - first >= _Url._TAIL:
+                return None
             held = await answer.read()
             return (first, held, size) if len(held) == last + 1 - first else None
 
