@@ -17,15 +17,21 @@ import re
 import subprocess
 import sys
 import tempfile
+import unittest.mock
+import zipfile
+
+import zopfli.zlib
 
 # Debian packages that a wheel may carry libraries of, and their licenses.
 LIBRARIES = {
-    "libblosc1": "BSD-3-Clause", "libbrotli1": "MIT", "libfmt9": "MIT",
+    "libblosc1": "BSD-3-Clause", "libfmt9": "MIT",
     "libfreetype6": "FTL OR GPL-2.0-only", "libhwy1": "Apache-2.0 OR BSD-3-Clause",
     "liblz4-1": "BSD-2-Clause", "libmeshoptimizer2d": "MIT", "libminizip1": "Zlib",
     "libpng16-16": "libpng-2.0", "libsnappy1v5": "BSD-3-Clause", "libtbb12": "Apache-2.0",
     "libwebp7": "BSD-3-Clause", "libwebpmux3": "BSD-3-Clause", "libzstd1": "BSD-3-Clause",
 }
+# Those that are linked within the extension, as far as it calls them.
+INSIDE = ("libfreetype6", "libminizip1")
 SOURCE = pathlib.Path(__file__).resolve().parent.parent
 FONT = SOURCE / "src/octavo/render/font/LICENSE"
 
@@ -35,15 +41,14 @@ def fail(text):
 
 
 def package_of(library):
-    """(package, version, copyright file) of the Debian package that has a library."""
+    """The Debian package that has a library."""
     # Without the hash that auditwheel put into its name.
     name = re.sub(r"-[0-9a-f]{8}(?=\.so)", "", library.name)
     for folder in ("/usr/lib", "/lib"):
         for place in pathlib.Path(folder).glob(f"*-linux-gnu/{name}*"):
             owner = owner_of(place)
             if owner:
-                package, version = owner
-                return package, version, pathlib.Path("/usr/share/doc") / package / "copyright"
+                return owner
     fail(f"no Debian package has {name}")
 
 
@@ -53,28 +58,33 @@ def owner_of(place):
         found = subprocess.run(["dpkg-query", "-S", path], capture_output=True, text=True,
                                check=False)
         if found.returncode == 0:
-            package = found.stdout.split(":")[0]
-            version = subprocess.run(["dpkg-query", "-W", "-f=${Version}", package], check=True,
-                                     capture_output=True, text=True).stdout
-            return package, version
+            return found.stdout.split(":")[0]
     return None
+
+
+def part_of(package):
+    """(name, version, license, text) of a Debian package."""
+    version = subprocess.run(["dpkg-query", "-W", "-f=${Version}", package], check=True,
+                             capture_output=True, text=True).stdout
+    text = pathlib.Path("/usr/share/doc") / package / "copyright"
+    return package, version, LIBRARIES[package], text.read_text()
 
 
 def parts_of(wheel):
     """(name, version, license, text) of all that is in an unpacked wheel beside Octavo itself."""
-    found = {}
-    for library in sorted(wheel.glob("octavo.libs/*.so*")):
-        package, version, text = package_of(library)
+    packages = set(INSIDE)
+    for library in wheel.glob("octavo.libs/*.so*"):
+        package = package_of(library)
         if package not in LIBRARIES:
             fail(f"{library.name} is of {package}: say its license in LIBRARIES")
-        found[package] = (package, version, LIBRARIES[package], text.read_text())
+        packages.add(package)
     nanobind = importlib.metadata.distribution("nanobind")
     texts = [file for file in nanobind.files if "licenses/" in str(file)]
     text = "\n".join(nanobind.locate_file(file).read_text() for file in texts)
     # robin-map within it is under the MIT license, which its headers hold.
     headers = [file for file in nanobind.files if str(file).endswith("robin_map.h")]
     map_text = nanobind.locate_file(headers[0]).read_text().split("*/")[0]
-    return [*found.values(), ("nanobind", nanobind.version, "BSD-3-Clause", text),
+    return [*map(part_of, sorted(packages)), ("nanobind", nanobind.version, "BSD-3-Clause", text),
             ("robin-map", "of nanobind " + nanobind.version, "MIT", map_text),
             ("dejavu-sans-subset", "2.37", "Bitstream-Vera", FONT.read_text())]
 
@@ -104,6 +114,29 @@ def spdx_of(name, version, parts):
         "packages": packages, "relationships": relations}, indent=1)
 
 
+class Smallest:
+    """What zipfile asks to deflate a file: Zopfli, whose streams are 4 % shorter."""
+
+    def __init__(self, *_):
+        self.held = []
+
+    def compress(self, data):
+        self.held.append(data)
+        return b""
+
+    def flush(self):
+        # Without the frame of zlib.
+        return zopfli.zlib.compress(b"".join(self.held))[2:-4]
+
+
+def pack_smallest(source, target):
+    """The same archive, packed longer."""
+    with unittest.mock.patch("zipfile._get_compressor", Smallest), \
+            zipfile.ZipFile(source) as old, zipfile.ZipFile(target, "w") as new:
+        for entry in old.infolist():
+            new.writestr(entry, old.read(entry))
+
+
 def main():
     if len(sys.argv) != 3:
         sys.exit(__doc__)
@@ -123,8 +156,10 @@ def main():
         (facts / "sboms").mkdir(exist_ok=True)
         version = facts.name.removeprefix("octavo-").removesuffix(".dist-info")
         (facts / "sboms" / "octavo.spdx.json").write_text(spdx_of(wheel.stem, version, parts))
-        subprocess.run([*command, "pack", "-d", folder, unpacked], check=True,
+        subprocess.run([*command, "pack", "-d", work, unpacked], check=True,
                        stdout=subprocess.DEVNULL)
+        made, = pathlib.Path(work).glob("*.whl")
+        pack_smallest(made, folder / made.name)
 
 
 if __name__ == "__main__":
