@@ -35,7 +35,7 @@ async function saidAt(url) {
   let said;
   await inChromium(async (browser) => {
     const page = await newPage(browser, url);
-    await page.waitForFunction(() => globalThis.said, null, { timeout: 60_000 });
+    await page.waitForFunction(() => globalThis.said);
     said = await page.evaluate(() => globalThis.said);
   });
   return said;

@@ -5,7 +5,7 @@ import assert from "node:assert/strict";
 import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
-import { inChromium } from "./support/chromium.mjs";
+import { inChromium, patienceMs } from "./support/chromium.mjs";
 import { inFolder, run } from "./support/golden.mjs";
 import { calm, settled, startPage, text, withPage } from "./support/viewer_page.mjs";
 
@@ -44,7 +44,7 @@ const drop = (shown, bytes, name) => shown.evaluate(([all, called]) => {
 
 test("every control has a name, and the panels say what they show", async () => {
   await withPage("?url=scan.8vo&labels=labels.8vo", async (shown) => {
-    await shown.waitForFunction(() => octavo?.overlay?.hasPreview, null, { timeout: 60_000 });
+    await shown.waitForFunction(() => octavo?.overlay?.hasPreview);
     await settled(shown);
     const nameless = await shown.evaluate(() => [...document.querySelectorAll(
       "button, input, select, [role=application], [role=toolbar], [role=radiogroup], canvas[role]")]
@@ -167,7 +167,7 @@ test("a file that is dropped is shown without a request", async () => {
 test("the address names what is open, and nothing that a file took the place of", async () => {
   const search = (shown) => shown.evaluate(() => location.search);
   await withPage("?url=scan.8vo&labels=labels.8vo&layout=z", async (shown) => {
-    await shown.waitForFunction(() => octavo?.overlay?.hasPreview, null, { timeout: 60_000 });
+    await shown.waitForFunction(() => octavo?.overlay?.hasPreview);
     assert.equal(await search(shown), "?url=scan.8vo&labels=labels.8vo&layout=z");
     await drop(shown, files.labels, "own.8vo");
     await shown.waitForFunction(() => octavo.overlay.facts.name === "own.8vo");
@@ -245,7 +245,7 @@ test("each of many labels is found by name or number, scrolled to, shown alone",
       const before = await rows.count();
       await rows.last().scrollIntoViewIfNeeded();
       await shown.waitForFunction(
-        (n) => document.querySelectorAll("#labels li").length > n, before, { timeout: 5_000 });
+        (n) => document.querySelectorAll("#labels li").length > n, before);
     }
     await shown.locator(`[data-label="${most}"]`).uncheck();
     assert.deepEqual(await hidden(), new Set([1, most]));
@@ -280,6 +280,7 @@ test("fingers move the cursor, two of them zoom; a phone shows all tools", async
   await inChromium(async (browser) => {
     const context = await browser.newContext({
       viewport: { width: 390, height: 780 }, hasTouch: true, isMobile: true });
+    context.setDefaultTimeout(patienceMs);
     const shown = await context.newPage();
     await shown.goto(`${host.url}/index.html?url=scan.8vo&layout=z&mode=volume`);
     await settled(shown);

@@ -6,7 +6,7 @@ import assert from "node:assert/strict";
 import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
-import { inChromium, newPage } from "./support/chromium.mjs";
+import { inChromium, newPage, patienceMs } from "./support/chromium.mjs";
 import { builtScan, dist, golden, inFolder, run } from "./support/golden.mjs";
 import { startServer } from "./support/server.mjs";
 
@@ -217,6 +217,7 @@ async function shownByNeuroglancer(source, prepare) {
   let place;
   await inChromium(async (browser) => {
     const context = await browser.newContext({ viewport: { width: 700, height: 560 } });
+    context.setDefaultTimeout(patienceMs);
     const page = await context.newPage();
     await page.goto(`${site.url}/blank.html`);
     await prepare(page);
@@ -261,6 +262,7 @@ test("vizarr shows a scan, the right way around", async () => {
       contentType: "text/javascript", body: "export class JpxImage {}",
       headers: { "Access-Control-Allow-Origin": "*" },
     }));
+    context.setDefaultTimeout(patienceMs);
     const page = await context.newPage();
     await page.goto(`${site.url}/blank.html`);
     await startWorker(page);
@@ -283,6 +285,7 @@ test("vizarr shows a scan, the right way around", async () => {
 test("niivue shows a scan, voxels at their places", async () => {
   await inChromium(async (browser) => {
     const page = await browser.newPage({ viewport: { width: 700, height: 560 } });
+    page.setDefaultTimeout(patienceMs);
     await page.goto(`${site.url}/blank.html`);
     const said = await page.evaluate(async () => {
       const { Niivue } = await import("/niivue/index.js");

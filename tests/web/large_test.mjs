@@ -7,7 +7,7 @@ import { existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "no
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
-import { inChromium, newPage } from "./support/chromium.mjs";
+import { inChromium, newPage, patienceMs } from "./support/chromium.mjs";
 import { dist, root, run } from "./support/golden.mjs";
 import { pngPixels } from "./support/png.mjs";
 import { memoryOf } from "./support/process_memory.mjs";
@@ -71,6 +71,7 @@ async function inPage(query, viewport, use, gigabytes = 8) {
   host.log.length = 0;
   await inChromium(async (browser) => {
     const context = await browser.newContext({ viewport });
+    context.setDefaultTimeout(patienceMs);
     await context.addInitScript((n) => {
       Object.defineProperty(Navigator.prototype, "deviceMemory", { get: () => n });
     }, gigabytes);
@@ -83,7 +84,7 @@ async function inPage(query, viewport, use, gigabytes = 8) {
 test("the first picture takes three requests and 300 kB, the slice on the screen few more",
   async () => {
     await inPage("?url=chest.8vo&layout=z", { width: 900, height: 640 }, async (page) => {
-      await page.waitForFunction(() => globalThis.octavo?.firstTraffic, null, { timeout: 120_000 });
+      await page.waitForFunction(() => globalThis.octavo?.firstTraffic);
       const first = await page.evaluate(() => octavo.firstTraffic);
       assert.ok(first.requests <= 3 && first.bytes <= 300_000, JSON.stringify(first));
       await settled(page);
@@ -128,7 +129,7 @@ test("50 places have the values of octavo probe, a slice the pixels of octavo sl
       await page.waitForFunction((place) => {
         const line = document.getElementById("readout").textContent;
         return line.startsWith(`voxel ${place.join(", ")} `) && !/\(of 1\/|…/.test(line);
-      }, point.index, { timeout: 120_000 });
+      }, point.index);
       const line = await text(page, "readout");
       assert.match(line, new RegExp(` ${point.real}( · | HU)`), line);
       assert.ok(line.endsWith(`o-code ${point.o_code.mixed_octal}`), line);

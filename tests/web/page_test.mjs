@@ -35,7 +35,7 @@ test("a slice has the pixels of octavo slice, and values those of octavo probe",
       await shown.waitForFunction((at) => {
         const line = document.getElementById("readout").textContent;
         return line.startsWith(`voxel ${at.join(", ")} `) && !line.includes("(of 1/");
-      }, point.index, { timeout: 60_000 });
+      }, point.index);
       const line = await text(shown, "readout");
       assert.match(line, new RegExp(` ${point.real}( · |$)`), line);
       assert.ok(line.endsWith(`o-code ${point.o_code.mixed_octal}`), line);
@@ -45,7 +45,7 @@ test("a slice has the pixels of octavo slice, and values those of octavo probe",
 
 test("the first picture is coarse and says so; then all of it is there", async () => {
   await withPage("?url=scan.8vo", async (shown) => {
-    await shown.waitForFunction(() => globalThis.octavo?.firstTraffic, null, { timeout: 60_000 });
+    await shown.waitForFunction(() => globalThis.octavo?.firstTraffic);
     const first = await shown.evaluate(() => octavo.firstTraffic);
     assert.ok(first.requests <= 3 && first.bytes <= 300_000, JSON.stringify(first));
     await settled(shown);

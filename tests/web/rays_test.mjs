@@ -79,7 +79,7 @@ test("labels far apart have colors of their own, over a scan as alone", async ()
     "?url=scan.8vo&labels=apart.8vo&layout=3d&camera=0,0,1&mode=iso&iso=5000&opacity=1"]) {
     await withPage(query, async (shown) => {
       await shown.waitForFunction(
-        () => document.querySelectorAll("#labels li").length === 2, null, { timeout: 60_000 });
+        () => document.querySelectorAll("#labels li").length === 2);
       await showRaysAlone(shown, SIDE);
       const far = await shown.evaluate((label) => {
         const row = document.querySelector(`#labels input[data-label="${label}"]`).parentElement;
@@ -99,7 +99,7 @@ test("labels far apart have colors of their own, over a scan as alone", async ()
 test("labels shine through the surface of a scan as much as is asked for", async () => {
   const query = "?url=scan.8vo&labels=apart.8vo&layout=3d&camera=0,0,1&mode=mip&window=4000,1";
   await withPage(query, async (shown) => {
-    await shown.waitForFunction(() => octavo.overlay?.hasPreview, null, { timeout: 60_000 });
+    await shown.waitForFunction(() => octavo.overlay?.hasPreview);
     await showRaysAlone(shown, SIDE);
     const brightest = async (opacity) => {
       await shown.evaluate((share) => octavo.store.set({ overlayOpacity: share }), opacity);
@@ -232,7 +232,7 @@ test("the line of the 3-D view is of the picture that is seen", async () => {
 
 test("what is opened next does not add to what is on the graphics card", async () => {
   await withPage("?url=scan.8vo&labels=labels.8vo", async (shown) => {
-    await shown.waitForFunction(() => octavo.overlay?.hasPreview, null, { timeout: 60_000 });
+    await shown.waitForFunction(() => octavo.overlay?.hasPreview);
     await settled(shown);
     const alive = await shown.evaluate(async () => {
       const counts = [];

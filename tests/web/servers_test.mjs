@@ -78,8 +78,7 @@ for (const name of realServers) {
         assert.equal(await shown.locator("#message").isVisible(), false);
       } else {
         // It allows no other origin.
-        await shown.waitForFunction(() => !document.getElementById("message").hidden, null,
-          { timeout: 120_000 });
+        await shown.waitForFunction(() => !document.getElementById("message").hidden);
         assert.match(await text(shown, "message"), /scan\.8vo: .*(origin|server)/);
       }
     });
@@ -98,15 +97,14 @@ test("a scan that is published anew is not mixed with the one that is open", {
   await inChromium(async (browser) => {
     const shown = await newPage(browser, `${server.url}/index.html?url=scan.8vo&layout=z`,
       { viewport });
-    await shown.waitForFunction(() => globalThis.octavo?.session?.hasPreview, null,
-      { timeout: 120_000 });
+    await shown.waitForFunction(() => globalThis.octavo?.session?.hasPreview);
     const other = await builtScan(6);
     // As HOSTING.md says: written beside it, and renamed.
     writeFileSync(`${file}.new`, other.bytes);
     renameSync(`${file}.new`, file);
     await shown.evaluate(() => octavo.store.set({ at: [10, 10, 70], layout: "y" }));
     const open = shown.locator("#message button", { hasText: "Open the new file" });
-    await open.waitFor({ timeout: 120_000 });
+    await open.waitFor();
     await open.click();
     await settled(shown);
     await shown.evaluate(() => octavo.store.set({ at: [41, 50, 60] }));

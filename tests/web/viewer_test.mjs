@@ -21,7 +21,7 @@ after(() => host.close());
 test("labels lie over the scan, with names as text and never as markup", async () => {
   await withPage("?url=scan.8vo&labels=labels.8vo&at=75,65,40", async (shown) => {
     await shown.waitForFunction(
-      () => document.querySelectorAll("#labels li").length === 2, null, { timeout: 60_000 });
+      () => document.querySelectorAll("#labels li").length === 2);
     await settled(shown);
     const names = await shown.locator("#labels li span:nth-of-type(2)").allTextContents();
     assert.ok(names.some((name) => name === HOSTILE), JSON.stringify(names));
@@ -45,7 +45,7 @@ test("labels lie over the scan, with names as text and never as markup", async (
     const link = await shown.evaluate(() => octavo.permalink());
     assert.match(link, /&labels=labels\.8vo.*&hide=1-2$/);
     await shown.goto(link);
-    await shown.waitForFunction(() => octavo?.overlay?.hasPreview, null, { timeout: 60_000 });
+    await shown.waitForFunction(() => octavo?.overlay?.hasPreview);
     assert.deepEqual(await shown.evaluate(() => [...octavo.store.now.hiddenLabels]), [1, 2]);
     // A link cannot name labels of this machine, and must not name those that they replaced.
     const title = await shown.evaluate(async () => {
@@ -60,8 +60,7 @@ test("labels lie over the scan, with names as text and never as markup", async (
 
 test("a link shows the scan that it names, or says why not", async () => {
   const shows = (shown, words) => shown.waitForFunction(
-    (part) => document.getElementById("message").textContent.includes(part), words,
-    { timeout: 60_000 });
+    (part) => document.getElementById("message").textContent.includes(part), words);
   host.files.set("/grey.8vo", files.scan);
   await withPage("?url=scan.8vo&labels=grey.8vo", async (shown) => {
     await shows(shown, "grey.8vo: holds no labels");
@@ -185,15 +184,15 @@ test("a lost graphics context is said to be lost until it is back with its pictu
       await shown.waitForFunction((n) => octavo.stage.frames > n, frames);
     };
     await lose();
-    await shown.locator("#message").waitFor({ timeout: 10_000 });
+    await shown.locator("#message").waitFor();
     assert.match(await text(shown, "message"), /^The graphics card was lost/);
     await giveBack();
-    await shown.locator("#message").waitFor({ state: "hidden", timeout: 10_000 });
+    await shown.locator("#message").waitFor({ state: "hidden" });
     assert.deepEqual((await picture()).grey, before.grey);
     assert.ok(before.grey.some((v) => v > 100));
     // What was said meanwhile stays.
     await lose();
-    await shown.locator("#message").waitFor({ timeout: 10_000 });
+    await shown.locator("#message").waitFor();
     await shown.evaluate(() => octavo.open("http://127.0.0.1:9/none.8vo"));
     await giveBack();
     assert.match(await text(shown, "message"), /none\.8vo/);
@@ -253,8 +252,8 @@ test("each of many listed files can be scrolled to and opened", async () => {
     await withPage("", async (shown) => {
       const buttons = shown.locator("#listed button");
       await buttons.last().scrollIntoViewIfNeeded();
-      await shown.locator("#choose").click({ trial: true, timeout: 5_000 });
-      await buttons.first().click({ timeout: 5_000 });
+      await shown.locator("#choose").click({ trial: true });
+      await buttons.first().click();
       await settled(shown);
       assert.equal(await text(shown, "title"), "scan.8vo");
     });
@@ -267,8 +266,7 @@ test("a server that dies is named, and what is missing comes once it is back", a
   // Larger than what opening fetches.
   const noisy = Buffer.from((await builtScan(5)).bytes);
   await withPage("?url=scan.8vo&layout=z", async (shown) => {
-    await shown.waitForFunction(() => !document.getElementById("message").hidden, null,
-      { timeout: 120_000 });
+    await shown.waitForFunction(() => !document.getElementById("message").hidden);
     const message = await text(shown, "message");
     assert.match(message, /scan\.8vo/);
     host.misbehave = null;
@@ -291,7 +289,7 @@ test("a server that dies is named, and what is missing comes once it is back", a
   });
 });
 
-const isSlow = (shown, state) => shown.locator("#slow").waitFor({ state, timeout: 120_000 });
+const isSlow = (shown, state) => shown.locator("#slow").waitFor({ state });
 
 test("a server that trickles is said to be slow until bytes flow", async () => {
   let isFlowing = false;
@@ -408,10 +406,9 @@ test("a file that is replaced is never mixed with the one that is shown", async 
     await shown.waitForFunction(() => globalThis.octavo?.session?.hasPreview);
     host.files.set("/scan.8vo", after);
     await shown.evaluate(() => octavo.store.set({ at: [10, 10, 70], layout: "y" }));
-    await shown.waitForFunction(() => !document.getElementById("message").hidden, null,
-      { timeout: 60_000 });
+    await shown.waitForFunction(() => !document.getElementById("message").hidden);
     const open = shown.locator("#message button", { hasText: "Open the new file" });
-    await open.waitFor({ timeout: 5_000 });
+    await open.waitFor();
     await open.click();
     await settled(shown);
     assert.equal(await shown.evaluate(() => octavo.session.facts.levels[0].size[0]), 128);
@@ -445,8 +442,7 @@ test("lies and damage are a sentence, and the next file opens", async () => {
     host.files.set("/damaged.8vo", damaged);
     await shown.evaluate((url) => octavo.open(url), `${host.url}/damaged.8vo`);
     await shown.waitForFunction(
-      () => document.getElementById("message").textContent.includes("damaged.8vo"), null,
-      { timeout: 60_000 });
+      () => document.getElementById("message").textContent.includes("damaged.8vo"));
     await shown.evaluate((url) => octavo.open(url), `${host.url}/scan.8vo`);
     await settled(shown);
     assert.equal(await shown.evaluate(() => octavo.session.facts.name.includes("scan.8vo")), true);

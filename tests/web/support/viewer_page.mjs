@@ -88,7 +88,7 @@ export const settled = (shown) => shown.waitForFunction(() => {
   const { session, rays } = globalThis.octavo ?? {};
   return session?.hasPreview && !session.cells.isBusy && session.cells.missing().length === 0 &&
     (!rays.isShown || rays.isSettled);
-}, null, { timeout: 600_000 });
+});
 
 /** Leaves nothing but panels, width x height pixels together, without annotations and sliders. */
 export const showPanelsAlone = (shown, [width, height]) => shown.evaluate(([w, h]) => {
