@@ -4,6 +4,7 @@
 usage: morphometry_test.py OCTAVO [unittest arguments]
 """
 
+import array
 import csv
 import itertools
 import json
@@ -105,6 +106,21 @@ class Morphometry(cli_test.InFolder):
                           "--histogram", "i.png")
         self.expect_error(2, [".png"], "morphometry", "tight.8vo", "--histogram", "i.svg")
         self.assertEqual([path.name for path in self.folder.glob("i.*")], [])
+
+    def test_what_is_not_finite_has_no_density(self):
+        def scan(name, values):
+            (self.folder / "s.raw").write_bytes(array.array("f", values).tobytes())
+            self.expect(0, "build", "s.raw", "--raw", f"{SIDE},{SIDE},{SIDE},float32", "--spacing",
+                        str(MM), "-o", name, "-q", "-f")
+        count = SIDE ** 3
+        scan("part.8vo", [math.nan] * 100 + [8.0] * (count - 100))
+        made = self.measures("plate.8vo", "--no-thickness", "--of", "part.8vo")
+        self.assertEqual((made["tmd"], made["bmd"], made["bmd_sd"]), (8, 8, 0))
+        self.assertIn(f"100 of {count} voxels are not finite", " ".join(made["warnings"]))
+        scan("none.8vo", [math.nan] * count)
+        made = self.measures("plate.8vo", "--no-thickness", "--of", "none.8vo")
+        for key in ("tmd", "tmd_sd", "bmd", "bmd_sd"):
+            self.assertIsNone(made[key])
 
     def test_every_way_says_how_far_it_is(self):
         self.build("posts.8vo", lambda x, y, z: x % 8 < 3 and y % 8 < 3)

@@ -287,6 +287,12 @@ class MorphometryWork {
       context_.stop_if_cancelled();
       context_.watcher().advance(1);
     }
+    if (total.voxels < result_.region_voxels) {
+      context_.warn(options_.grey + ": " +
+                    std::to_string(result_.region_voxels - total.voxels) + " of " +
+                    std::to_string(result_.region_voxels) +
+                    " voxels are not finite and left out of the densities");
+    }
     for (DensityMeasure* one : {&tissue, &total}) {
       if (one->voxels == 0) continue;
       const auto n = static_cast<double>(one->voxels);

@@ -113,10 +113,15 @@ std::vector<MorphometryRow> morphometry_rows(const MorphometryResult& result,
   if (result.has_diffusion) add_diffusion_rows(result, rows);
   add_form_rows(result, rows);
   if (result.tissue) {
-    rows.push_back({"tmd", "TMD", result.tissue->mean, "", "mean density of the mask"});
-    rows.push_back({"tmd_sd", "TMD.SD", result.tissue->deviation, "", "its standard deviation"});
-    rows.push_back({"bmd", "BMD", result.total->mean, "", "mean density of TV"});
-    rows.push_back({"bmd_sd", "BMD.SD", result.total->deviation, "", "its standard deviation"});
+    const auto if_any = [](const DensityMeasure& of, double value) {
+      return of.voxels > 0 ? std::optional(value) : std::nullopt;
+    };
+    const DensityMeasure& in = *result.tissue;
+    const DensityMeasure& all = *result.total;
+    rows.push_back({"tmd", "TMD", if_any(in, in.mean), "", "mean density of the mask"});
+    rows.push_back({"tmd_sd", "TMD.SD", if_any(in, in.deviation), "", "its standard deviation"});
+    rows.push_back({"bmd", "BMD", if_any(all, all.mean), "", "mean density of TV"});
+    rows.push_back({"bmd_sd", "BMD.SD", if_any(all, all.deviation), "", "its standard deviation"});
   }
   return rows;
 }
