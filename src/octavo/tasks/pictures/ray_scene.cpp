@@ -34,6 +34,8 @@ using SceneClock = std::chrono::steady_clock;
 
 /// Gradients below so many shares of the colored values are soft.
 constexpr double kSoftShare = 0.02;
+/// Means along rays that differ by no larger share of the values are one: they are rounded sums.
+constexpr double kRoundedShare = 1e-4;
 
 RayMode ray_mode_of(RenderMode mode) {
   switch (mode) {
@@ -434,6 +436,9 @@ class RayScene final : public RenderScene {
       stored = sign_ > 0 ? std::ceil(stored) - 0.5 : std::floor(stored) + 0.5;
     }
     isovalue_ = static_cast<float>(bricks_.scale().pooled(stored)) * sign_;
+    if (!has_values_) {
+      throw Error(ErrorKind::invalid_argument, "no voxel has a finite value", asked_.input);
+    }
     const SampleRange range = source_.range();
     const bool is_above = isovalue_ > std::max(static_cast<float>(bricks_.range().lowest) * sign_,
                                                static_cast<float>(bricks_.range().highest) * sign_);
@@ -484,6 +489,13 @@ class RayScene final : public RenderScene {
     std::vector<double> values = ray_values(field, mode_, sign_);
     for (double& value : values) value = real_of_pooled().to_real(value);
     window_ = robust_window(std::move(values));
+    if (mode_ != RayMode::mean) return;
+    const SampleRange pooled = bricks_.range();
+    const double most = std::abs(real_of_pooled().slope) *
+                        std::max(std::abs(pooled.lowest), std::abs(pooled.highest));
+    if (window_->width >= kRoundedShare * most) return;
+    const double low = window_->center - window_->width / 2;
+    window_ = Window{low + most / 2, most};
   }
 
   bool is_anything_seen(const RayField& field) const {

@@ -17,6 +17,7 @@ namespace {
 
 constexpr std::uint64_t kMostTransferBytes = std::uint64_t{1} << 20;
 constexpr double kThickestLayerMm = 1e6;
+constexpr double kFarthestValue = 1e38;  // differences of two are finite
 
 [[noreturn]] void fail_transfer(const std::string& what) {
   throw Error(ErrorKind::invalid_argument, "no transfer function: " + what);
@@ -41,6 +42,10 @@ TransferPoint transfer_point(JsonReader& in, std::size_t number) {
     const std::string name = in.string();
     if (name == "value") {
       value = transfer_number(in, which + ": value");
+      if (!(std::abs(*value) <= kFarthestValue)) {
+        fail_transfer(fmt::format("{}: a value of {}; expected -1e38 to 1e38", which,
+                                  number_text(*value)));
+      }
     } else if (name == "opacity") {
       opacity = transfer_number(in, which + ": opacity");
       if (!(*opacity >= 0 && *opacity <= 1)) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <fstream>
 #include <functional>
+#include <limits>
 #include <memory>
 
 #include "octavo/core/error.h"
@@ -355,6 +356,35 @@ TEST_F(RayScenes, RaysBesideAThinAxisEnd) {
   EXPECT_GT(result_.counts.rays.samples, 0);
 }
 
+TEST_F(RayScenes, MeansOfOneValueHaveOneGrey) {
+  testing::Volume volume;
+  volume.description.size = {23, 19, 21};
+  volume.description.type = VoxelType::uint8;
+  volume.description.metadata = Metadata::read(R"({"spacing_known":true})");
+  volume.voxels.assign(23 * 19 * 21, static_cast<std::byte>(7));
+  testing::build_volume(volume, folder_.file("even.8vo"), 1);
+  options_.input = folder_.file("even.8vo");
+  const Picture picture = draw(RenderMode::mean);
+  EXPECT_EQ(picture.pixels, std::vector<std::uint8_t>(picture.pixels.size(), 0));
+}
+
+TEST_F(RayScenes, ASurfaceOfNoFiniteValueIsRejected) {
+  testing::Volume volume;
+  volume.description.size = {4, 4, 4};
+  volume.description.type = VoxelType::float32;
+  const float none = std::numeric_limits<float>::quiet_NaN();
+  for (int i = 0; i < 4 * 4 * 4; ++i) {
+    const auto* const bytes = reinterpret_cast<const std::byte*>(&none);
+    volume.voxels.insert(volume.voxels.end(), bytes, bytes + sizeof none);
+  }
+  testing::build_volume(volume, folder_.file("none.8vo"), 1);
+  expect_rejected("no voxel has a finite value", [&](auto& o) {
+    o.input = folder_.file("none.8vo");
+    o.mode = RenderMode::iso;
+    o.isovalue = 1;
+  });
+}
+
 TEST_F(RayScenes, MemoryForNoBrickIsRejected) {
   options_.mode = RenderMode::volume;
   context_.max_memory_bytes = 1'500'000;
@@ -378,6 +408,7 @@ TEST(TransferFile, WhatIsWrongIsSaid) {
       {R"({"points": [{"value": 1, "color": "red"}]})", "point 1 needs"},
       {R"({"points": [{"value": 1, "color": "reddish", "opacity": 0}]})", "the color"},
       {R"({"points": [{"value": 1, "color": "red", "opacity": 2}]})", "expected 0 to 1"},
+      {R"({"points": [{"value": -1e39, "color": "red", "opacity": 0}]})", "expected -1e38 to"},
       {R"({"points": [{"value": "1", "color": "red", "opacity": 0}]})", "is not a finite number"},
       {R"({"points": [{"value": 2, "color": "red", "opacity": 0},
                       {"value": 1, "color": "red", "opacity": 0}]})", "point 2 is below"},
