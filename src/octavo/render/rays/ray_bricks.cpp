@@ -75,6 +75,15 @@ void copy_box(const SampleBlock<Pooled>& from, const Box& box, const SampleBlock
   }
 }
 
+/// Joins the samples of a row with those above it.
+template <class Pooled>
+void add_ends(const Pooled* row, std::size_t count, Pooled* low, Pooled* high) {
+  for (std::size_t x = 0; x < count; ++x) {
+    low[x] = std::min(low[x], row[x]);
+    high[x] = std::max(high[x], row[x]);
+  }
+}
+
 }  // namespace
 
 RayBricks::RayBricks(const SampleSource& source, const Options& options)
@@ -84,6 +93,7 @@ RayBricks::RayBricks(const SampleSource& source, const Options& options)
       row_((std::int64_t{1} << options.brick_shift) + kApronBelow + kApronAbove),
       slot_samples_(row_ * row_ * row_),
       cubes_(std::size_t{1} << 3 * (options.brick_shift - kSkipShift)),
+      groups_(std::size_t{1} << 3 * (options.brick_shift - kGroupShift)),
       is_wide_(is_pooled_wide(source.type())),
       scale_(scale_of(source.type(), source.range())),
       look_source_(options.looks) {
@@ -98,7 +108,8 @@ RayBricks::RayBricks(const SampleSource& source, const Options& options)
           : static_cast<std::uint64_t>(slot_samples_) * sizeof(std::uint16_t) +
                 cubes_ * sizeof(LookSet);
   const std::uint64_t with_ends =
-      slot_bytes + look_bytes + cubes_ * (sizeof(Ends) + sizeof(float));
+      slot_bytes + look_bytes + cubes_ * (sizeof(Ends) + sizeof(float)) +
+      groups_ * sizeof(float);
   const auto bricks = static_cast<std::uint64_t>(grid_.voxel_count());
   const std::uint64_t of_tables = bricks * (sizeof(float) + sizeof(std::int32_t));
   if (bricks > kMaxOffset || of_tables + with_ends > options.memory_bytes) {
@@ -201,6 +212,7 @@ BrickTables RayBricks::tables() const {
   tables.brick_bounds = brick_bounds_.data();
   tables.slots = slots_.data();
   tables.cube_bounds = cube_bounds_.data();
+  tables.group_bounds = group_bounds_.data();
   return tables;
 }
 
@@ -223,6 +235,7 @@ std::vector<std::int32_t> RayBricks::free_slots(std::size_t count) {
   last_uses_.resize(occupants_.size());
   cube_ends_.resize(occupants_.size() * cubes_);
   cube_bounds_.resize(occupants_.size() * cubes_);
+  group_bounds_.resize(occupants_.size() * groups_);
   if (look_source_ != nullptr) cube_sets_.resize(occupants_.size() * cubes_);
   if (free.size() == count) return free;
   std::iota(taken.begin(), taken.end(), 0);
@@ -382,30 +395,27 @@ void RayBricks::find_ends(std::int32_t slot) {
   const auto* const samples =
       reinterpret_cast<const Pooled*>(samples_.get()) + slot * slot_samples_;
   const std::int64_t cubes = std::int64_t{1} << (shift_ - kSkipShift);
+  const auto length = static_cast<std::size_t>(cubes * kSkipSide + 1);
+  std::vector<Pooled> low(length);
+  std::vector<Pooled> high(length);
   Ends* ends = cube_ends_.data() + static_cast<std::size_t>(slot) * cubes_;
   for (std::int64_t cz = 0; cz < cubes; ++cz) {
     for (std::int64_t cy = 0; cy < cubes; ++cy) {
-      for (std::int64_t cx = 0; cx < cubes; ++cx) {
-        // A column of the cube's samples and the next ones, row under row.
-        std::array<Pooled, kSkipSide + 1> low;
-        std::array<Pooled, kSkipSide + 1> high;
-        low.fill(std::numeric_limits<Pooled>::max());
-        high.fill(std::numeric_limits<Pooled>::lowest());
-        for (std::int64_t z = 0; z <= kSkipSide; ++z) {
-          for (std::int64_t y = 0; y <= kSkipSide; ++y) {
-            const Pooled* const row = samples +
-                                      ((cz * kSkipSide + z + kApronBelow) * row_ +
-                                       (cy * kSkipSide + y + kApronBelow)) *
-                                          row_ +
-                                      cx * kSkipSide + kApronBelow;
-            for (std::size_t x = 0; x <= kSkipSide; ++x) {
-              low[x] = std::min(low[x], row[x]);
-              high[x] = std::max(high[x], row[x]);
-            }
-          }
+      // A row of cubes: their samples and the next ones, row under row.
+      std::fill(low.begin(), low.end(), std::numeric_limits<Pooled>::max());
+      std::fill(high.begin(), high.end(), std::numeric_limits<Pooled>::lowest());
+      for (std::int64_t z = 0; z <= kSkipSide; ++z) {
+        for (std::int64_t y = 0; y <= kSkipSide; ++y) {
+          add_ends(samples + ((cz * kSkipSide + z + kApronBelow) * row_ +
+                              (cy * kSkipSide + y + kApronBelow)) * row_ + kApronBelow,
+                   length, low.data(), high.data());
         }
-        *ends++ = {static_cast<float>(*std::min_element(low.begin(), low.end())),
-                   static_cast<float>(*std::max_element(high.begin(), high.end()))};
+      }
+      for (std::int64_t cx = 0; cx < cubes; ++cx) {
+        const auto first = static_cast<std::ptrdiff_t>(cx * kSkipSide);
+        const auto end = first + kSkipSide + 1;
+        *ends++ = {static_cast<float>(*std::min_element(low.begin() + first, low.begin() + end)),
+                   static_cast<float>(*std::max_element(high.begin() + first, high.begin() + end))};
       }
     }
   }
@@ -439,10 +449,22 @@ void RayBricks::find_sets(std::int32_t slot) {
 
 void RayBricks::set_cube_bounds(std::int32_t slot) {
   const std::size_t first = static_cast<std::size_t>(slot) * cubes_;
+  float* const groups = group_bounds_.data() + static_cast<std::size_t>(slot) * groups_;
+  std::fill_n(groups, groups_, -std::numeric_limits<float>::infinity());
+  const int bits = shift_ - kSkipShift;
+  constexpr int kBetween = kGroupShift - kSkipShift;
   for (std::size_t i = first; i < first + cubes_; ++i) {
     cube_bounds_[i] =
         bound_of_(widened(cube_ends_[i].lowest, -1), widened(cube_ends_[i].highest, 1),
                   look_source_ != nullptr ? cube_sets_[i] : kAllLooks);
+    const std::size_t cube = i - first;
+    const std::size_t x = cube & ((std::size_t{1} << bits) - 1);
+    const std::size_t y = cube >> bits & ((std::size_t{1} << bits) - 1);
+    const std::size_t z = cube >> 2 * bits;
+    const int group_bits = bits - kBetween;
+    const std::size_t row = ((z >> kBetween) << group_bits) + (y >> kBetween);
+    float& group = groups[(row << group_bits) + (x >> kBetween)];
+    group = std::max(group, cube_bounds_[i]);
   }
 }
 

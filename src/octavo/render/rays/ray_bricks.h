@@ -119,6 +119,7 @@ class RayBricks {
   std::int64_t row_;    // samples of a brick with its aprons along an axis
   std::int64_t slot_samples_;
   std::size_t cubes_;   // of a brick
+  std::size_t groups_;
   bool is_wide_;
   PooledScale scale_;
   std::size_t capacity_ = 0;
@@ -131,6 +132,7 @@ class RayBricks {
   std::int64_t load_number_ = 0;
   std::vector<Ends> cube_ends_;          // by slot and cube
   std::vector<float> cube_bounds_;
+  std::vector<float> group_bounds_;      // by slot and group of cubes
   const LookSource* look_source_;
   std::unique_ptr<std::uint16_t[]> looks_;
   std::vector<LookSet> cube_sets_;  // by slot and cube, where there are looks

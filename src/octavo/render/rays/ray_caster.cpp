@@ -7,8 +7,10 @@
 #include <chrono>
 #include <limits>
 #include <memory>
+#include <optional>
 
 #include "octavo/core/error.h"
+#include "octavo/render/rays/occupied_spans.h"
 #include "octavo/render/rays/ray_camera.h"
 #include "octavo/render/rays/ray_meshes.h"
 
@@ -45,15 +47,25 @@ bool is_chosen(const RayFrame& frame, std::size_t number, std::size_t ray) {
   return frame.chosen == nullptr || (frame.chosen[number] >> (ray / 16) & 1) != 0;
 }
 
+/// Whether all rays of a tile are in the picture, and cast.
+bool is_whole(const RayFrame& frame, const RayField& field, std::size_t number) {
+  return frame.chosen == nullptr && is_in_picture(field, number, kTileRays - 1);
+}
+
 /// Sets the rays that are not done to the begin of a region.
 void enter_region(RayTile& tile, const RayFrame& frame, const RayField& field,
                   std::size_t number) {
   tile.waits_for.fill(-1);
+  const float full = frame.mode == RayMode::volume ? frame.enough
+                     : frame.mode == RayMode::iso  ? kSmallestStep
+                                                   : kRayDone;
   for (std::size_t i = 0; i < kTileRays; ++i) {
-    const bool is_full = (frame.mode == RayMode::volume && tile.gathered[i] >= frame.enough) ||
-                         (frame.mode == RayMode::iso && tile.gathered[i] > 0);
+    tile.k[i] = tile.gathered[i] >= full ? kRayDone : 0;
+  }
+  if (is_whole(frame, field, number)) return;
+  for (std::size_t i = 0; i < kTileRays; ++i) {
     const bool is_cast = is_in_picture(field, number, i) && is_chosen(frame, number, i);
-    tile.k[i] = is_full || !is_cast ? kRayDone : 0;
+    if (!is_cast) tile.k[i] = kRayDone;
   }
 }
 
@@ -98,12 +110,14 @@ struct RayFollowing {
 };
 
 void cross_region(RayBricks& bricks, RayFrame& frame, RayField& field,
-                  const std::vector<std::unique_ptr<RayStops>>& stops, const RayFollowing& how) {
-  std::vector<std::size_t> waiting(field.tiles.size());
-  for (std::size_t i = 0; i < waiting.size(); ++i) {
-    enter_region(field.tiles[i], frame, field, field.number_of(i));
-    waiting[i] = i;
+                  const std::vector<std::unique_ptr<RayStops>>& stops,
+                  const OccupiedSpans* spans, const RayFollowing& how) {
+  std::vector<std::size_t> waiting;
+  for (std::size_t i = 0; i < field.tiles.size(); ++i) {
+    const bool is_empty = spans != nullptr && !stops[i] && !spans->is_any_in(field.number_of(i));
+    if (!is_empty) waiting.push_back(i);
   }
+  bool has_entered = false;
   while (true) {
     // Follow.
     const RayClock::time_point began = RayClock::now();
@@ -113,11 +127,17 @@ void cross_region(RayBricks& bricks, RayFrame& frame, RayField& field,
       if (how.watcher.is_cancelled()) return;
       const std::size_t number = waiting[i];
       RayTile& tile = field.tiles[number];
-      samples += stops[number]
-                     ? follow_through_layers(frame, tile, field.layers[field.number_of(number)],
-                                             *stops[number], how.follow)
-                     : how.follow(frame, tile);
+      if (!has_entered) enter_region(tile, frame, field, field.number_of(number));
+      if (stops[number]) {
+        samples += follow_through_layers(frame, tile, field.layers[field.number_of(number)],
+                                         *stops[number], how.follow);
+      } else {
+        if (spans != nullptr) tile.spans = spans->of_tile(field.number_of(number));
+        samples += how.follow(frame, tile);
+        tile.spans = nullptr;
+      }
     });
+    has_entered = true;
     if (how.watcher.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
     field.samples += samples;
     field.cast_seconds += seconds_since(began);
@@ -158,13 +178,18 @@ RayField cast_rays(RayBricks& bricks, RayFrame frame, std::span<const RayRegion>
   }
   if (frame.meshes) field.layers = frame.meshes->layers(frame, width, height, watcher);
   const auto stops = make_stops(field);
+  std::optional<OccupiedSpans> spans;
+  if (frame.mode == RayMode::volume || frame.mode == RayMode::iso) {
+    frame.bricks = bricks.tables();
+    spans.emplace(frame, width, height);
+  }
   for (std::size_t i = 0; i < regions.size(); ++i) {
     frame.low = regions[i].low;
     frame.high = regions[i].high;
     frame.whole_low = regions[i].whole_low;
     frame.whole_high = regions[i].whole_high;
     frame.is_last_region = i + 1 == regions.size();
-    cross_region(bricks, frame, field, stops, {follow, watcher});
+    cross_region(bricks, frame, field, stops, spans ? &*spans : nullptr, {follow, watcher});
   }
   return field;
 }

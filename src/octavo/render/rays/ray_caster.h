@@ -28,8 +28,8 @@ struct RayField {
   std::vector<RayTile> tiles;  ///< row by row, as far as they have rays that are cast
   std::vector<std::size_t> numbers;  ///< of the tiles in the picture; none: all are there
   std::vector<TileLayers> layers;  ///< of the frame's meshes, by tile; none without meshes
-  /// Taken. Rays that go together in vectors take samples that some of them would skip, so that the
-  /// count depends on the instruction set, as what rays gather does not.
+  /// Taken. Rays that go together in vectors take samples that some of them would skip and leave
+  /// others out, so that the count depends on the instruction set, as what rays gather does not.
   std::int64_t samples = 0;
   double cast_seconds = 0;     ///< following rays
   std::int64_t loaded_elsewhere = 0;  ///< bricks of other ranks

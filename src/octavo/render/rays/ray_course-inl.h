@@ -55,6 +55,9 @@ HWY_INLINE PacketBounds bounds_of(const RayFrame& f, const PacketLines& lines) {
   return bounds;
 }
 
+/// How far values between whole numbers are rounded beyond them.
+constexpr float kRangeMargin = 1 / 16.0f;
+
 /// Steps that rays take together until they look again where they are.
 constexpr int kStride = 2;
 
@@ -105,31 +108,42 @@ class PacketCourse {
     return (place[2] * f_->bricks.grid[1] + place[1]) * f_->bricks.grid[0] + place[0];
   }
 
-  /// Whether anything may be found in the cubes around cells.
-  HWY_INLINE bool is_worth(const PacketCells& cells, float held) const {
-    const int bits = f_->bricks.shift - kSkipShift;
-    PacketCells cubes;
+  /// What may be skipped around cells: 0 where anything may be found in the cubes around them, or
+  /// the shift of the sides of empty cubes or groups.
+  /// has_cubes  cubes are looked at, not groups alone
+  HWY_INLINE int empty_shift(const PacketCells& cells, float held, bool has_cubes) const {
+    if (!is_any_above(cells, f_->bricks.group_bounds, kGroupShift, held)) return kGroupShift;
+    if (!has_cubes || is_any_above(cells, f_->bricks.cube_bounds, kSkipShift, held)) return 0;
+    return kSkipShift;
+  }
+
+  /// Whether a bound around cells is above what rays hold.
+  /// bounds  by slot and part; the sides of parts are 1 << shift
+  HWY_INLINE bool is_any_above(const PacketCells& cells, const float* bounds, int shift,
+                               float held) const {
+    const int bits = f_->bricks.shift - shift;
+    PacketCells parts;
     PacketCells bricks;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      cubes.low[axis] = cells.low[axis] >> kSkipShift;
-      cubes.high[axis] = cells.high[axis] >> kSkipShift;
-      bricks.low[axis] = cubes.low[axis] >> bits;
-      bricks.high[axis] = cubes.high[axis] >> bits;
+      parts.low[axis] = cells.low[axis] >> shift;
+      parts.high[axis] = cells.high[axis] >> shift;
+      bricks.low[axis] = parts.low[axis] >> bits;
+      bricks.high[axis] = parts.high[axis] >> bits;
     }
     for (std::int32_t z = bricks.low[2]; z <= bricks.high[2]; ++z) {
       for (std::int32_t y = bricks.low[1]; y <= bricks.high[1]; ++y) {
         for (std::int32_t x = bricks.low[0]; x <= bricks.high[0]; ++x) {
-          if (is_brick_worth({x, y, z}, cubes, held)) return true;
+          if (is_above_in({x, y, z}, parts, bounds, bits, held)) return true;
         }
       }
     }
     return false;
   }
 
-  HWY_INLINE bool is_brick_worth(const std::array<std::int32_t, 3>& place,
-                                 const PacketCells& cubes, float held) const {
+  /// The same of one brick, which has 1 << bits parts along a side.
+  HWY_INLINE bool is_above_in(const std::array<std::int32_t, 3>& place, const PacketCells& parts,
+                              const float* bounds, int bits, float held) const {
     const BrickTables& b = f_->bricks;
-    const int bits = b.shift - kSkipShift;
     const std::int32_t number = brick_of(place);
     if (!(b.brick_bounds[number] > held)) return false;
     const std::int32_t slot = b.slots[number];
@@ -138,13 +152,13 @@ class PacketCourse {
     std::array<std::int32_t, 3> high;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const std::int32_t begin = place[axis] << bits;
-      low[axis] = std::max(cubes.low[axis] - begin, 0);
-      high[axis] = std::min(cubes.high[axis] - begin, (1 << bits) - 1);
+      low[axis] = std::max(parts.low[axis] - begin, 0);
+      high[axis] = std::min(parts.high[axis] - begin, (1 << bits) - 1);
     }
-    const float* const bounds = b.cube_bounds + (std::int64_t{slot} << 3 * bits);
+    const float* const first = bounds + (std::int64_t{slot} << 3 * bits);
     for (std::int32_t z = low[2]; z <= high[2]; ++z) {
       for (std::int32_t y = low[1]; y <= high[1]; ++y) {
-        const float* const row = bounds + (((z << bits) + y) << bits);
+        const float* const row = first + (((z << bits) + y) << bits);
         for (std::int32_t x = low[0]; x <= high[0]; ++x) {
           if (row[x] > held) return true;
         }
@@ -153,12 +167,13 @@ class PacketCourse {
     return false;
   }
 
-  /// The last step at which all rays are still in the cubes around cells.
-  HWY_INLINE float last_within(const PacketCells& cells) const {
+  /// The last step at which all rays are still in the cubes or groups around cells.
+  HWY_INLINE float last_within(const PacketCells& cells, int shift) const {
+    const std::int32_t side = 1 << shift;
     float last = kRayDone;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const std::int32_t begin = cells.low[axis] & ~(kSkipSide - 1);
-      const std::int32_t end = (cells.high[axis] & ~(kSkipSide - 1)) + kSkipSide;
+      const std::int32_t begin = cells.low[axis] & ~(side - 1);
+      const std::int32_t end = (cells.high[axis] & ~(side - 1)) + side;
       // Beyond the volume there is nothing.
       if (bounds_.step_high[axis] > 0 && end < f_->bricks.size[axis]) {
         const float face = static_cast<float>(end) - f_->margin;
@@ -196,6 +211,50 @@ class PacketCourse {
                  (std::int64_t{brick.begin[2]} * b.plane + std::int64_t{brick.begin[1]} * b.row +
                   brick.begin[0]);
     return true;
+  }
+
+  /// The lowest and the highest of the samples around cells of a brick, as far as values between
+  /// them go. False where they are too many.
+  HWY_INLINE bool find_range(const CommonBrick& brick, const PacketCells& cells, float& lowest,
+                             float& highest) const {
+    constexpr hn::CappedTag<std::int16_t, 8> kRow{};
+    const auto count = [&](std::size_t axis) HWY_ATTR {
+      return cells.high[axis] - cells.low[axis] + 2;
+    };
+    if (count(0) > static_cast<std::int32_t>(hn::Lanes(kRow))) return false;
+    const auto* const samples = static_cast<const std::int16_t*>(f_->bricks.samples) +
+                                block_begin(brick, {cells.low[0], cells.low[1], cells.low[2]});
+    auto low = hn::LoadU(kRow, samples);
+    auto high = low;
+    for (std::int32_t z = 0; z < count(2); ++z) {
+      const std::int16_t* row = samples + std::int64_t{z} * f_->bricks.plane;
+      for (std::int32_t y = 0; y < count(1); ++y, row += f_->bricks.row) {
+        const auto values = hn::LoadU(kRow, row);
+        low = hn::Min(low, values);
+        high = hn::Max(high, values);
+      }
+    }
+    // What lies beyond the row counts as its first.
+    const auto in_row = hn::FirstN(kRow, static_cast<std::size_t>(count(0)));
+    low = hn::IfThenElse(in_row, low, hn::Set(kRow, hn::GetLane(low)));
+    high = hn::IfThenElse(in_row, high, hn::Set(kRow, hn::GetLane(high)));
+    lowest = static_cast<float>(hn::GetLane(hn::MinOfLanes(kRow, low))) - kRangeMargin;
+    highest = static_cast<float>(hn::GetLane(hn::MaxOfLanes(kRow, high))) + kRangeMargin;
+    return true;
+  }
+
+  /// Whether nothing is to be seen between the samples around cells of a brick; of 16-bit samples.
+  template <RayMode kMode>
+  HWY_INLINE bool has_nothing(const CommonBrick& brick, const PacketCells& cells) const {
+    constexpr bool is_of_colors = kMode == RayMode::volume;
+    if constexpr (!is_of_colors && kMode != RayMode::iso) return false;
+    const std::int32_t* const seen_before = f_->table.seen_before;
+    if (is_of_colors && (seen_before == nullptr || f_->bricks.looks != nullptr)) return false;
+    float low = 0;
+    float high = 0;
+    if (!find_range(brick, cells, low, high)) return false;
+    if constexpr (!is_of_colors) return std::max(low * f_->sign, high * f_->sign) < f_->isovalue;
+    return seen_before[entry_of(f_->table, high) + 1] == seen_before[entry_of(f_->table, low)];
   }
 
   /// The first cell of a block with the samples around all rays at k; false where they lie too far

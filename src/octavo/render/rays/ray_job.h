@@ -16,8 +16,8 @@
 //
 // Invariants
 //   Where a sample lies depends on the ray alone, and what is taken there on the volume alone.
-//   What is skipped gives nothing: a brick or a cube of 8^3 samples whose bound is not above what
-//   the ray holds already.
+//   What is skipped gives nothing: a brick, a group of 8^3 or a cube of 4^3 samples whose bound is
+//   not above what the ray holds already.
 // Consequences
 //   Pictures depend neither on bricks, their order or how many fit into memory, nor on threads, nor
 //   on what is skipped. A ray waits at a brick that is not in memory and goes on later.
@@ -44,8 +44,11 @@ enum class RayMode {
 };
 
 /// Side of the cubes that are skipped, in samples.
-inline constexpr int kSkipSide = 8;
-inline constexpr int kSkipShift = 3;
+inline constexpr int kSkipSide = 4;
+inline constexpr int kSkipShift = 2;
+/// That of groups of 2^3 cubes, which are skipped together.
+inline constexpr int kGroupSide = 8;
+inline constexpr int kGroupShift = 3;
 
 /// Samples that a brick holds beyond its own, at its low and at its high sides: what the two
 /// neighbors of a hit between two samples need for their gradients.
@@ -69,6 +72,7 @@ struct BrickTables {
   const float* brick_bounds = nullptr;  ///< by brick, x fastest
   const std::int32_t* slots = nullptr;  ///< by brick; below 0: not in memory
   const float* cube_bounds = nullptr;   ///< by slot and cube
+  const float* group_bounds = nullptr;  ///< by slot and group, the highest of its cubes
   std::uint8_t* used = nullptr;         ///< by slot: 1 where a ray came to it
 };
 
@@ -101,6 +105,8 @@ struct ColorTable {
   const float* opacities = nullptr;       ///< of one step; [front][back]
   const std::uint32_t* colors = nullptr;  ///< 0xbbggrr; [front][back]
   std::array<Piece, 3> pieces;
+  /// How many entries before each, and before the end, have an opacity; none: it is not known.
+  const std::int32_t* seen_before = nullptr;
   /// Opacity rises from nothing at a gradient, in values a spacing, with the gradient; 0: it is
   /// that of the table.
   float gradient_begin = 0;
@@ -219,6 +225,15 @@ struct RayStops {
   bool has_started = false;
 };
 
+/// Rays of a tile that share a span, one after the other: 4 x 4 pixels.
+inline constexpr std::size_t kSpanRays = 16;
+
+/// Between which steps there may be anything; nothing where the first lies behind the last.
+struct OccupiedSpan {
+  float first = kRayDone;  ///< a whole number, as the last
+  float last = -1;
+};
+
 /// The rays of a tile in Z order: 4, 8 or 16 of them in a row are a small rectangle.
 struct RayTile {
   float u = 0;  ///< of the middle of its first pixel
@@ -235,7 +250,14 @@ struct RayTile {
   alignas(64) std::array<float, kTileRays> gathered{};
   alignas(64) std::array<std::int32_t, kTileRays> waits_for{};  ///< a brick, or below 0
   const RayStops* stops = nullptr;  ///< of modes volume and iso; none where no ray stops
+  /// Of each 16 rays in a row, modes volume and iso; none where they are not known.
+  const OccupiedSpan* spans = nullptr;
 };
+
+/// That of a ray; or none.
+inline const OccupiedSpan* occupied_span_of(const RayTile& tile, std::size_t ray) {
+  return tile.spans == nullptr ? nullptr : tile.spans + ray / kSpanRays;
+}
 
 /// Column and row of each ray in its tile.
 struct TileOrder {

@@ -10,6 +10,8 @@
 
 #include <hwy/highway.h>
 
+#include <algorithm>
+
 #include "octavo/render/rays/mesh_shadow.h"
 #include "octavo/render/rays/ray_job.h"
 
@@ -321,6 +323,16 @@ HWY_INLINE Wholes entries_of(const ColorTable& table, Reals value) {
     entry = hn::Add(entry, hn::Min(hn::Max(of_piece, hn::Zero(kRays)), real(piece.entries)));
   }
   return hn::Min(hn::ConvertTo(kWhole, entry), whole(ColorTable::kSide - 1));
+}
+
+/// The same of one value.
+HWY_INLINE std::int32_t entry_of(const ColorTable& table, float value) {
+  float entry = 0;
+  for (const ColorTable::Piece& piece : table.pieces) {
+    const float of_piece = (value - piece.begin) * piece.entries_per_value;
+    entry = entry + std::min(std::max(of_piece, 0.0f), piece.entries);
+  }
+  return std::min(static_cast<std::int32_t>(entry), ColorTable::kSide - 1);
 }
 
 /// The opacities of parts of steps: their transmittances to the power of the lengths.

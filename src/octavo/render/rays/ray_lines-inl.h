@@ -30,6 +30,19 @@ struct PacketLines {
       place[axis] = hn::Add(origin[axis], hn::Mul(k, step[axis]));
     }
   }
+
+  /// The first sample behind boxes of a side.
+  HWY_INLINE Reals next_behind(const Wholes* begin, std::int32_t side, float margin) const {
+    Reals nearest = real(kRayDone);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const RayMask rises = hn::Gt(step[axis], hn::Zero(kRays));
+      const Reals ahead =
+          hn::IfThenElse(rises, real(static_cast<float>(side) - margin), real(margin));
+      const Reals face = hn::Add(hn::ConvertTo(kRays, begin[axis]), ahead);
+      nearest = hn::Min(nearest, hn::Mul(hn::Sub(face, origin[axis]), inverse[axis]));
+    }
+    return hn::Ceil(nearest);
+  }
 };
 
 HWY_INLINE RayMask all_or_none(bool all) {

@@ -67,6 +67,7 @@ class Packet {
   HWY_INLINE std::int64_t follow() {
     const Reals kept = hn::Load(kRays, tile_.k.data() + first_);
     k_ = hn::Max(hn::Abs(kept), lines_.enter);
+    keep_to(occupied_span_of(tile_, first_));
     done_before_ = hn::Lt(kept, hn::Zero(kRays));
     Wholes waits_for = whole(-1);
     RayMask active = before_end();
@@ -153,6 +154,13 @@ class Packet {
     taken_ += static_cast<std::int64_t>(hn::CountTrue(kRays, lanes));
   }
 
+  /// Rays begin and end where there may be anything.
+  HWY_INLINE void keep_to(const OccupiedSpan* span) {
+    if (span == nullptr) return;
+    k_ = hn::Max(k_, real(span->first));
+    lines_.leave = hn::Min(lines_.leave, real(span->last));
+  }
+
   // Each lane for itself.
 
   /// The bricks of rays that have left the ones before.
@@ -185,7 +193,8 @@ class Packet {
                 hn::Mul(brick_begin_[1], whole(b.row))),
         brick_begin_[0]);
     base_ = hn::Add(hn::Sub(hn::Mul(slot_, whole(b.slot)), begins), whole(inner_sample(b)));
-    brick_next_ = hn::IfThenElse(moved, next_behind(brick_begin_, 1 << b.shift), brick_next_);
+    const Reals next = lines_.next_behind(brick_begin_, 1 << b.shift, f_.margin);
+    brick_next_ = hn::IfThenElse(moved, next, brick_next_);
     mark_bricks(hn::And(is_other, hn::Gt(slot_, whole(-1))));
   }
 
@@ -195,20 +204,6 @@ class Packet {
     for (std::size_t i = 0; i < hn::Lanes(kWhole); ++i) {
       if (slots[i] >= 0) mark_used(f_.bricks, slots[i]);
     }
-  }
-
-  /// The first sample behind boxes of a side.
-  HWY_INLINE Reals next_behind(const Wholes* begin, std::int32_t side) const {
-    Reals nearest = real(kRayDone);
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const RayMask rises = hn::Gt(lines_.step[axis], hn::Zero(kRays));
-      const Reals ahead = hn::IfThenElse(
-          rises, real(static_cast<float>(side) - f_.margin), real(f_.margin));
-      const Reals face = hn::Add(hn::ConvertTo(kRays, begin[axis]), ahead);
-      nearest = hn::Min(nearest,
-                        hn::Mul(hn::Sub(face, lines_.origin[axis]), lines_.inverse[axis]));
-    }
-    return hn::Ceil(nearest);
   }
 
   HWY_INLINE PacketCubes cubes_around(RayMask present) const {
@@ -229,7 +224,7 @@ class Packet {
     const Wholes number = hn::Add(hn::ShiftLeftSame(y, bits), cube[0]);
     const Wholes looked_at = hn::IfThenElseZero(of_wholes(present), number);
     return {hn::GatherIndex(kRays, f_.bricks.cube_bounds, looked_at),
-            next_behind(begin, kSkipSide)};
+            lines_.next_behind(begin, kSkipSide, f_.margin)};
   }
 
   /// `next`, but the ends of rays before what lies beyond them.
@@ -417,23 +412,31 @@ class Packet {
         held = lowest_of(hn::IfThenElse(rays.open, sums_.gathered, real(kRayDone)));
       }
       const PacketCells cells = course_.cells_around(k);
-      if (!course_.is_worth(cells, held)) {
-        k = std::max(k + 1, course_.last_within(cells));
-        if constexpr (kMode != RayMode::volume) {
-          // Samples as far as this are nothing new.
-          const RayMask passed = hn::Le(rays.lower, real(k));
-          rays.front_k =
-              hn::IfThenElse(passed, hn::Min(real(k), lines_.leave), rays.front_k);
-        }
+      const int empty = course_.empty_shift(cells, held, kMode != RayMode::extreme);
+      if (empty != 0) {
+        k = std::max(k + 1, course_.last_within(cells, empty));
+        pass_samples(rays, k);
         continue;
       }
       if (!course_.enter_common(cells, brick)) break;
+      if (!kIsWide && course_.has_nothing<kMode>(brick, cells)) {
+        k += kStride;
+        pass_samples(rays, k);
+        continue;
+      }
       for (int i = 0; i < kStride; ++i) {
         step_together(rays, brick, k);
         k += 1;
       }
     }
     if (k > first) leave_together(rays, joined, k);
+  }
+
+  /// Samples as far as k are nothing new.
+  HWY_INLINE void pass_samples(CommonRays& rays, float k) const {
+    if constexpr (kMode == RayMode::volume) return;
+    const RayMask passed = hn::Le(rays.lower, real(k));
+    rays.front_k = hn::IfThenElse(passed, hn::Min(real(k), lines_.leave), rays.front_k);
   }
 
   /// Each ray goes on for itself.
@@ -577,9 +580,14 @@ template <RayMode kMode, bool kIsWide>
 std::int64_t follow_packets(const RayFrame& frame, RayTile& tile) {
   std::int64_t taken = 0;
   for (std::size_t first = 0; first < kTileRays; first += hn::Lanes(kRays)) {
-    const RayMask is_open =
-        hn::Lt(hn::Load(kRays, tile.k.data() + first), real(kRayDone));
+    const RayMask is_open = hn::Lt(hn::Load(kRays, tile.k.data() + first), real(kRayDone));
     if (hn::AllFalse(kRays, is_open)) continue;
+    const OccupiedSpan* const span = occupied_span_of(tile, first);
+    if (span != nullptr && span->first > span->last) {
+      hn::Store(real(kRayDone), kRays, tile.k.data() + first);
+      hn::Store(whole(-1), kWhole, tile.waits_for.data() + first);
+      continue;
+    }
     taken += Packet<kMode, kIsWide>(frame, tile, first).follow();
   }
   return taken;

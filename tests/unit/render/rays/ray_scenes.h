@@ -159,7 +159,8 @@ inline std::vector<float> gathered(const RayField& field) {
 }
 
 /// Each set of instructions of this machine gathers the bits of `expected`. Rays that go together
-/// take samples that some of them would skip, rays one by one none.
+/// take samples that some of them would skip, rays one by one none; those of colors and surfaces
+/// leave others out where the samples around them show nothing.
 template <class T>
 void expect_levels_alike(const RayVolume<T>& volume, RaySetup setup, const CastScene& expected) {
   std::int64_t single_samples = 0;
@@ -170,7 +171,8 @@ void expect_levels_alike(const RayVolume<T>& volume, RaySetup setup, const CastS
     const CastScene scene = cast_scene(volume, setup);
     EXPECT_EQ(gathered(scene.field), gathered(expected.field))
         << level << ' ' << static_cast<int>(setup.mode) << ' ' << setup.angle_degrees;
-    EXPECT_GE(scene.field.samples, single_samples) << level;
+    const bool has_ranges = setup.mode == RayMode::volume || setup.mode == RayMode::iso;
+    if (!has_ranges) EXPECT_GE(scene.field.samples, single_samples) << level;
     if (setup.follow == follow_rays_portable) single_samples = scene.field.samples;
   }
 }
