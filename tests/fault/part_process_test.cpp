@@ -129,7 +129,7 @@ class PartFolder {
 
 std::vector<std::string> simd_levels() {
   std::vector<std::string> levels = {"scalar"};
-  for (const char* const level : {"ssse3", "sse4", "avx2", "avx512", "neon"}) {
+  for (const char* const level : {"sse4", "avx2", "avx512", "neon"}) {
     if (simd_targets_of(level) != 0) levels.emplace_back(level);
   }
   return levels;

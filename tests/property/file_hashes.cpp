@@ -107,7 +107,7 @@ int main(int count, char** arguments) {
   try {
     if (count > 1 && std::strcmp(arguments[1], "--levels") == 0) {
       std::puts("scalar");
-      for (const char* level : {"ssse3", "sse4", "avx2", "avx512", "neon", "wasm"}) {
+      for (const char* level : {"sse4", "avx2", "avx512", "neon", "wasm"}) {
         if (octavo::simd_targets_of(level) != 0) std::puts(level);
       }
       return 0;

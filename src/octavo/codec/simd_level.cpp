@@ -20,9 +20,8 @@ std::mutex& dispatch_mutex() {
 
 std::int64_t simd_targets_of(std::string_view level) {
   constexpr std::pair<std::string_view, std::int64_t> kNames[] = {
-      {"ssse3", HWY_SSSE3}, {"sse4", HWY_SSE4},      {"avx2", HWY_AVX2},
-      {"avx512", HWY_AVX3}, {"avx512", HWY_AVX3_DL}, {"neon", HWY_NEON},
-      {"wasm", HWY_WASM}};
+      {"sse4", HWY_SSE4},      {"avx2", HWY_AVX2}, {"avx512", HWY_AVX3},
+      {"avx512", HWY_AVX3_DL}, {"neon", HWY_NEON}, {"wasm", HWY_WASM}};
   std::int64_t targets = 0;
   for (const auto& [name, target] : kNames) {
     if (name == level) targets |= target;

@@ -8,7 +8,7 @@
 
 namespace octavo {
 
-/// The Highway targets of `level` (ssse3, sse4, avx2, avx512, neon, wasm) that this machine has; 0
+/// The Highway targets of `level` (sse4, avx2, avx512, neon, wasm) that this machine has; 0
 /// when it has none.
 std::int64_t simd_targets_of(std::string_view level);
 

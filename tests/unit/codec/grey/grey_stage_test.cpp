@@ -257,7 +257,7 @@ Results run(const StageFunctions& functions, RandomSplit& s, bool has_cells) {
   return results;
 }
 
-constexpr const char* kInstructionSets[] = {"ssse3", "sse4", "avx2", "avx512", "neon", "wasm"};
+constexpr const char* kInstructionSets[] = {"sse4", "avx2", "avx512", "neon", "wasm"};
 
 /// Every instruction set of this machine gives what the portable functions give.
 void expect_as_portable(RandomSplit& split, bool has_cells) {
@@ -513,7 +513,7 @@ TEST_P(StagesOf, BoundTheMagnitudeOfTheLowestResidual) {
 }
 
 INSTANTIATE_TEST_SUITE_P(EveryInstructionSet, StagesOf,
-                         ::testing::Values("scalar", "ssse3", "sse4", "avx2", "avx512", "neon",
+                         ::testing::Values("scalar", "sse4", "avx2", "avx512", "neon",
                                          "wasm"),
                          [](const auto& test) { return test.param; });
 

@@ -65,7 +65,7 @@ TEST(LabelLearning, EveryInstructionSetGivesTheSameBits) {
   const auto expected = after_learning(portable_label_learning_functions(), samples);
   EXPECT_FALSE(has_same_bits(expected->weights, expected->start));
   int compared = 0;
-  for (const char* level : {"scalar", "ssse3", "sse4", "avx2", "avx512", "neon"}) {
+  for (const char* level : {"scalar", "sse4", "avx2", "avx512", "neon"}) {
     const auto functions = label_learning_functions_of(level);
     if (!functions) continue;
     ++compared;

@@ -81,7 +81,7 @@ void expect_decodes(const LabelWalkFunctions& walk, const LabelModel& model,
 /// Those of every instruction set that this machine has.
 std::vector<LabelWalkFunctions> all_walks() {
   std::vector<LabelWalkFunctions> all;
-  for (const char* const level : {"scalar", "ssse3", "sse4", "avx2", "avx512", "neon", "wasm"}) {
+  for (const char* const level : {"scalar", "sse4", "avx2", "avx512", "neon", "wasm"}) {
     if (const auto walk = label_walk_functions_of(level)) all.push_back(*walk);
   }
   return all;

@@ -164,7 +164,7 @@ inline std::vector<float> gathered(const RayField& field) {
 template <class T>
 void expect_levels_alike(const RayVolume<T>& volume, RaySetup setup, const CastScene& expected) {
   std::int64_t single_samples = 0;
-  for (const char* level : {"scalar", "ssse3", "sse4", "avx2", "avx512", "neon"}) {
+  for (const char* level : {"scalar", "sse4", "avx2", "avx512", "neon"}) {
     const auto follow = follow_rays_function_of(level);
     if (!follow) continue;
     setup.follow = *follow;
