@@ -44,13 +44,17 @@ set(OCTAVO_PROGRAM_RPATH $ORIGIN/${octavo_library_path})
 # A build folder may be moved, or seen by another path.
 set(CMAKE_BUILD_RPATH_USE_ORIGIN ON)
 
-# Half of a compiler's time goes into headers that every source of a target reads again.
-option(OCTAVO_UNITY "Compile the sources of a target sixteen at a time" OFF)
+# Half of a compiler's time goes into headers that every source of a target reads again, and into
+# what their templates become.
+option(OCTAVO_UNITY "Compile sooner: many sources of a target at a time" OFF)
 
-# octavo_small(TARGET ROOM): in the wheel, which everybody downloads, rooms without loops over
+# octavo_optimized(TARGET ROOM): in the wheel, which everybody downloads, rooms without loops over
 # voxels are compiled for size, and others without what makes code long for a few percent.
 set(octavo_rooms_for_size dist io tasks)
-function(octavo_small target room)
+# Where sources are compiled together, rooms that leave loops over voxels to others cost a third
+# less without what takes the compiler longest.
+set(octavo_rooms_for_time dist tasks)
+function(octavo_optimized target room)
   if(OCTAVO_WHEEL)
     if(room IN_LIST octavo_rooms_for_size)
       target_compile_options(${target} PRIVATE -Os)
@@ -58,14 +62,18 @@ function(octavo_small target room)
       target_compile_options(${target} PRIVATE -O2)
     endif()
     target_compile_options(${target} PRIVATE -ffunction-sections -fdata-sections)
-    target_compile_definitions(${target} PRIVATE OCTAVO_FEW_TARGETS)
+  elseif(OCTAVO_UNITY AND room IN_LIST octavo_rooms_for_time)
+    target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
   endif()
 endfunction()
 
-# octavo_unity(TARGET): names in its anonymous namespaces are unique within the target.
+# octavo_unity(TARGET [COUNT]): compiles so many sources at a time, where that is asked for; 32 if
+# nothing is said. Names in anonymous namespaces are unique within the target.
 function(octavo_unity target)
+  set(count 32 ${ARGN})
+  list(GET count -1 count)
   set_target_properties(${target} PROPERTIES
-    UNITY_BUILD ${OCTAVO_UNITY} UNITY_BUILD_BATCH_SIZE 16)
+    UNITY_BUILD ${OCTAVO_UNITY} UNITY_BUILD_BATCH_SIZE ${count})
   # GCC takes the sources for headers of the one that lists them.
   target_compile_options(${target} PRIVATE
     $<$<AND:$<BOOL:${OCTAVO_UNITY}>,$<CXX_COMPILER_ID:GNU>>:-Wno-subobject-linkage>)
@@ -89,7 +97,7 @@ function(octavo_module_read name variable)
     target_include_directories(octavo_${name}_read PRIVATE ${CMAKE_SOURCE_DIR}/src)
     target_link_libraries(octavo_${name}_read PRIVATE octavo_flags)
     octavo_unity(octavo_${name}_read)
-    octavo_small(octavo_${name}_read ${name})
+    octavo_optimized(octavo_${name}_read ${name})
     list(APPEND others $<TARGET_OBJECTS:octavo_${name}_read>)
   endif()
   set(${variable} ${others} PARENT_SCOPE)
@@ -108,7 +116,7 @@ function(octavo_module name)
   target_compile_features(octavo_${name} PUBLIC cxx_std_20)
   set_target_properties(octavo_${name} PROPERTIES EXPORT_NAME ${name})
   octavo_unity(octavo_${name})
-  octavo_small(octavo_${name} ${name})
+  octavo_optimized(octavo_${name} ${name})
   add_library(octavo::${name} ALIAS octavo_${name})
   install(TARGETS octavo_${name} EXPORT octavoTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 endfunction()

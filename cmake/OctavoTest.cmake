@@ -49,7 +49,7 @@ function(octavo_test name tier)
   add_executable(test_${name} ${arg_SOURCES})
   target_link_libraries(test_${name}
     PRIVATE ${arg_USES} ${arg_LINKS} octavo_source_folder octavo_test_flags GTest::gtest_main)
-  octavo_unity(test_${name})
+  octavo_unity(test_${name} 16)
   if(NOT CMAKE_CXX_COMPILER_LAUNCHER)
     target_precompile_headers(test_${name} REUSE_FROM octavo_test_headers)
   endif()

@@ -12,7 +12,7 @@ namespace octavo {
 namespace {
 
 constexpr double kFilledShare = 0.9;           // of the picture, by what is shown
-constexpr double kFarthest = double(1 << 30);  // units
+constexpr double kFarthestUnits = double(1 << 30);  // units
 constexpr int kMostFractionBits = 24;
 
 /// One voxel along an index axis, mm.
@@ -200,13 +200,13 @@ View make_view(const Geometry& geometry, const Size3& size, const Box& shown,
 
   // Round, as finely as the numbers allow.
   const double most = farthest(origin, axes, size);
-  if (!(most * 2 < kFarthest)) {
+  if (!(most * 2 < kFarthestUnits)) {
     throw Error(ErrorKind::limit_exceeded,
                 "the zoom is too large; the volume would be 2^29 pixels long");
   }
   double units = 2;
   view.fraction_bits = 1;
-  while (view.fraction_bits < kMostFractionBits && most * units * 2 < kFarthest) {
+  while (view.fraction_bits < kMostFractionBits && most * units * 2 < kFarthestUnits) {
     units *= 2;
     ++view.fraction_bits;
   }

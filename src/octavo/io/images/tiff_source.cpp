@@ -190,7 +190,7 @@ TiffStack examine(std::vector<std::string> files, bool is_spacing_given) {
   return stack;
 }
 
-[[noreturn]] void reject(const TiffStack& stack, const std::string& why) {
+[[noreturn]] void reject_stack(const TiffStack& stack, const std::string& why) {
   throw Error(ErrorKind::source_rejected, why, stack.files.front());
 }
 
@@ -209,9 +209,10 @@ PageCounts count_pages(const TiffStack& stack) {
   // OME counts the samples of a page as channels.
   if (text.is_ome && counts.channels % samples == 0) counts.channels /= samples;
   if (samples > 1 && counts.channels > 1) {
-    reject(stack, "its " + program_of(stack) + " description says " +
-                      std::to_string(text.channels) + " channels in pages of " +
-                      std::to_string(samples) + " samples each; save one channel as its own file");
+    reject_stack(stack,
+                 "its " + program_of(stack) + " description says " +
+                     std::to_string(text.channels) + " channels in pages of " +
+                     std::to_string(samples) + " samples each; save one channel as its own file");
   }
   const auto pages = static_cast<std::int64_t>(stack.planes.size());
   const std::int64_t parts = static_cast<std::int64_t>(
@@ -222,13 +223,14 @@ PageCounts count_pages(const TiffStack& stack) {
       is_one_file && text.slices > 0 ? text.slices : std::max<std::int64_t>(pages / parts, 1);
   const bool fits = parts <= pages && pages % parts == 0 && counts.slices == pages / parts;
   if (fits && (is_one_file || parts == 1)) return counts;
-  reject(stack, "its " + program_of(stack) + " description says " +
-                    std::to_string(counts.channels) + " channels of " +
-                    std::to_string(counts.slices) + " slices at " + std::to_string(counts.times) +
-                    " points in time, found are " + std::to_string(pages) + " pages in " +
-                    std::to_string(stack.files.size()) +
-                    (is_one_file ? " file; it is cut, or part of a set of files"
-                                 : " files; save one channel and time as its own stack"));
+  reject_stack(stack,
+               "its " + program_of(stack) + " description says " +
+                   std::to_string(counts.channels) + " channels of " +
+                   std::to_string(counts.slices) + " slices at " + std::to_string(counts.times) +
+                   " points in time, found are " + std::to_string(pages) + " pages in " +
+                   std::to_string(stack.files.size()) +
+                   (is_one_file ? " file; it is cut, or part of a set of files"
+                                : " files; save one channel and time as its own stack"));
 }
 
 SourceComponents components_of(const TiffStack& stack, const PageCounts& counts) {
@@ -262,9 +264,10 @@ void order_pages(TiffStack& stack, const PageCounts& counts) {
         stack.planes.begin(), stack.planes.end(), number,
         [](const TiffPlane& plane, std::int64_t wanted) { return plane.number < wanted; });
     if (found == stack.planes.end() || found->number != number) {
-      reject(stack, "its OME description takes page " + std::to_string(number) +
-                        " (counted from 0) for a plane, which is a thumbnail or not there; save it "
-                        "again with another program");
+      reject_stack(stack,
+                   "its OME description takes page " + std::to_string(number) +
+                       " (counted from 0) for a plane, which is a thumbnail or not there; save it "
+                       "again with another program");
     }
     ordered.push_back(*found);
   }

@@ -89,7 +89,7 @@ std::string_view table_path(const RequestHead& head) {
 }
 
 /// The entry of the table with the longest name that the path goes on behind.
-SiteTable::const_iterator folder_of(std::string_view path, const SiteTable& table) {
+SiteTable::const_iterator entry_above(std::string_view path, const SiteTable& table) {
   for (std::size_t end = path.rfind('/'); end != path.npos && end > 0;
        end = path.rfind('/', end - 1)) {
     const auto folder = table.find(path.substr(0, end + 1));
@@ -172,7 +172,7 @@ class Answering {
   }
 
   SiteAnswer of_folder() {
-    const auto folder = folder_of(head_.path, table_);
+    const auto folder = entry_above(head_.path, table_);
     if (folder == table_.end()) return plain(404);
     const std::string_view key = std::string_view(head_.path).substr(folder->first.size());
     const std::optional<ServedPart> part = folder->second->beneath(key);
@@ -252,7 +252,7 @@ RangeState parse_asked_range(std::string_view field, std::uint64_t size, ServedR
 
 bool is_behind_folder(const RequestHead& head, const SiteTable& table) {
   return table.find(table_path(head)) == table.end() &&
-         folder_of(head.path, table) != table.end();
+         entry_above(head.path, table) != table.end();
 }
 
 SiteAnswer site_answer(const RequestHead& head, const SiteRules& rules, SiteTable& table) {

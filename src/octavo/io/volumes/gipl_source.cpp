@@ -15,7 +15,7 @@ namespace octavo {
 
 namespace {
 
-constexpr std::size_t kHeaderBytes = 256;
+constexpr std::size_t kGiplHeaderBytes = 256;
 constexpr std::uint32_t kMagic = 719555000;
 constexpr std::uint32_t kOlderMagic = 4026526128;
 constexpr std::uint32_t kExtendedMagic = 815;
@@ -37,12 +37,12 @@ StreamCoding coding_of(const std::string& path) {
 GiplHeader read_header(const std::string& path) {
   const StreamCoding coding = coding_of(path);
   const std::uint64_t file_bytes = SourceFile(path).size();
-  if (coding == StreamCoding::plain && file_bytes < kHeaderBytes) {
+  if (coding == StreamCoding::plain && file_bytes < kGiplHeaderBytes) {
     reject(path, "not a GIPL file: its header alone takes 256 bytes, the file has " +
                      std::to_string(file_bytes) +
                      "; check what it is, or copy it again from its origin");
   }
-  std::array<std::byte, kHeaderBytes> bytes{};
+  std::array<std::byte, kGiplHeaderBytes> bytes{};
   VoxelStream(path, 0, coding).read(bytes);
   const HeaderBytes read(bytes, true);
   GiplHeader header;
@@ -129,7 +129,7 @@ std::unique_ptr<PlaneSource> open_gipl_source(const std::string& path,
   VoxelRun run;
   run.path = path;
   run.coding = coding_of(path);
-  run.skip_bytes = kHeaderBytes;
+  run.skip_bytes = kGiplHeaderBytes;
   run.big_endian = true;
   const std::uint64_t volume_bytes =
       checked_mul(stored_plane_bytes(facts),

@@ -13,7 +13,7 @@ constexpr double kDoubt = 1.0 / 1024;
 
 PlanePoint flat(const Place& place) { return {place.x, place.y}; }
 
-PlanePoint sum(const PlanePoint& a, const PlanePoint& b) { return {a.x + b.x, a.y + b.y}; }
+PlanePoint plus(const PlanePoint& a, const PlanePoint& b) { return {a.x + b.x, a.y + b.y}; }
 
 double slope_of(const PlanePoint& edge) {
   return edge.y == 0 ? 0 : static_cast<double>(edge.x) / static_cast<double>(edge.y);
@@ -22,7 +22,7 @@ double slope_of(const PlanePoint& edge) {
 /// Lets an edge lead down, or to the right where it is level.
 void turn_down(PlanePoint& top, PlanePoint& edge) {
   if (edge.y > 0 || (edge.y == 0 && edge.x > 0)) return;
-  top = sum(top, edge);
+  top = plus(top, edge);
   edge = {-edge.x, -edge.y};
 }
 
@@ -65,9 +65,9 @@ CubeShape cube_shape(const View& view, int level) {
     const auto a = static_cast<std::size_t>(axis);
     const PlanePoint edge = flat(view.axes[a] * side);
     shape.lowest =
-        sum(shape.lowest, {std::min<std::int64_t>(edge.x, 0), std::min<std::int64_t>(edge.y, 0)});
+        plus(shape.lowest, {std::min<std::int64_t>(edge.x, 0), std::min<std::int64_t>(edge.y, 0)});
     shape.highest =
-        sum(shape.highest, {std::max<std::int64_t>(edge.x, 0), std::max<std::int64_t>(edge.y, 0)});
+        plus(shape.highest, {std::max<std::int64_t>(edge.x, 0), std::max<std::int64_t>(edge.y, 0)});
     if (view.nearness[a] != 0) {
       shape.faces[static_cast<std::size_t>(shape.face_count++)] = face_across(view, axis, side);
     }
