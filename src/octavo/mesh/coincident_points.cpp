@@ -60,7 +60,7 @@ class PointGroups {
   static int group_bits(std::size_t count) {
     constexpr int kPointsPerGroup = 13;  // as a power of two
     constexpr int kMost = 18;
-    const int bits = std::bit_width(count) - kPointsPerGroup;
+    const int bits = static_cast<int>(std::bit_width(count)) - kPointsPerGroup;
     return bits < 1 ? 1 : bits > kMost ? kMost : bits;
   }
   std::size_t group_of(std::uint32_t hash) const { return hash >> shift_; }

@@ -44,9 +44,9 @@ VolumeDescription new_description(const std::shared_ptr<const FileReader>& reade
 
 /// Planes computed at once: as many as a brick is high, where they are not too large.
 std::int64_t planes_at_once(const VolumeDescription& volume) {
-  constexpr std::uint64_t kMostBytes = std::uint64_t{128} << 20;
+  constexpr std::uint64_t kMostPlaneBytes = std::uint64_t{128} << 20;
   std::uint64_t planes = 64;
-  while (planes > 8 && planes * plane_bytes(volume) > kMostBytes) planes /= 2;
+  while (planes > 8 && planes * plane_bytes(volume) > kMostPlaneBytes) planes /= 2;
   return std::min(static_cast<std::int64_t>(planes), volume.size.z);
 }
 

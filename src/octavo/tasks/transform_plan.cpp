@@ -38,10 +38,10 @@ const char* interpolation_name(Interpolation interpolation) {
 
 /// The name of a step, as the metadata of its result hold it.
 const char* name_of(const TransformStep& step) {
-  constexpr std::array kNames = {"translate", "translate-mm", "shift",  "rotate",
-                                 "mirror",    "scale",        "affine"};
-  static_assert(kNames.size() == std::variant_size_v<TransformStep>);
-  return kNames[step.index()];
+  constexpr std::array kStepNames = {"translate", "translate-mm", "shift",  "rotate",
+                                     "mirror",    "scale",        "affine"};
+  static_assert(kStepNames.size() == std::variant_size_v<TransformStep>);
+  return kStepNames[step.index()];
 }
 
 /// "1,0.5,-3"
