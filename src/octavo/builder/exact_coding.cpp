@@ -90,12 +90,13 @@ std::vector<float> frequent_values(const FloatStack& planes) {
 // Differences between voxels that follow each other, none of them 0.
 class Differences {
  public:
-  void start() { before_.reset(); }
+  void start() { has_before_ = false; }
   void add(double value) {
-    if (before_ && value != *before_ && differences_.size() < kMost) {
-      differences_.push_back(std::abs(value - *before_));
+    if (has_before_ && value != before_ && differences_.size() < kMost) {
+      differences_.push_back(std::abs(value - before_));
     }
     before_ = value;
+    has_before_ = true;
   }
   const std::vector<double>& all() const { return differences_; }
   bool is_full() const { return differences_.size() == kMost; }
@@ -103,7 +104,8 @@ class Differences {
  private:
   static constexpr std::size_t kMost = 1 << 20;
   std::vector<double> differences_;
-  std::optional<double> before_;
+  double before_ = 0;
+  bool has_before_ = false;
 };
 
 // Differences that tell of noise: between neighbors of which neither is a frequent value; where

@@ -88,6 +88,7 @@ Bytes AnimatedPng::add(const Picture& picture) {
       append_chunk(out, name, content);
     } else if (name == "IDAT") {
       Bytes numbered;
+      numbered.reserve(4 + content.size());
       append_number(numbered, sequence_++, 4);
       numbered.insert(numbered.end(), content.begin(), content.end());
       append_chunk(out, "fdAT", numbered);

@@ -172,7 +172,9 @@ void expect_levels_alike(const RayVolume<T>& volume, RaySetup setup, const CastS
     EXPECT_EQ(gathered(scene.field), gathered(expected.field))
         << level << ' ' << static_cast<int>(setup.mode) << ' ' << setup.angle_degrees;
     const bool has_ranges = setup.mode == RayMode::volume || setup.mode == RayMode::iso;
-    if (!has_ranges) EXPECT_GE(scene.field.samples, single_samples) << level;
+    if (!has_ranges) {
+      EXPECT_GE(scene.field.samples, single_samples) << level;
+    }
     if (setup.follow == follow_rays_portable) single_samples = scene.field.samples;
   }
 }
