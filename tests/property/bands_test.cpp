@@ -19,7 +19,7 @@ TEST(Bands, APlanInBandsIsThatOfWholeGroups) {
   const SmallGroups groups(kPartGroupBytes);
   for (const SmallVolume& volume : part_volumes()) {
     SmallVolume in_bands = volume;
-    for (const std::uint64_t bytes : {1, 1 << 13, 1 << 20}) {
+    for (const std::uint64_t bytes : {1u, 1u << 13, 1u << 20}) {
       in_bands.options.band_bytes = bytes;
       EXPECT_EQ(plan_text(planned(in_bands)), plan_text(planned(volume))) << volume.name;
     }

@@ -6,9 +6,9 @@
 namespace octavo {
 
 bool is_valid(const Rescale& rescale, VoxelType type) noexcept {
-  constexpr double kLargestFloat = std::numeric_limits<float>::max();
-  double low = -kLargestFloat;
-  double high = kLargestFloat;
+  constexpr double kHighest = std::numeric_limits<float>::max();
+  double low = -kHighest;
+  double high = kHighest;
   if (is_integer(type)) {
     const ValueRange range = value_range(type);
     low = static_cast<double>(range.min);

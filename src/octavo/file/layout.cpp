@@ -140,7 +140,7 @@ Section get_section(ByteSpan bytes, std::size_t at) {
 
 // What must hold before any field can be believed: magic, length, version, checksum.
 void check_envelope(ByteSpan bytes) {
-  const std::size_t present = std::min(bytes.size(), kMagic.size());
+  const auto present = static_cast<std::ptrdiff_t>(std::min(bytes.size(), kMagic.size()));
   const auto begins_as = [&](const std::array<std::uint8_t, 8>& magic) {
     return std::equal(magic.begin(), magic.begin() + present, bytes.begin());
   };

@@ -395,7 +395,9 @@ TEST(FloatPlanes, FewValuesComeBitByBitWhereThatTakesFewerBytes) {
     return std::sqrt(static_cast<float>(i * 2654435761u >> 7 & 15));
   };
   const FloatSettings fine = {.max_error = 1e-4, .first_planes = 64};
-  const auto two_values = [](std::size_t i) { return (i * 2654435761u >> 9 & 1) * 0.37f; };
+  const auto two_values = [](std::size_t i) {
+    return (i * 2654435761u >> 9 & 1) == 1 ? 0.37f : 0.0f;
+  };
   for (const std::function<float(std::size_t)>& voxel :
        {std::function<float(std::size_t)>(square_root),
         std::function<float(std::size_t)>(two_values)}) {
@@ -421,7 +423,7 @@ TEST(FloatPlanes, FewValuesComeBitByBitWhereThatTakesFewerBytes) {
 }
 
 TEST(FloatPlanes, NothingButNumbersIsTakenWhereAMaxErrorWasAskedFor) {
-  Floats floats(80, [](std::size_t i) { return (i * 2654435761u >> 9 & 1) * 0.37f; });
+  Floats floats(80, [](std::size_t i) { return (i * 2654435761u >> 9 & 1) == 1 ? 0.37f : 0.0f; });
   floats.voxels[70 * 32 + 9] = kNan;
   NoProgress progress;
   const auto source = floats.source();

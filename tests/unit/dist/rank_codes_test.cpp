@@ -25,8 +25,9 @@ std::vector<std::uint8_t> boxed_labels(const Size3& size) {
         const auto box = static_cast<std::uint32_t>(x / side + 3 * (y / side) + 7 * (z / side));
         const std::uint32_t random = (static_cast<std::uint32_t>(at) + seed) * 2654435761u;
         const bool is_noise = noise > 0 && random >> 24 < static_cast<std::uint32_t>(noise);
-        voxels[at++] =
-            static_cast<std::uint8_t>((is_noise ? random >> 8 : box) % (labels + 1u));
+        const std::uint32_t label =
+            (is_noise ? random >> 8 : box) % (static_cast<std::uint32_t>(labels) + 1);
+        voxels[at++] = static_cast<std::uint8_t>(label);
       }
     }
   }

@@ -193,7 +193,7 @@ TEST_F(Bodies, AreNotTurnedInsideOut) {
   volume.description.type = VoxelType::uint8;
   volume.description.kind = VolumeKind::labels;
   volume.voxels.resize(125);
-  for (const std::size_t voxel : {38, 41, 42, 62, 63, 66, 67, 88, 92}) {
+  for (const std::size_t voxel : {38u, 41u, 42u, 62u, 63u, 66u, 67u, 88u, 92u}) {
     volume.voxels[voxel] = std::byte{1};
   }
   testing::build_volume(volume, folder_.file("turned.8vo"), 1);

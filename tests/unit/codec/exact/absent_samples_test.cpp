@@ -10,7 +10,7 @@ namespace {
 TEST(AbsentSamples, FlagsOfALevelFollowThoseAbove) {
   const Size3 size{5, 3, 2};
   AbsentFlags flags(30);
-  for (const std::size_t i : {0, 1, 5, 6, 15, 16, 20, 21, 29}) flags[i] = 1;
+  for (const std::size_t i : {0u, 1u, 5u, 6u, 15u, 16u, 20u, 21u, 29u}) flags[i] = 1;
   const AbsentFlags coarse = coarser_flags(flags, size, 7);
   ASSERT_EQ(coarse.size(), 6u);
   EXPECT_EQ(coarse, (AbsentFlags{1, 0, 0, 0, 0, 0}));

@@ -409,9 +409,9 @@ TEST(ExactCodec, EveryTruncationAndManyFlipsAreRejectedOrDecode) {
         EncodedBrick cut = encoded;
         cut.segments[level].resize(at);
         EXPECT_THROW(decoded(*codec, brick, cut, 0), Error) << level << " " << at;
-        for (const std::uint8_t flip : {1, 16, 255}) {
+        for (const unsigned flip : {1u, 16u, 255u}) {
           EncodedBrick broken = encoded;
-          broken.segments[level][at] ^= flip;
+          broken.segments[level][at] ^= static_cast<std::uint8_t>(flip);
           try {
             decoded(*codec, brick, broken, 0);
           } catch (const Error& error) {

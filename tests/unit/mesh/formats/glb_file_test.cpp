@@ -35,8 +35,8 @@ class ReadGlb {
 
   /// The bytes of an accessor, with the stride of its view.
   std::string array(std::size_t accessor) const {
-    const json& view =
-        description["bufferViews"][description["accessors"][accessor]["bufferView"].get<int>()];
+    const auto place = description["accessors"][accessor]["bufferView"].get<std::size_t>();
+    const json& view = description["bufferViews"][place];
     if (!view.contains("extensions")) {
       return bytes_.substr(view["byteOffset"], view["byteLength"]);
     }

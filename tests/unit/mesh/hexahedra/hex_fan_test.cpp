@@ -43,8 +43,8 @@ std::vector<std::uint32_t> some_points() {
   std::uint32_t state = 1;
   for (int i = 0; i < 3000; ++i) {
     std::uint32_t points = HexNodes::kCornerPoints;
-    for (const std::uint32_t middle : {1, 3, 5, 7, 9, 11, 15, 17, 19, 21, 23, 25, 4, 10, 12, 14, 16,
-                                       22}) {
+    for (const std::uint32_t middle : {1u, 3u, 5u, 7u, 9u, 11u, 15u, 17u, 19u, 21u, 23u, 25u, 4u,
+                                       10u, 12u, 14u, 16u, 22u}) {
       state = state * 1664525 + 1013904223;
       if (state >> 31 != 0) points |= 1u << middle;
     }

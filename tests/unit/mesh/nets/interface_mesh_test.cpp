@@ -47,7 +47,8 @@ CornerPlaces corner_places(const TriangleMesh& mesh, const MeshTriangle& t) {
 TEST(InterfaceMesh, PartsAreClosedAndManifoldAndFillTheBox) {
   for (unsigned seed = 0; seed < 40; ++seed) {
     const Size3 size = {8, 8, 8};
-    std::vector<std::int16_t> voxels = testing::random_labels(size, seed, 1 + seed % 6);
+    const int highest = static_cast<int>(1 + seed % 6);
+    std::vector<std::int16_t> voxels = testing::random_labels(size, seed, highest);
     const bool is_full = seed % 2 == 0;
     for (std::int16_t& voxel : voxels) voxel = static_cast<std::int16_t>(voxel + (is_full ? 1 : 0));
     const testing::BuiltLabels labels(size, voxels);
@@ -108,7 +109,7 @@ TEST(InterfaceMesh, TellsPartsThatTouchApart) {
   // Two voxels at an edge and one at a corner of the second.
   const Size3 size = {3, 3, 3};
   std::vector<std::int16_t> voxels(27);
-  for (const std::size_t voxel : {0, 4, 17}) voxels[voxel] = 1;
+  for (const std::size_t voxel : {0u, 4u, 17u}) voxels[voxel] = 1;
   const testing::BuiltLabels labels(size, voxels);
   const Interfaces interfaces(labels.reader());
   const TriangleMesh part = LabelParts(interfaces.made).cut(1);

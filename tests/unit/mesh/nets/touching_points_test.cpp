@@ -29,7 +29,8 @@ TEST(TouchingPoints, LeavesSurfacesThatAreClosedByTheirPlaces) {
   std::size_t touching = 0;
   for (unsigned seed = 0; seed < 10; ++seed) {
     const Size3 size = {7, 8, 9};
-    const testing::BuiltLabels labels(size, testing::random_labels(size, seed, 1 + seed % 5));
+    const int highest = static_cast<int>(1 + seed % 5);
+    const testing::BuiltLabels labels(size, testing::random_labels(size, seed, highest));
     for (const int steps : {0, 5}) {
       const InterfaceMesh interfaces = interfaces_of(labels, steps);
       LabelParts parts(interfaces);
