@@ -2,7 +2,7 @@
 //
 // usage: node tests/web/package_test.mjs
 import assert from "node:assert/strict";
-import { execFileSync } from "node:child_process";
+import { execFileSync, spawnSync } from "node:child_process";
 import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
@@ -76,6 +76,26 @@ test("Node.js reads a scan through it", () => {
   `);
   const said = execFileSync(process.execPath, ["read.mjs"], { cwd: folder, encoding: "utf8" });
   assert.match(said, /^Int16Array 352\n.*worker-node\.js\n$/);
+});
+
+test("programs of Node.js end by themselves, whatever they read", () => {
+  const opened = `const scan = await open(readFileSync("${scanName}"));`;
+  writeFileSync(join(folder, scanName), golden(scanName));
+  for (const program of [
+    opened,
+    `${opened} scan.close();`,
+    "await open(new Uint8Array(8)).catch(() => {});",
+    "await createPool({ workers: 2 });",
+    `${opened} await scan.read({ lo: [0, 0, 0], hi: scan.size }, 0);`,
+  ]) {
+    const text = `import { readFileSync } from "node:fs";
+      import { createPool, open } from "@octavo/reader"; ${program} console.log("done");`;
+    writeFileSync(join(folder, "ends.mjs"), text);
+    // Only a program that hangs is stopped.
+    const { status, signal, stdout, stderr } = spawnSync(process.execPath, ["ends.mjs"],
+      { cwd: folder, encoding: "utf8", timeout: 60_000 });
+    assert.deepEqual([status, signal, stdout], [0, null, "done\n"], `${program} ${stderr}`);
+  }
 });
 
 test("a bundle for browsers asks for nothing of Node.js", async () => {

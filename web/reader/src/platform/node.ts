@@ -24,7 +24,10 @@ export const platform: Platform = {
     worker.unref();
     return {
       post: (message, transfer = []) => worker.postMessage(message, transfer),
-      listen: (hear) => void worker.on("message", hear),
+      listen(hear) {
+        worker.on("message", hear);
+        worker.unref(); // Who listens for messages holds the program, too.
+      },
       onEnd: (hear) => void worker.on("error", ({ message }) => hear("internal", message)),
       hold: (isHeld) => (isHeld ? worker.ref() : worker.unref()),
       end: () => void worker.terminate(),
