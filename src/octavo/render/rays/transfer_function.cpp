@@ -41,7 +41,12 @@ BetweenPoints between_points(const std::vector<TransferPoint>& points, double va
 constexpr int kOuterEntries = 16;      // below the points, and above
 constexpr std::size_t kEntryParts = 16;
 constexpr double kMostOpacity = 1 - 1e-7;
-constexpr double kNoWidth = 1e-30;
+// Shares of all values: how far outer pieces reach at least, how far they reach between the points,
+// and what entries that no value has are wide. Between the points that is less than half a part.
+constexpr double kOuterMinimum = 1e-2;
+constexpr double kOuterOverlap = 1e-5;
+constexpr double kOverlapBetween = 5e-5;
+constexpr double kUnusedWidth = 1e-6;
 
 /// Per layer.
 double extinction_of(double opacity) { return -std::log1p(-std::min(opacity, kMostOpacity)); }
@@ -182,15 +187,19 @@ TransferTable::TransferTable(std::span<const SteppedTransfer> transfers, const R
   for (const SteppedTransfer& stepped : transfers) add(stepped, rescale, scale);
 }
 
-/// Pieces: below the points, between them, and above.
+/// Pieces: below the points, between them, and above. The first value has an entry of those below,
+/// and the last one of those above, so that what begins with no opacity there has none; where
+/// functions begin with a step, the first value has what is above it.
 void TransferTable::set_pieces(std::span<const SteppedTransfer> transfers, const Rescale& rescale,
                                const PooledScale& scale, const SampleRange& pooled) {
   double low = pooled.highest;
   double high = pooled.lowest;
+  bool is_step = false;
   for (const SteppedTransfer& stepped : transfers) {
     const auto& points = stepped.transfer.points;
     // What is alike for all values has no points of its own.
     if (transfers.size() > 1 && points.size() == 1) continue;
+    is_step = is_step || (points.size() > 1 && points[0].value == points[1].value);
     for (const TransferPoint& point : {points.front(), points.back()}) {
       const double stored = (point.value - rescale.intercept) / rescale.slope;
       const double value = std::clamp(scale.pooled(stored), pooled.lowest, pooled.highest);
@@ -200,8 +209,15 @@ void TransferTable::set_pieces(std::span<const SteppedTransfer> transfers, const
   }
   high = std::max(low, high);
   colored_width_ = high - low;
-  last_value_ = pooled.highest;
-  const double ends[] = {pooled.lowest, low, high, pooled.highest};
+  const double all = pooled.highest > pooled.lowest ? pooled.highest - pooled.lowest : 1.0;
+  const double overlap = std::min(kOuterOverlap * all, kOverlapBetween * (high - low));
+  const bool is_falling = rescale.slope < 0;
+  const double ends[] = {std::min(pooled.lowest, low - kOuterMinimum * all),
+                         low + (is_step && !is_falling ? -overlap : overlap),
+                         high + (is_step && is_falling ? overlap : -overlap),
+                         std::max(pooled.highest, high + kOuterMinimum * all)};
+  last_value_ = ends[3];
+  unused_width_ = kUnusedWidth * all;
   for (std::size_t i = 0; i < pieces_.size(); ++i) {
     const double width = ends[i + 1] - ends[i];
     const double entries = i == 1 ? ColorTable::kSide - 2 * kOuterEntries : kOuterEntries;
@@ -223,7 +239,7 @@ void TransferTable::add(const SteppedTransfer& stepped, const Rescale& rescale,
     const double end = value_at(static_cast<double>(part + 1) / kEntryParts);
     const double real = rescale.to_real(scale.stored(0.5 * (begin + end)));
     // Entries beyond the last value are as that is.
-    const double width = end > begin ? end - begin : kNoWidth;
+    const double width = end > begin ? end - begin : unused_width_;
     sums.push_back(sums.back());
     sums.back().add(transfer.color_at(real), extinction_of(transfer.opacity_at(real)), width);
   }

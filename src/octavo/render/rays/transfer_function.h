@@ -99,6 +99,7 @@ class TransferTable {
   std::array<ColorTable::Piece, 3> pieces_;
   double last_value_ = 0;
   double colored_width_ = 0;
+  double unused_width_ = 0;
   std::vector<float> opacities_;
   std::vector<std::uint32_t> colors_;
   std::vector<std::int32_t> seen_before_;  // by function: entries before each that have an opacity

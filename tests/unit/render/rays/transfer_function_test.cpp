@@ -71,6 +71,55 @@ TEST(TransferTable, WhatHasNoOpacityIsNotSeen) {
   EXPECT_TRUE(table.is_seen(500, 600));
 }
 
+/// The opacity of a layer of one value.
+double opacity_of(const TransferTable& made, float value) {
+  const ColorTable table = made.table();
+  float entry = 0;
+  for (const ColorTable::Piece& piece : table.pieces) {
+    entry += std::clamp((value - piece.begin) * piece.entries_per_value, 0.0f, piece.entries);
+  }
+  const std::int32_t place = std::min(static_cast<std::int32_t>(entry), ColorTable::kSide - 1);
+  return table.opacities[place * (ColorTable::kSide + 1)];
+}
+
+TEST(TransferTable, TheEndsOfAllValuesHaveWhatTheFunctionSays) {
+  const SampleRange range = {0, 255};
+  for (const double rise : {50.0, 200.0, 255.0, 300.0}) {
+    const TransferFunction rising{{{0, {}, 0}, {rise, {}, 0.2}}, {}, false};
+    const TransferTable table(rising, {}, {}, range, 1);
+    EXPECT_NEAR(opacity_of(table, 255), rising.opacity_at(255), 1e-3) << rise;
+    EXPECT_EQ(opacity_of(table, 0), 0) << rise;
+    EXPECT_TRUE(table.is_seen(255, 255));
+    EXPECT_FALSE(table.is_seen(0, 0));
+    const TransferFunction falling{{{255 - rise, {}, 0.2}, {255, {}, 0}}, {}, false};
+    const TransferTable turned(falling, {}, {}, range, 1);
+    EXPECT_NEAR(opacity_of(turned, 0), falling.opacity_at(0), 1e-3) << rise;
+    EXPECT_EQ(opacity_of(turned, 255), 0) << rise;
+  }
+  // Alike everywhere, and of one value alone.
+  const TransferFunction plain{{{100, {}, 0.3}}, {}, false};
+  for (const double highest : {0.0, 100.0, 255.0}) {
+    const TransferTable table(plain, {}, {}, {0, highest}, 1);
+    EXPECT_NEAR(opacity_of(table, static_cast<float>(highest)), 0.3, 1e-6) << highest;
+    EXPECT_NEAR(opacity_of(table, 0), 0.3, 1e-6) << highest;
+  }
+}
+
+TEST(TransferTable, StepsBelongToTheValuesAbove) {
+  for (const double at : {0.0, 100.0, 255.0}) {
+    const TransferFunction step{{{at, {}, 0}, {at, {}, 0.5}, {300, {}, 0.5}}, {}, false};
+    for (const double slope : {1.0, -1.0}) {
+      const SampleRange range = slope > 0 ? SampleRange{0, 255} : SampleRange{-255, 0};
+      const TransferTable table(step, {slope, 0}, {}, range, 1);
+      const auto value = [&](double real) { return static_cast<float>(real * slope); };
+      EXPECT_NEAR(opacity_of(table, value(at)), 0.5, 1e-3) << at << " " << slope;
+      if (at > 0) {
+        EXPECT_EQ(opacity_of(table, value(at - 1)), 0) << at << " " << slope;
+      }
+    }
+  }
+}
+
 TEST(TransferTable, AFallingScaleTurnsValuesRound) {
   const TransferFunction transfer{{{-50, {}, 0}, {-10, {255, 0, 0}, 1}}, {}, false};
   const TransferTable table(transfer, {-1, 0}, {}, {0, 1000}, 1);
