@@ -90,8 +90,10 @@ class Messages(cli_test.InFolder):
         self.assertEqual((info["min"], info["max"]), (None, None))
         probe = self.expect(0, "probe", "n.8vo", "--at", "3,3,3").stdout
         self.assertIn("value   nan\n", probe)
-        for mode in [["volume"], ["iso", "--isovalue", "0"], ["mip"], ["minip"], ["mean"]]:
-            drawn = self.said("render", "n.8vo", "--mode", *mode, "-o", f"{mode[0]}.png", "--json")
+        self.expect_error(2, ["n.8vo: no voxel has a finite value"], "render", "n.8vo", "--mode",
+                          "iso", "--isovalue", "0", "-o", "iso.png")
+        for mode in ["volume", "mip", "minip", "mean"]:
+            drawn = self.said("render", "n.8vo", "--mode", mode, "-o", f"{mode}.png", "--json")
             self.assertEqual(json.loads(drawn.stdout)["warnings"],
                              ["n.8vo: no voxel is seen; the picture is empty"], mode)
 
