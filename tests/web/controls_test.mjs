@@ -182,6 +182,18 @@ test("the address names what is open, and nothing that a file took the place of"
   });
 });
 
+test("parts of other names and the end of an address stay when another scan is opened", async () => {
+  await withPage("?token=a%20b&url=scan.8vo&layout=z#h", async (shown) => {
+    await settled(shown);
+    const query = await shown.evaluate(() => octavo.permalink().split("?")[1]);
+    assert.match(query, /^url=scan\.8vo&at=.*&layout=z&.*&token=a%20b#h$/);
+    await drop(shown, files.scan, "dropped.8vo");
+    await shown.waitForFunction(() => octavo.session.facts.name === "dropped.8vo");
+    assert.match(await shown.evaluate(() => location.href), /\/index\.html\?token=a%20b#h$/);
+    await settled(shown);
+  });
+});
+
 test("a file that can never open is named, and offers no other try", async () => {
   await withPage("", async (shown) => {
     await drop(shown, Buffer.from("no scan ".repeat(100)), "notes.txt");

@@ -376,26 +376,57 @@ test("the line names the scan that is being opened, from the start to the first 
   });
 });
 
-test("a scan that comes late does not take the place of one that was opened after it", async () => {
+/** Requests for a path wait: `asked` settles with the first, `answer` lets all go on. */
+function heldBack(path) {
   let answer;
-  host.files.set("/late.8vo", files.scan);
-  await withPage("", async (shown) => {
-    const isLate = new Promise((resolve) => {
-      host.misbehave = (request) => {
-        if (!request.url.startsWith("/late.8vo")) return false;
-        resolve();
-        return new Promise((go) => { answer = () => go(false); });
-      };
-    });
-    await shown.evaluate(() => { globalThis.late = octavo.open("late.8vo"); });
-    await isLate;
-    await shown.evaluate(() => octavo.open("scan.8vo"));
-    host.misbehave = null;
-    answer();
-    await shown.evaluate(() => globalThis.late);
-    assert.equal(await text(shown, "title"), "scan.8vo");
-    await settled(shown);
+  const isAnswered = new Promise((go) => { answer = () => go(false); });
+  const asked = new Promise((resolve) => {
+    host.misbehave = (request) => {
+      if (!request.url.startsWith(path)) return false;
+      resolve();
+      return isAnswered;
+    };
   });
+  return { asked, answer };
+}
+
+test("what comes or fails late does not take the place of a scan opened after it", async () => {
+  host.files.set("/late.8vo", files.scan);
+  host.files.set("/late_labels.8vo", files.labels);
+  for (const name of ["late.8vo", "late_labels.8vo", "none.8vo"]) {
+    await withPage("", async (shown) => {
+      const { asked, answer } = heldBack(`/${name}`);
+      await shown.evaluate((late) => { globalThis.late = octavo.open(late); }, name);
+      await asked;
+      await shown.evaluate(() => octavo.open("scan.8vo"));
+      answer();
+      await shown.evaluate(() => globalThis.late);
+      assert.equal(await text(shown, "title"), "scan.8vo", name);
+      assert.equal(await text(shown, "message"), "", name);
+      assert.equal(await shown.evaluate(() => octavo.overlay?.facts.name), undefined, name);
+    }, { mayComplain: name === "none.8vo" });
+  }
+});
+
+test("labels of a link do not come over another scan than that of the link", async () => {
+  host.files.set("/late_labels.8vo", files.labels);
+  for (const name of ["late_labels.8vo", "none.8vo"]) {
+    let held;
+    await withPage(`?url=scan.8vo&labels=${name}`, async (shown) => {
+      await held.asked;
+      await shown.evaluate(async () => {
+        const bytes = await (await fetch("scan.8vo")).arrayBuffer();
+        await octavo.open(new File([bytes], "own.8vo"));
+      });
+      const answered = shown.waitForResponse((response) => response.url().endsWith(name));
+      held.answer();
+      await answered;
+      await shown.waitForTimeout(500);
+      assert.equal(await shown.evaluate(() => octavo.overlay?.facts.name), undefined);
+      assert.equal(await text(shown, "message"), "");
+      assert.equal(await shown.evaluate(() => location.search), "");
+    }, { mayComplain: name === "none.8vo", prepare: () => { held = heldBack(`/${name}`); } });
+  }
 });
 
 test("a file that is replaced is never mixed with the one that is shown", async () => {

@@ -42,6 +42,28 @@ test("a link holds a view, and gives it back", () => {
   }
 });
 
+test("an address in a link is that of its file, short where that is the same", () => {
+  for (const [name, short] of [
+    ["a.8vo", "a.8vo"], ["b/a:b.8vo", "b/a:b.8vo"], ["a:b.8vo", undefined],
+    ["https:a.8vo", undefined], ["javascript:a", undefined], ["//a.8vo", undefined],
+    ["//[", undefined], ["/a.8vo", undefined], ["?a=1", undefined], ["", undefined],
+  ] as const) {
+    const url = base + name;
+    const text = permalinkText({ url, labels: url }, `${base}index.html?x#y`);
+    const found = parsePermalink(text, `${base}index.html`);
+    assert.deepEqual(found, { url, labels: url }, text);
+    if (short) assert.equal(text, `?url=${short}&labels=${short}`);
+  }
+});
+
+test("parts of other names stay in a link as they were", () => {
+  const of = (search: string): string => permalinkText({ layout: "z" }, base, search);
+  assert.equal(of("?token=a%20b+c&url=x&u%72l=y&at=1&layout=x&&flag&=&t=%"),
+    "?layout=z&token=a%20b+c&flag&=&t=%");
+  assert.equal(of(""), "?layout=z");
+  assert.equal(permalinkText({}, base, "?hide=2&token=1"), "?token=1");
+});
+
 test("clip boxes, curves and hidden labels that are none are left out", () => {
   const of = (query: string): object => parsePermalink(`?${query}`, base);
   for (const clip of [

@@ -161,6 +161,8 @@ const PARTS: readonly [string, keyof Permalink, (text: string) => unknown][] = [
   ["side", "isNeurological", parseSide],
 ];
 
+const NAMES = ["url", "labels", ...PARTS.map(([name]) => name)];
+
 /** Parts that are not understood are left out, and put into `wrong`. */
 export function parsePermalink(search: string, base: string, wrong: string[] = []): Permalink {
   const query = new URLSearchParams(search);
@@ -178,8 +180,11 @@ export function parsePermalink(search: string, base: string, wrong: string[] = [
   return found as Permalink;
 }
 
-/** The query of a link, in a fixed order; URLs stay readable where they can. */
-export function permalinkText(link: Permalink, base: string): string {
+/**
+ * The query of a link, in a fixed order; URLs stay readable where they can. Behind it stand the
+ * parts of other names that `search`, the query before, has.
+ */
+export function permalinkText(link: Permalink, base: string, search = ""): string {
   const parts: string[] = [];
   const put = (key: string, value: string | undefined): void => {
     if (value === undefined) return;
@@ -189,7 +194,9 @@ export function permalinkText(link: Permalink, base: string): string {
   };
   const relative = (url: string | undefined): string | undefined => {
     const folder = new URL(".", base).href;
-    return url?.startsWith(folder) ? url.slice(folder.length) : url;
+    const short = url?.startsWith(folder) ? url.slice(folder.length) : "";
+    // Not every name is an address of its own: "a:b.8vo" has a scheme, "//a.8vo" a host.
+    return url && safeUrl(short, base) === url ? short : url;
   };
   put("url", relative(link.url));
   put("labels", relative(link.labels));
@@ -208,5 +215,9 @@ export function permalinkText(link: Permalink, base: string): string {
   put("curve", link.curve === undefined ? undefined : curveText(link.curve));
   put("hide", link.hidden && hiddenText(link.hidden));
   if (link.isNeurological) put("side", "neurological");
+  for (const part of search.replace("?", "").split("&")) {
+    const [name] = new URLSearchParams(part).keys();
+    if (name !== undefined && !NAMES.includes(name)) parts.push(part);
+  }
   return parts.length > 0 ? `?${parts.join("&")}` : "";
 }

@@ -77,9 +77,10 @@ export class App {
   private link: Permalink = {};
   private urls: { scan?: string; labels?: string } = {};
   private isFirstPicture = false;
-  /** How often something was to be opened, and which of these times the scan is of. */
+  /** How often something was to be opened, and of which of these times scan and labels are. */
   private openings = 0;
   private scanOpening = 0;
+  private labelsOpening = 0;
   /** What the first picture took. */
   firstTraffic: Traffic | undefined;
   private wantTimer: ReturnType<typeof setTimeout> | undefined;
@@ -176,17 +177,21 @@ export class App {
 
   /** Labels that a link lays over its scan; anything else leaves the scan as it is. */
   private async openLabels(url: string): Promise<void> {
+    const opening = this.scanOpening;
     try {
       const volume = await this.bring(url);
       const { kind, name } = volume.facts;
-      if (kind === "labels" && this.session?.facts.kind === "grey") this.openOverlay(volume, url);
+      if (opening < this.labelsOpening) volume.close();
+      else if (kind === "labels" && this.session?.facts.kind === "grey")
+        this.openOverlay(volume, url);
       else {
         volume.close();
         const why = kind === "grey" ? "holds no labels" : "labels lie over grey values alone";
         this.messages.show(`${name}: ${why}; it is not laid over the scan`, "error");
       }
     } catch (error) {
-      this.desk.couldNotOpen(error, () => void this.openLabels(url));
+      if (opening === this.openings)
+        this.desk.couldNotOpen(error, () => void this.openLabels(url));
     }
     this.drawn();
   }
@@ -199,16 +204,19 @@ export class App {
       const volume = await this.bring(source);
       const isOverlay = this.session?.facts.kind === "grey" && volume.facts.kind === "labels";
       const url = typeof source === "string" ? source : undefined;
-      if (isOverlay) this.openOverlay(volume, url);
-      else if (opening < this.scanOpening) volume.close();
+      if (opening < (isOverlay ? this.labelsOpening : this.scanOpening)) volume.close();
       else {
-        this.scanOpening = opening;
-        this.openScan(volume, url);
+        this.labelsOpening = opening;
+        if (isOverlay) this.openOverlay(volume, url);
+        else {
+          this.scanOpening = opening;
+          this.openScan(volume, url);
+        }
       }
     } catch (error) {
       // A file of this machine is what it was.
       const again = typeof source === "string" ? () => void this.open(source) : undefined;
-      this.desk.couldNotOpen(error, again);
+      if (opening === this.openings) this.desk.couldNotOpen(error, again);
     }
     this.drawn();
   }
@@ -341,7 +349,12 @@ export class App {
   /** What is open is not, or no longer, what the address names. */
   private rename(link: Permalink): void {
     this.link = link;
-    history.replaceState(null, "", location.pathname + permalinkText(link, document.baseURI));
+    history.replaceState(null, "", this.addressOf(link));
+  }
+
+  private addressOf(link: Permalink): string {
+    const query = permalinkText(link, document.baseURI, location.search);
+    return /[^?#]*/.exec(location.href)! + query + location.hash;
   }
 
   /** The curve of a link, else one that suits the unit and the window. */
@@ -425,8 +438,7 @@ export class App {
       link.labels = this.urls.labels;
       link.opacity = s.overlayOpacity;
     }
-    const page = new URL(document.baseURI);
-    return `${page.origin}${page.pathname}${permalinkText(link, document.baseURI)}`;
+    return this.addressOf(link);
   }
 
   private async copyLink(): Promise<void> {
