@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <set>
 
 #include "octavo/builder/build_memory.h"
 #include "octavo/core/error.h"
@@ -63,6 +64,15 @@ void require_no_input(const std::string& path, const std::vector<std::string>& i
   for (const std::string& input : inputs) {
     if (!std::filesystem::equivalent(path, input, none)) continue;
     throw Error(ErrorKind::invalid_argument, "is the input itself; name another output", path);
+  }
+}
+
+void require_apart(const std::vector<std::string>& outputs) {
+  std::set<std::filesystem::path> places;
+  for (const std::string& output : outputs) {
+    if (output.empty()) continue;
+    if (places.insert(std::filesystem::weakly_canonical(output)).second) continue;
+    throw Error(ErrorKind::invalid_argument, "is to hold two results; name another output", output);
   }
 }
 

@@ -26,6 +26,9 @@ void require_free(const Output& output);
 /// Throws Error{invalid_argument} when a file to write is one of `inputs`, under any name.
 void require_no_input(const std::string& path, const std::vector<std::string>& inputs);
 
+/// Throws Error{invalid_argument} when two of the files to write are one; empty names are none.
+void require_apart(const std::vector<std::string>& outputs);
+
 /// require_free for an .8vo file that is computed from others. Throws Error{invalid_argument} when
 /// its name does not end in .8vo, or is one of `inputs`, even with overwrite.
 void require_computed(const Output& output, const std::vector<std::string>& inputs);

@@ -118,6 +118,7 @@ bool is_enough(const AlignResult& result) {
 }
 
 void check_outputs(const AlignOptions& options) {
+  require_apart({options.matrix.path, options.picture.path});
   for (const Output* output : {&options.matrix, &options.picture}) {
     if (output->path.empty()) continue;
     require_free(*output);

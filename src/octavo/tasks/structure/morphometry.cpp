@@ -318,6 +318,7 @@ class MorphometryWork {
 }  // namespace
 
 MorphometryResult morphometry(const MorphometryOptions& options, const TaskContext& context) {
+  require_apart({options.thickness_map.path, options.spacing_map.path, options.histogram.path});
   for (const Output* map : {&options.thickness_map, &options.spacing_map}) {
     if (map->path.empty()) continue;
     require_computed(*map, {options.input, options.region, options.grey});

@@ -1,6 +1,7 @@
 #include "octavo/tasks/structure/morphometry.h"
 
 #include <cmath>
+#include <filesystem>
 
 #include "support/task_files.h"
 
@@ -95,6 +96,14 @@ TEST_F(MorphometryTask, SaysWhereThereIsNothingToMeasure) {
   options_.input = write("plain.8vo", solid([](const Index3&) { return true; }), false);
   EXPECT_EQ(failure_of([&] { morphometry(options_, context_); }).kind,
             ErrorKind::invalid_argument);
+}
+
+TEST_F(MorphometryTask, RejectsTwoResultsForOneFileBeforeAnyWork) {
+  options_.thickness_map.path = folder_.file("map.8vo");
+  options_.spacing_map.path = folder_.file("./map.8vo");
+  EXPECT_EQ(failure_of([&] { morphometry(options_, context_); }).kind,
+            ErrorKind::invalid_argument);
+  EXPECT_FALSE(std::filesystem::exists(options_.thickness_map.path));
 }
 
 }  // namespace
