@@ -32,15 +32,15 @@ async function drag(shown, id, from, to, button = "left") {
   await shown.mouse.up({ button });
 }
 
-/** Lets a file fall on the page. */
-const drop = (shown, bytes, name) => shown.evaluate(([all, called]) => {
+/** Lets a file fall on the page, and others of no bytes with it. */
+const drop = (shown, bytes, ...names) => shown.evaluate(([all, ...called]) => {
   const held = new DataTransfer();
-  held.items.add(new File([Uint8Array.from(all)], called));
+  called.forEach((name, i) => held.items.add(new File(i ? [] : [Uint8Array.from(all)], name)));
   for (const kind of ["dragover", "drop"]) {
     document.body.dispatchEvent(new DragEvent(kind, {
       dataTransfer: held, bubbles: true, cancelable: true }));
   }
-}, [[...bytes], name]);
+}, [[...bytes], ...names]);
 
 test("every control has a name, and the panels say what they show", async () => {
   await withPage("?url=scan.8vo&labels=labels.8vo", async (shown) => {
@@ -161,6 +161,18 @@ test("a file that is dropped is shown without a request", async () => {
     await settled(shown);
     assert.equal(await text(shown, "title"), "dropped.8vo");
     assert.deepEqual(host.requestsOf("/scan.8vo"), []);
+  });
+});
+
+test("of files that are dropped at once the first is opened, and the page says so", async () => {
+  await withPage("", async (shown) => {
+    await drop(shown, files.scan, "dropped.8vo", "second.8vo", "third.8vo");
+    await settled(shown);
+    assert.equal(await text(shown, "title"), "dropped.8vo");
+    assert.match(await text(shown, "message"), /^3 files at once: dropped\.8vo alone is opened/);
+    await drop(shown, files.labels, "labels.8vo");
+    await shown.waitForFunction(() => octavo.overlay?.facts.name === "labels.8vo");
+    assert.equal(await text(shown, "message"), "");
   });
 });
 

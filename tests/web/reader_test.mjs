@@ -460,9 +460,31 @@ test("whatever is no box, place, pool or source is an error of this package", as
       assert.throws(() => scan[call](place), wrong);
     }
   }
+  const highest = Math.log2(Math.max(...scan.size) - 1) | 0;
+  assert.equal(scan.oCode([0, 0, 0], highest + 1).replaceAll("8", ""), "");
+  for (const level of [highest + 2, 40, -1, 0.5, NaN, "1"]) {
+    assert.throws(() => scan.oCode([0, 0, 0], level),
+      failsWith("invalid_argument", /^scan: no cubes of level .*; the whole is one of level \d+$/));
+  }
+  await assert.rejects(scan.read(whole(scan.levels[0]), 0, { signal: 3 }), wrong);
   scan.close();
   for (const source of [null, undefined, 5, {}, "d/x.8vo", "", { fetchBytes: 1 }]) {
     await assert.rejects(open(source, { pool }), wrong);
+  }
+  const bytes = golden("minimal.8vo");
+  for (const option of ["cacheBytes", "parallelRequests", "joinGapBytes", "wholeFileBytes"]) {
+    for (const given of [-1, NaN, "5", {}]) {
+      await assert.rejects(open(bytes, { pool, [option]: given }),
+        failsWith("invalid_argument", new RegExp(`: ${option} is .*, no number from 0 on$`)));
+    }
+  }
+  await assert.rejects(open(bytes, { pool: 3 }), wrong);
+  for (const wasm of [42, {}, null, true]) {
+    await assert.rejects(createPool({ wasm }), failsWith("invalid_argument", /^wasm is /));
+  }
+  await assert.rejects(createPool({ worker: 42 }), failsWith("invalid_argument", /^worker is /));
+  for (const cacheBytes of [-1, NaN, "5"]) {
+    await assert.rejects(createPool({ cacheBytes }), failsWith("invalid_argument", /^cacheBytes /));
   }
   await assert.rejects(open("ftp://127.0.0.1/x.8vo", { pool }),
     failsWith("io", /x\.8vo: .*ftp:.* cannot be fetched/));

@@ -447,6 +447,42 @@ test("a file that is replaced is never mixed with the one that is shown", async 
   }, { mayComplain: true, prepare: () => host.files.set("/scan.8vo", before) });
 });
 
+test("a file that was replaced does not take the place of a scan opened after it", async () => {
+  const [before, after] = await Promise.all([5, 6].map(async (seed) =>
+    Buffer.from((await builtScan(seed)).bytes)));
+  host.files.set("/late.8vo", files.scan);
+  for (const isPressed of [true, false]) {
+    await withPage("?url=scan.8vo&layout=z&at=75,65,10", async (shown) => {
+      await shown.waitForFunction(() => globalThis.octavo?.session?.hasPreview);
+      const late = isPressed ? undefined : heldBack("/late.8vo");
+      if (late) {
+        await shown.evaluate(() => { globalThis.late = octavo.open("late.8vo"); });
+        await late.asked;
+      }
+      host.files.set("/scan.8vo", after);
+      await shown.evaluate(() => octavo.store.set({ at: [10, 10, 70], layout: "y" }));
+      const open = shown.locator("#message button", { hasText: "Open the new file" });
+      await open.waitFor();
+      if (late) {
+        late.answer();
+        await shown.evaluate(() => globalThis.late);
+      } else {
+        const reopened = heldBack("/scan.8vo");
+        await open.click();
+        await reopened.asked;
+        await shown.evaluate(() => octavo.open("late.8vo"));
+        const answered = shown.waitForResponse((response) => response.url().endsWith("/scan.8vo"));
+        reopened.answer();
+        await answered;
+        await shown.waitForTimeout(500);
+      }
+      await settled(shown);
+      assert.equal(await text(shown, "title"), "late.8vo");
+      assert.equal(await text(shown, "message"), "");
+    }, { mayComplain: true, prepare: () => host.files.set("/scan.8vo", before) });
+  }
+});
+
 test("lies and damage are a sentence, and the next file opens", async () => {
   const damaged = Buffer.from(files.scan);
   for (let i = 0; i < 64; ++i) damaged[Math.floor(damaged.length / 2) + i * 97] ^= 0xff;

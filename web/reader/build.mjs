@@ -3,7 +3,7 @@
 //   reader.js, niivue.js, worker.js                  for browsers
 //   reader-node.js, niivue-node.js, worker-node.js   for Node.js
 //   zarr-worker.js                                   a Service Worker
-import { copyFile, mkdir, readdir, rm } from "node:fs/promises";
+import { copyFile, mkdir, readdir, readFile, rm } from "node:fs/promises";
 import { fileURLToPath } from "node:url";
 import { build } from "esbuild";
 
@@ -13,13 +13,22 @@ await mkdir(here("dist"), { recursive: true });
 for (const name of await readdir(here("dist"))) {
   if (name.endsWith(".js")) await rm(here(`dist/${name}`));
 }
+// The bytes of a file as text, and less around it than esbuild's own loader for browsers that lack
+// Uint8Array.fromBase64.
+const scans = {
+  name: "scans",
+  setup: ({ onLoad }) => onLoad({ filter: /\.8vo$/ }, async ({ path }) => {
+    const text = (await readFile(path)).toString("base64");
+    return { contents: `export default Uint8Array.from(atob("${text}"), (c) => c.charCodeAt());` };
+  }),
+};
 const settings = {
   outdir: here("dist"),
   bundle: true,
   target: "es2022",
   minify: true,
   legalComments: "none",
-  loader: { ".8vo": "binary" },
+  plugins: [scans],
   logLevel: "warning",
 };
 const forNode = {
@@ -27,7 +36,7 @@ const forNode = {
   target: "node18",
   external: ["node:*"],
   entryNames: "[name]-node",
-  plugins: [{
+  plugins: [scans, {
     name: "platform",
     setup: ({ onResolve }) =>
       onResolve({ filter: /\/platform\/browser\.js$/ }, () => ({ path: here("src/platform/node.ts") })),

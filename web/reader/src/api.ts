@@ -27,7 +27,8 @@ export interface VoxelArrays {
 export type VoxelArray = VoxelArrays[VoxelTypeName];
 
 /**
- * - invalid_argument     a box or level that the volume does not have; a source that is none
+ * - invalid_argument     a box or level that the volume does not have; a source or option that is
+ *                        none
  * - not_octavo           the bytes are no .8vo file
  * - unsupported_version  of a later version
  * - corrupt, truncated   damaged: the message names what and where
@@ -260,7 +261,8 @@ export interface Volume extends FileFacts {
   levelFor(spacingMm: number): number;
   /** The name, or the number where it has none, and the color of any label. */
   labelInfo(label: number): LabelInfo;
-  /** The o-code of the cube of side 2^level around a voxel of level 0, digits and markers. */
+  /** The o-code of the cube of side 2^level around a voxel of level 0, digits and markers; level
+   *  0 to that of the smallest such cube that holds the whole. */
   oCode(voxel: Vector3, level?: number): string;
   /** The PNG picture that the file carries; null when it has none. */
   thumbnail(options?: ReadOptions): Promise<Blob | null>;

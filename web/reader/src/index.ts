@@ -3,6 +3,7 @@ import type { CreatePool } from "./api.js";
 import { LocalPool } from "./decode/local_pool.js";
 import { WorkerPool } from "./decode/pool.js";
 import { failureOf, OctavoError } from "./errors.js";
+import { countOr } from "./numbers.js";
 
 export type * from "./api.js";
 export { OctavoError } from "./errors.js";
@@ -13,6 +14,7 @@ export const createPool: CreatePool = async (options) => {
   if (!Number.isInteger(workers) || workers < 0) {
     throw new OctavoError("invalid_argument", `a pool of ${String(workers)} workers`);
   }
+  countOr(0, options?.cacheBytes, "cacheBytes");
   try {
     return await (workers === 0 ? LocalPool : WorkerPool).create(options);
   } catch (cause) {

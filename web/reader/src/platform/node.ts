@@ -9,9 +9,13 @@ import { OctavoError } from "../errors.js";
 import { fetchModule } from "./fetch_module.js";
 import type { Platform } from "./platform.js";
 
-/** An address, or a path of this machine. */
-function placeOf(place: string | URL): URL {
+/** An address, or a path of this machine. Programs without types may give anything. */
+function placeOf(place: unknown, what: string): URL {
   if (place instanceof URL) return place;
+  if (typeof place !== "string") {
+    throw new OctavoError(
+      "invalid_argument", `${what} is ${String(place)}, no address and no path`);
+  }
   return /^[a-z][a-z\d+.-]+:/i.test(place) ? new URL(place) : pathToFileURL(resolve(place));
 }
 
@@ -20,7 +24,8 @@ export const platform: Platform = {
   coreCount: availableParallelism,
   startWorker(place) {
     const worker = place === undefined
-      ? new Worker(new URL("./worker-node.js", import.meta.url)) : new Worker(placeOf(place));
+      ? new Worker(new URL("./worker-node.js", import.meta.url))
+      : new Worker(placeOf(place, "worker"));
     worker.unref();
     return {
       post: (message, transfer = []) => worker.postMessage(message, transfer),
@@ -34,7 +39,8 @@ export const platform: Platform = {
     };
   },
   async compile(place) {
-    const url = place === undefined ? new URL("./octavo.wasm", import.meta.url) : placeOf(place);
+    const url = place === undefined
+      ? new URL("./octavo.wasm", import.meta.url) : placeOf(place, "wasm");
     if (url.protocol !== "file:") return fetchModule(url.href);
     try {
       return await WebAssembly.compile(await readFile(url));
@@ -43,5 +49,10 @@ export const platform: Platform = {
       throw new OctavoError("io", `octavo.wasm: ${reason}`, { cause });
     }
   },
-  expectListeners: (signal) => setMaxListeners(0, signal),
+  expectListeners(signal) {
+    if (!(signal instanceof AbortSignal)) {
+      throw new OctavoError("invalid_argument", `signal is ${String(signal)}, no AbortSignal`);
+    }
+    setMaxListeners(0, signal);
+  },
 };

@@ -4,6 +4,7 @@ import type { Decoders } from "../decode/decoders.js";
 import { createVolume, Engine, EngineFile } from "../decode/engine.js";
 import { WorkerPool } from "../decode/pool.js";
 import { failureOf, OctavoError } from "../errors.js";
+import { countOr } from "../numbers.js";
 import { platform } from "../platform/browser.js";
 import { FileBytes, type PlacedBytes, type WaitOptions } from "../store/file_bytes.js";
 import { fetcherOf } from "../store/fetchers.js";
@@ -31,7 +32,7 @@ function sharedPool(): Promise<WorkerPool> {
 }
 
 function isDecoders(pool: Pool): pool is Decoders {
-  return "module" in pool && "engine" in pool;
+  return (pool as Partial<Decoders>).engine !== undefined;
 }
 
 export const open: Open = async (source, options) => {
@@ -48,17 +49,17 @@ async function opened(source: Source, options: OpenOptions): Promise<Volume> {
   if (!isDecoders(pool)) {
     throw new OctavoError("invalid_argument", "the pool is none of createPool");
   }
-  const cacheBytes = options.cacheBytes ?? 128 * 1024 * 1024;
+  const cacheBytes = countOr(128 * 1024 * 1024, options.cacheBytes, "cacheBytes");
   const bytes = new FileBytes(
     fetcherOf(source, {
-      wholeFileBytes: options.wholeFileBytes ?? 50e6,
+      wholeFileBytes: countOr(50e6, options.wholeFileBytes, "wholeFileBytes"),
       credentials: options.credentials ?? "omit",
       ...(options.name === undefined ? {} : { name: options.name }),
     }),
     {
       cacheBytes,
-      parallelRequests: Math.max(1, options.parallelRequests ?? 6),
-      joinGapBytes: Math.max(0, options.joinGapBytes ?? 32 * 1024),
+      parallelRequests: Math.max(1, countOr(6, options.parallelRequests, "parallelRequests")),
+      joinGapBytes: countOr(32 * 1024, options.joinGapBytes, "joinGapBytes"),
       onSlow: options.onSlow,
     });
   const opening = new Opening(bytes, pool, source, options, cacheBytes);

@@ -170,6 +170,11 @@ export class OpenVolume implements Volume {
       throw new OctavoError("invalid_argument",
         `${this.name}: no voxel ${voxel.join(",")} in ${this.size.join(" x ")}`);
     }
+    const root = Math.ceil(Math.log2(Math.max(...this.size)));
+    if (!(Number.isInteger(level) && level >= 0 && level <= root)) {
+      throw new OctavoError("invalid_argument",
+        `${this.name}: no cubes of level ${String(level)}; the whole is one of level ${root}`);
+    }
     const { engine } = this.parts.pool;
     return engine.guard((exports) => engine.withBox([...this.size, ...voxel], (place) =>
       engine.text(exports.octavo_o_code(place, place + 24, level))));

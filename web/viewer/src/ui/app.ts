@@ -50,6 +50,11 @@ export type Opener = (
   onSlow: (slow: SlowServer | null) => void,
 ) => Promise<Volume>;
 
+/** Files of this machine have none. */
+function urlOf(source: string | File): string | undefined {
+  return typeof source === "string" ? source : undefined;
+}
+
 /** Decoded voxels that are kept: a quarter of what the browser says the machine has, at most. */
 function cellBudget(): number {
   const gigabytes = (navigator as { deviceMemory?: number }).deviceMemory ?? 4;
@@ -123,7 +128,11 @@ export class App {
       new SliceGestures(panel, this.store, facts, (voxel) => this.readout.hover(voxel));
     }
     new RayGestures(this.rays, this.store);
-    const doors = listenToDoors((source) => void this.open(source));
+    const doors = listenToDoors((source, others = 0) => {
+      void this.open(source);
+      const all = `${others + 1} files at once`;
+      if (others > 0) this.messages.show(`${all}: ${nameOf(source)} alone is opened`, "note");
+    });
     const save = (): void => void this.save();
     makeToolbar(this.store, {
       choose: doors.choose,
@@ -163,13 +172,14 @@ export class App {
     for (const sentence of rejected.values()) this.messages.add(sentence);
   }
 
-  /** Opens a volume; the line says so until it is here. */
-  private async bring(source: string | File): Promise<Volume> {
+  /** Opens a volume, or what took the place of that of a session; the line says so until it is
+   *  here. */
+  private async bring(source: string | File, replaced?: Session): Promise<Volume> {
     const opening = openingText(nameOf(source));
     this.fidelity.opening = opening;
     this.drawn();
     try {
-      return await this.opener(source, showSlow);
+      return await (replaced ? replaced.volume.reopen() : this.opener(source, showSlow));
     } finally {
       if (this.fidelity.opening === opening) this.fidelity.opening = "";
     }
@@ -196,49 +206,57 @@ export class App {
     this.drawn();
   }
 
-  /** Opens a scan; or labels over the one that is there. */
-  async open(source: string | File): Promise<void> {
+  /** Opens a scan; or labels over the one that is there, unless its file was replaced by them. */
+  async open(source: string | File, replaced?: Session): Promise<void> {
     const opening = ++this.openings;
     this.messages.clear();
     try {
-      const volume = await this.bring(source);
-      const isOverlay = this.session?.facts.kind === "grey" && volume.facts.kind === "labels";
-      const url = typeof source === "string" ? source : undefined;
+      const volume = await this.bring(source, replaced);
+      const scan = this.session;
+      const isOverlay =
+        scan?.facts.kind === "grey" && volume.facts.kind === "labels" && scan !== replaced;
       if (opening < (isOverlay ? this.labelsOpening : this.scanOpening)) volume.close();
       else {
         this.labelsOpening = opening;
-        if (isOverlay) this.openOverlay(volume, url);
+        if (isOverlay) this.openOverlay(volume, source);
         else {
           this.scanOpening = opening;
-          this.openScan(volume, url);
+          this.openScan(volume, source);
         }
       }
     } catch (error) {
       // A file of this machine is what it was.
-      const again = typeof source === "string" ? () => void this.open(source) : undefined;
+      const isLost = typeof source !== "string" && !replaced;
+      const again = isLost ? undefined : () => void this.open(source, replaced);
       if (opening === this.openings) this.desk.couldNotOpen(error, again);
     }
     this.drawn();
   }
 
-  private newSession(volume: Volume, reopened: (volume: Volume) => void): Session {
+  private newSession(volume: Volume, source: string | File): Session {
     const session: Session = new Session(
       volume,
       cellBudget(),
       () => this.arrived(session),
-      (error) => this.desk.couldNotRead(error, session, reopened),
+      (error) => this.desk.couldNotRead(error, session, () => void this.open(source, session)),
     );
     return session;
   }
 
-  private openScan(volume: Volume, url: string | undefined): void {
-    this.session?.close();
-    this.overlay?.close();
+  private end(session: Session | undefined): void {
+    session?.close();
+    this.desk.forget(session);
+  }
+
+  private openScan(volume: Volume, source: string | File): void {
+    const url = urlOf(source);
+    this.end(this.session);
+    this.end(this.overlay);
     this.overlay = undefined;
     if (this.link.url !== url) this.rename(url ? { url } : {});
     const { link } = this;
     this.urls = url === undefined ? {} : { scan: url };
-    this.session = this.newSession(volume, (again) => this.openScan(again, url));
+    this.session = this.newSession(volume, source);
     this.isFirstPicture = true;
     this.firstTraffic = undefined;
     const { facts } = this.session;
@@ -293,7 +311,8 @@ export class App {
     session.wantPreview();
   }
 
-  private openOverlay(volume: Volume, url: string | undefined): void {
+  private openOverlay(volume: Volume, source: string | File): void {
+    const url = urlOf(source);
     const scan = this.session!;
     if (!parallelAxes(scan.facts.geometry, volume.facts.geometry)) {
       this.messages.show(
@@ -303,8 +322,8 @@ export class App {
       volume.close();
       return;
     }
-    this.overlay?.close();
-    this.overlay = this.newSession(volume, (again) => this.openOverlay(again, url));
+    this.end(this.overlay);
+    this.overlay = this.newSession(volume, source);
     if (url === undefined) delete this.urls.labels;
     else this.urls.labels = url;
     if (this.link.labels !== url) {

@@ -2,7 +2,10 @@
 import { safeUrl } from "../store/permalink.js";
 import { byId, button, element, shownText } from "./dom.js";
 
-export function listenToDoors(open: (source: string | File) => void): { choose: () => void } {
+/** open  is told of a source, and how many files came with it */
+export function listenToDoors(open: (source: string | File, others?: number) => void): {
+  choose: () => void;
+} {
   const input = byId<HTMLInputElement>("file");
   const choose = (): void => {
     input.value = "";
@@ -30,8 +33,8 @@ export function listenToDoors(open: (source: string | File) => void): { choose: 
   document.addEventListener("drop", (event) => {
     event.preventDefault();
     document.body.classList.remove("dropping");
-    const file = event.dataTransfer?.files[0];
-    if (file) open(file);
+    const [file, ...others] = event.dataTransfer?.files ?? [];
+    if (file) open(file, others.length);
   });
   return { choose };
 }

@@ -1,5 +1,5 @@
 // What becomes of failures: a sentence, and a button where something can be done.
-import { ReadFailure, type Volume } from "../reader/volume.js";
+import { ReadFailure } from "../reader/volume.js";
 import { type Messages } from "./messages.js";
 import { type Session } from "./session.js";
 
@@ -8,6 +8,10 @@ function sentence(error: unknown): string {
 }
 
 export class FailureDesk {
+  /** Of which session the last failure to read was. */
+  private failed: Session | undefined;
+  private said = "";
+
   constructor(private readonly messages: Messages) {}
 
   /** again  undefined where another try finds the same. */
@@ -21,26 +25,21 @@ export class FailureDesk {
   }
 
   /** What is shown stays; nothing of another file is ever shown beside it. */
-  couldNotRead(error: Error, session: Session, reopened: (volume: Volume) => void): void {
-    const remedy = error instanceof ReadFailure ? error.remedy : "none";
-    if (remedy === "reopen") {
-      this.messages.show(error.message, "error", {
-        text: "Open the new file",
-        act: () => void this.reopen(session, reopened),
-      });
-      return;
-    }
-    this.messages.show(error.message, "error", {
-      text: "Try again",
-      act: () => session.cells.retry(),
-    });
+  couldNotRead(error: Error, session: Session, reopen: () => void): void {
+    this.failed = session;
+    this.said = error.message;
+    const isReplaced = error instanceof ReadFailure && error.remedy === "reopen";
+    this.messages.show(
+      error.message,
+      "error",
+      isReplaced
+        ? { text: "Open the new file", act: reopen }
+        : { text: "Try again", act: () => session.cells.retry() },
+    );
   }
 
-  private async reopen(session: Session, reopened: (volume: Volume) => void): Promise<void> {
-    try {
-      reopened(await session.volume.reopen());
-    } catch (error) {
-      this.couldNotOpen(error, () => void this.reopen(session, reopened));
-    }
+  /** What a session that is closed could not read is nobody's concern any more. */
+  forget(session: Session | undefined): void {
+    if (session && session === this.failed) this.messages.clear(this.said);
   }
 }
