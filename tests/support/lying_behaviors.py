@@ -3,6 +3,8 @@
 import gzip
 import struct
 
+import lying_server
+
 # What a volume of 2^18 voxels a side may need.
 ROOT_BYTES = 5 << 29
 PAGES_BYTES = 10**12
@@ -29,6 +31,17 @@ class Behaviors:
         total = len(data) if total is None else total
         return x.answer("206 Partial Content", f"Content-Range: bytes {first}-{last}/{total}",
                         *headers, body=data[first : last + 1], **options)
+
+    def with_end(self, answer):
+        """Right ranges, but that requests for the last bytes get `answer`."""
+        @lying_server.knows_ends
+        def behavior(x):
+            if x.end is None:
+                return self.good(x)
+            x.first, x.last = max(0, len(self.data) - x.end), len(self.data) - 1
+            x.asked = x.last - x.first + 1
+            return answer(x)
+        return behavior
 
     def range_header(self, x):
         return f"Content-Range: bytes {x.first}-{self.last(x)}/{len(self.data)}"

@@ -1,7 +1,8 @@
 """A web server that answers byte by byte, as tests say, so that it can lie.
 
 Each name under a server has a behavior of its own: a function that takes an Exchange and writes the
-answer to it. It returns True where the connection may carry another request.
+answer to it. It returns True where the connection may carry another request. Requests for the last
+bytes of a file go to those that `knows_ends` marks; others answer that they have no such range.
 """
 
 import itertools
@@ -14,6 +15,11 @@ import threading
 END = b"\r\n\r\n"
 
 
+def knows_ends(behavior):
+    behavior.knows_ends = True
+    return behavior
+
+
 class Exchange:
     """One request and the connection its answer goes to.
 
@@ -21,6 +27,7 @@ class Exchange:
     place    of the request on its connection, from 0
     headers  by names in lower case
     first, last, asked  the range that was asked for: asked = last - first + 1
+    end      of a request for the last bytes, how many they are; else None
     server   the Server it came to
     """
 
@@ -31,7 +38,10 @@ class Exchange:
         self.number = self.place = 0
         pairs = (line.split(":", 1) for line in lines if ":" in line)
         self.headers = {name.strip().lower(): value.strip() for name, value in pairs}
-        found = re.fullmatch(r"bytes=(\d+)-(\d+)", self.headers.get("range", ""))
+        field = self.headers.get("range", "")
+        end = re.fullmatch(r"bytes=-(\d+)", field)
+        self.end = int(end[1]) if end else None
+        found = re.fullmatch(r"bytes=(\d+)-(\d+)", field)
         self.first, self.last = map(int, found.groups()) if found else (0, 0)
         self.asked = self.last - self.first + 1
 
@@ -139,7 +149,10 @@ class Server:
         name = re.sub(r"^https?://[^/]*", "", target).split("/")[1]
         exchange = Exchange(connection, self, target, lines)
         exchange.place = place
+        self.requests.append((target, exchange.headers))
+        behavior = self._behaviors[name]
+        if exchange.end and not getattr(behavior, "knows_ends", False):
+            return exchange.answer("416 Range Not Satisfiable")
         with self._lock:
             exchange.number = next(self._numbers.setdefault(name, itertools.count()))
-        self.requests.append((target, exchange.headers))
-        return self._behaviors[name](exchange)
+        return behavior(exchange)

@@ -13,11 +13,13 @@ class _Ranges(http.server.BaseHTTPRequestHandler):
     def do_GET(self):
         owner = self.server.owner
         size = len(owner.content)
-        asked = re.fullmatch(r"bytes=(\d+)-(\d+)", self.headers.get("Range", ""))
+        asked = re.fullmatch(r"bytes=(\d*)-(\d+)", self.headers.get("Range", ""))
         if asked is None:
             self.send_error(400)
             return
-        first, last = int(asked[1]), min(int(asked[2]), size - 1)
+        first, last = int(asked[1] or max(0, size - int(asked[2]))), size - 1
+        if asked[1]:
+            last = min(int(asked[2]), last)
         owner.count(first, last)
         time.sleep(owner.latency_seconds)
         self.send_response(206)

@@ -9,6 +9,13 @@
 
 namespace octavo {
 
+namespace {
+
+/// What the index of most files fits into, with what is read before it.
+constexpr std::uint64_t kEndBytes = ReaderOptions().lead_bytes + (std::uint64_t{1} << 16);
+
+}  // namespace
+
 bool is_octavo_path(const std::string& path) { return is_url(path) || path.ends_with(".8vo"); }
 
 std::shared_ptr<const ByteSource> open_input(const std::string& path,
@@ -21,6 +28,7 @@ std::shared_ptr<const ByteSource> open_input(const std::string& path,
   options.is_cancelled = [watcher = context.progress] {
     return watcher != nullptr && watcher->is_cancelled();
   };
+  options.end_bytes = kEndBytes;
   return open_any(path, options);
 }
 

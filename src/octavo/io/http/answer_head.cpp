@@ -119,4 +119,10 @@ RangeOffer offered_range(const AnswerHead& head, std::uint64_t offset, std::uint
   return {*range, ""};
 }
 
+RangeOffer offered_end(const AnswerHead& head, std::uint64_t count) {
+  const auto range = parse_content_range(head.content_range);
+  const std::uint64_t total = range ? range->total : 0;
+  return offered_range(head, total - std::min(total, count), count);
+}
+
 }  // namespace octavo

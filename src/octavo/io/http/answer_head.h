@@ -52,4 +52,7 @@ struct RangeOffer {
 /// was asked for.
 RangeOffer offered_range(const AnswerHead& head, std::uint64_t offset, std::uint64_t count);
 
+/// The same of an answer to a request for the last `count` bytes, or all where there are fewer.
+RangeOffer offered_end(const AnswerHead& head, std::uint64_t count);
+
 }  // namespace octavo

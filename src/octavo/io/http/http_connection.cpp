@@ -76,8 +76,10 @@ struct HttpConnection::Transfer {
   /// Whether the head of a 206 promises bytes that are missing.
   bool take_offer() {
     has_offer = true;
-    RangeOffer offer = offered_range(result.head, range.next(), range.missing());
+    RangeOffer offer = range.is_end ? offered_end(result.head, range.count)
+                                    : offered_range(result.head, range.next(), range.missing());
     if (!offer.problem.empty()) return reject(offer.problem);
+    if (range.is_end) range.offset = offer.range.first;
     result.range = offer.range;
     return true;
   }
@@ -183,7 +185,9 @@ RequestResult HttpConnection::request(const std::string& url, RangeInProgress& r
   Transfer transfer{range};
   transfer.may_be_lost = std::exchange(was_put_aside_, false);
   const std::string wanted =
-      std::to_string(range.next()) + '-' + std::to_string(range.offset + range.count - 1);
+      range.is_end ? '-' + std::to_string(range.count)
+                   : std::to_string(range.next()) + '-' +
+                         std::to_string(range.offset + range.count - 1);
   const double connect_s = std::min(kLongestConnectSeconds, range.patience.seconds() / 2);
   set(CURLOPT_URL, url.c_str());
   set(CURLOPT_RANGE, wanted.c_str());

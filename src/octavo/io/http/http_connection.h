@@ -25,6 +25,7 @@ struct RangeInProgress {
   Patience patience;
   std::function<void(Patience::Time)> each_second;  ///< called while it waits
   std::function<bool()> is_cancelled;            ///< may be empty
+  bool is_end = false;  ///< the last bytes of the file; the answer says from which offset on
 
   std::uint64_t next() const { return offset + bytes.size(); }
   std::uint64_t missing() const { return count - bytes.size(); }

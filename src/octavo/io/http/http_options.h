@@ -1,6 +1,7 @@
 // How a URL is read: how patiently, who hears of waiting, and who may stop it.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <string>
 
@@ -22,6 +23,9 @@ struct HttpOptions {
   /// Of the ranges of a fetch, so many are asked for at the same time, each over a connection of
   /// its own. At least 1.
   int most_requests = 6;
+  /// So many bytes at the end of the file are asked for together with those at its front: what
+  /// opening reads there.
+  std::uint64_t end_bytes = 0;
   /// Told once a URL, on any thread, that the server makes it wait.
   std::function<void(const std::string&)> on_wait;
   /// Asked about once a second, on any thread.

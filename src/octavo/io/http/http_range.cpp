@@ -64,6 +64,11 @@ void RangeClient::return_connection(std::unique_ptr<HttpConnection> connection) 
   idle_.push_back(std::move(connection));
 }
 
+void RangeClient::drop_idle_connections() {
+  const std::lock_guard lock(mutex_);
+  idle_.clear();
+}
+
 void RangeClient::say_once(const std::string& text) {
   if (options_.on_wait && !has_said_.exchange(true)) options_.on_wait(name_ + ": " + text);
 }
@@ -74,8 +79,9 @@ RequestResult RangeClient::follow(RangeInProgress& range) {
   std::string url = url_;
   for (int redirects = 0;; ++redirects) {
     RequestResult result = connection->request(url, range);
-    // A connection that failed is not used again.
+    // A connection that failed is not used again, nor are others that were put aside like it.
     const bool is_sound = result.end == RequestEnd::answered;
+    if (!is_sound) drop_idle_connections();
     if (!is_sound || !result.head.is_redirect()) {
       if (is_sound) return_connection(std::move(connection));
       return result;
@@ -168,9 +174,22 @@ RangeAnswer RangeClient::fetch(std::uint64_t offset, std::uint64_t count) try {
     pause_as_asked(range, result, tries);
   }
   answer.bytes = std::move(range.bytes);
+  answer.offset = offset;
   return answer;
 } catch (const Error& error) {
   throw error.with_path(name_);
+}
+
+std::optional<RangeAnswer> RangeClient::fetch_end(std::uint64_t count,
+                                                  const std::function<bool()>& is_over) try {
+  RangeInProgress range{0,       count, {}, Patience(options_.timeout_s, Clock::now()),
+                        [](Clock::time_point) {}, is_over, true};
+  const RequestResult result = follow(range);
+  if (result.end != RequestEnd::answered || result.head.status != 206) return {};
+  return RangeAnswer{std::move(range.bytes), result.range.total, result.head.validator(),
+                     range.offset};
+} catch (const Error&) {
+  return {};
 }
 
 }  // namespace octavo

@@ -3,8 +3,10 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,6 +23,7 @@ struct RangeAnswer {
   std::vector<std::uint8_t> bytes;
   std::uint64_t total_bytes = 0;  ///< of the whole file
   std::string validator;          ///< ETag, else Last-Modified, else empty
+  std::uint64_t offset = 0;       ///< of the first byte
 };
 
 /// Asks for ranges of one URL over connections that stay open. Thread-safe.
@@ -45,6 +48,10 @@ class RangeClient {
   ///        Error{cancelled}
   RangeAnswer fetch(std::uint64_t offset, std::uint64_t count);
 
+  /// The last `count` bytes, or those of them that one request brings before is_over() says so; it
+  /// is asked about once a second. Nothing where that fails: not all servers know such ranges.
+  std::optional<RangeAnswer> fetch_end(std::uint64_t count, const std::function<bool()>& is_over);
+
  private:
   RequestResult follow(RangeInProgress& range);
   void check_same_file(const RangeInProgress& range, const RequestResult& result,
@@ -55,6 +62,7 @@ class RangeClient {
   void say_once(const std::string& text);
   std::unique_ptr<HttpConnection> take_connection();
   void return_connection(std::unique_ptr<HttpConnection> connection);
+  void drop_idle_connections();
 
   std::string url_;
   std::string name_;

@@ -1,7 +1,12 @@
 #include "octavo/io/http/http_source.h"
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <mutex>
+#include <optional>
+#include <system_error>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -25,15 +30,56 @@ constexpr std::uint64_t kFetchedBytes = std::uint64_t{1} << 26;
 using BlockBytes = std::vector<std::uint8_t>;
 using Block = std::shared_ptr<const BlockBytes>;
 
+/// The end of a file, asked for on a thread of its own while its front is. What goes wrong is met
+/// again when the bytes are read.
+class EndInProgress {
+ public:
+  EndInProgress(RangeClient& client, const HttpOptions& options) {
+    if (options.end_bytes == 0) return;
+    const auto fetch = [this, &client, &options] {
+      answer_ = client.fetch_end(options.end_bytes, [&] {
+        return Clock::now() > until_.load() || (options.is_cancelled && options.is_cancelled());
+      });
+    };
+    try {
+      thread_ = std::jthread(fetch);
+    } catch (const std::system_error&) {
+      // Where the system gives no more threads.
+    }
+  }
+
+  ~EndInProgress() { until_ = Clock::now(); }
+
+  /// The front is here: the end has a little longer.
+  std::optional<RangeAnswer> wait() {
+    constexpr std::chrono::duration<double> kWait(kSilentSeconds);
+    until_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(kWait);
+    if (thread_.joinable()) thread_.join();
+    return std::move(answer_);
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  std::optional<RangeAnswer> answer_;
+  std::atomic<Clock::time_point> until_ = Clock::time_point::max();
+  std::jthread thread_;
+};
+
 class HttpSource final : public ByteSource {
  public:
   HttpSource(const std::string& url, const HttpOptions& options)
       : client_(url, options),
         most_requests_(static_cast<std::size_t>(std::max(options.most_requests, 1))) {
+    EndInProgress end_in_progress(client_, options);
     RangeAnswer head = client_.fetch(0, kBlockBytes);
     size_ = head.total_bytes;
     validator_ = std::move(head.validator);
     head_ = std::make_shared<const BlockBytes>(std::move(head.bytes));
+    const std::optional<RangeAnswer> end = end_in_progress.wait();
+    if (end && end->total_bytes == size_ && end->validator == validator_) {
+      fetched_.put(end->offset, end->bytes);
+    }
   }
 
   std::uint64_t size() const override { return size_; }

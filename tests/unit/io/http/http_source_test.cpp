@@ -129,6 +129,55 @@ TEST(Http, WhatBeginsInTheHeadIsSentOnce) {
   EXPECT_EQ(server.request_count, 2);
 }
 
+TEST(Http, FrontAndEndAreAskedForAtOnce) {
+  const std::string file = test_bytes();
+  std::mutex mutex;
+  std::condition_variable changed;
+  std::vector<std::pair<std::int64_t, std::int64_t>> asked;
+  TestServer server([&](const Request& request, Response& response) {
+    std::unique_lock lock(mutex);
+    const auto [first, last] = request.ranges.at(0);
+    asked.emplace_back(first, last);
+    changed.notify_all();
+    // Who waits for one answer before the next request never gets one.
+    const bool are_both = changed.wait_for(lock, std::chrono::seconds(60),
+                                           [&] { return asked.size() >= 2; });
+    if (!are_both) response.status = 500;
+    Request whole = request;
+    if (first < 0) whole.ranges[0] = {static_cast<std::ptrdiff_t>(file.size()) - last,
+                                      static_cast<std::ptrdiff_t>(file.size()) - 1};
+    answer_range(whole, response, file, "\"v1\"");
+  });
+  HttpOptions options;
+  options.end_bytes = 100'000;
+  const auto source = open_url(server.url(), options);
+  EXPECT_EQ(server.request_count, 2);
+  const ByteRange end{200'000, 100'000};
+  EXPECT_TRUE(source->missing({&end, 1}).empty());
+  EXPECT_EQ(read_text(*source, 200'000, 100'000), file.substr(200'000));
+  EXPECT_EQ(server.request_count, 2);
+  std::sort(asked.begin(), asked.end());
+  EXPECT_EQ(asked[0].second, 100'000);
+  EXPECT_EQ(asked[1], (std::pair<std::int64_t, std::int64_t>{0, 65535}));
+}
+
+TEST(Http, AnEndThatIsNoneOfThisFileIsAskedForAgain) {
+  const std::string file = test_bytes();
+  for (const std::string tag : {"\"v2\"", "416"}) {
+    TestServer server([&](const Request& request, Response& response) {
+      if (request.ranges.at(0).first >= 0) return answer_range(request, response, file, "\"v1\"");
+      response.status = tag == "416" ? 416 : 206;
+      response.set_header("ETag", tag);
+      response.set_header("Content-Range", "bytes 299000-299999/300000");
+      response.body = std::string(1000, 'x');
+    });
+    HttpOptions options;
+    options.end_bytes = 1000;
+    const auto source = open_url(server.url(), options);
+    EXPECT_EQ(read_text(*source, 299'000, 1000), file.substr(299'000)) << tag;
+  }
+}
+
 TEST(Http, SmallReadsOfOneBlockCostOneRequest) {
   const std::string file = test_bytes();
   TestServer server([&](const Request& q, Response& a) { answer_range(q, a, file, "\"v1\""); });
