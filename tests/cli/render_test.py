@@ -249,6 +249,17 @@ class Pictures(cli_test.InFolder):
         self.expect_error(2, ["--labels FILE"], "render", "v.8vo", *rays, "--label-look",
                           "3=red", "-o", "x.png")
 
+    def test_rays_take_no_value_from_what_cuts_take_away(self):
+        voxels = [200 if x == 20 else 10 for _ in range(SIZE[2] * SIZE[1]) for x in range(SIZE[0])]
+        (self.folder / "p.raw").write_bytes(struct.pack(f"<{len(voxels)}h", *voxels))
+        self.build("p.raw", "p.8vo", "int16")
+        rays = ("--mode", "mip", "--window", "10,400", "--azimuth", "60", "--size", "96")
+        for cut, greys in (((), {128, 249}), (("--cut", "x<20"), {128}),
+                           (("--cut", f"20:21,0:{SIZE[1]},0:{SIZE[2]}"), {128})):
+            _, rows = self.render("m.png", "p.8vo", *rays, *cut)
+            seen = {p[0] for row in rows for p in row} - {0}
+            self.assertEqual({min(seen), max(seen)}, greys, cut)
+
     def test_an_animation_is_one_file(self):
         self.expect(0, "render", "v.8vo", "--range", "40:", "--size", "64", "--turntable", "3",
                     "--grow", "-o", "turn.apng", "-q")

@@ -74,16 +74,19 @@ HWY_INLINE BlockRows differences_at(const BrickTables& b, std::int64_t at, std::
 }
 
 /// What stands around the places of rays at k, in the block whose first cell is `low`.
-HWY_INLINE Corners block_corners(const PacketLines& lines, float k,
+/// cuts  of values; none: of gradients
+HWY_INLINE Corners block_corners(const PacketLines& lines, const RayCuts* cuts, float k,
                                  const std::array<std::int32_t, 3>& low) {
   Corners corners;
   Reals place[3];
   Wholes by[3];
   lines.place_at(real(k), place);
+  Reals floor[3];
+  for (std::size_t axis = 0; axis < 3; ++axis) floor[axis] = hn::Floor(place[axis]);
+  keep_places(cuts, place);
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const Reals floor = hn::Floor(place[axis]);
-    corners.share[axis] = hn::Sub(place[axis], floor);
-    by[axis] = hn::Sub(hn::ConvertTo(kWhole, floor), whole(low[axis]));
+    corners.share[axis] = hn::Sub(place[axis], floor[axis]);
+    by[axis] = hn::Sub(hn::ConvertTo(kWhole, floor[axis]), whole(low[axis]));
   }
   static_assert(kBlockSide == 1 << 2);
   corners.at = hn::Add(hn::Add(by[0], hn::ShiftLeft<2>(by[1])), hn::ShiftLeft<4>(by[2]));

@@ -109,7 +109,7 @@ class PacketHits {
     const Reals found =
         f_.bricks.looks != nullptr ? halved(outside, k_) : narrowed(outside, k_);
     const Reals inside = hn::IfThenElse(is_cut, outside, found);
-    const Corners corner = near_corners(inside);
+    const Corners corner = near_corners(inside, nullptr);
     Gradients gradient = gradient_at(BrickRows<kIsWide>{f_.bricks}, corner);
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const auto is_axis = hn::Eq(lines_.enter_axis, whole(static_cast<std::int32_t>(axis)));
@@ -129,17 +129,21 @@ class PacketHits {
 
  private:
   /// The corners of places that lie less than a step from hits.
-  HWY_INLINE Corners near_corners(Reals k) const {
+  /// cuts  of values; none: of gradients
+  HWY_INLINE Corners near_corners(Reals k, const RayCuts* cuts) const {
     Corners moved;
     Reals place[3];
+    Wholes at[3];
     Wholes by[3];
     lines_.place_at(k, place);
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const Wholes cell = cell_[axis];
-      const Wholes at =
-          clamped(floor_of(place[axis]), hn::Sub(cell, whole(1)), hn::Add(cell, whole(1)));
-      by[axis] = hn::Sub(at, cell);
-      moved.share[axis] = hn::Sub(place[axis], hn::ConvertTo(kRays, at));
+      at[axis] = clamped(floor_of(place[axis]), hn::Sub(cell, whole(1)), hn::Add(cell, whole(1)));
+      by[axis] = hn::Sub(at[axis], cell);
+    }
+    keep_places(cuts, place);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      moved.share[axis] = hn::Sub(place[axis], hn::ConvertTo(kRays, at[axis]));
     }
     moved.at = sample_at(f_.bricks, at_, by);
     return moved;
@@ -151,11 +155,11 @@ class PacketHits {
 
   /// How far values are above the isovalue.
   HWY_INLINE Reals excess_at(Reals k) const {
-    return hn::Sub(value_of(near_corners(k)), real(f_.isovalue));
+    return hn::Sub(value_of(near_corners(k, f_.cuts)), real(f_.isovalue));
   }
 
   HWY_INLINE RayMask is_inside(Reals k) const {
-    const Corners corner = near_corners(k);
+    const Corners corner = near_corners(k, f_.cuts);
     return seen_of(f_, hn::Ge(value_of(corner), real(f_.isovalue)), corner);
   }
 

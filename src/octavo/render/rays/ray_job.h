@@ -7,7 +7,7 @@
 //
 // origin  on the image plane, or in the eye
 // step    one spacing along the ray; of extremes from one plane of the grid to the next, along the
-//         axis that the ray crosses most of
+//         axis that the ray crosses most of; from an eye the first is the one behind it
 //
 // A ray has a sample where it enters and one where it leaves besides: what is thinner than a step
 // has no gaps. Colors and means are of the parts of a ray between one sample and the next, by their
@@ -138,6 +138,22 @@ struct ShadeTable {
   const MeshShadow* meshes = nullptr;  ///< that the lamp's light has to pass besides; or none
 };
 
+/// What cuts take away, which gives no values: where those between samples would come out of it,
+/// the nearest sample that is kept counts as far as its voxel goes. Gradients are of the whole.
+struct RayCuts {
+  /// The samples on both sides of a box, between which none is kept; far away where the box ends
+  /// with the volume.
+  struct Hole {
+    std::array<float, 3> before{};
+    std::array<float, 3> behind{};
+  };
+
+  std::array<float, 3> first{};  ///< that are kept, along each axis
+  std::array<float, 3> last{};
+  const Hole* holes = nullptr;
+  std::size_t hole_count = 0;
+};
+
 /// One picture.
 struct RayFrame {
   RayMode mode = RayMode::volume;
@@ -173,6 +189,7 @@ struct RayFrame {
   const std::uint64_t* chosen = nullptr;
   const RayMeshes* meshes = nullptr;  ///< in the same picture; or none
   bool is_last_region = true;  ///< what lies behind what rays cross is nothing but layers
+  const RayCuts* cuts = nullptr;  ///< or none
   float margin = 0;      ///< that a ray stays before the end of what it skips, in samples
 };
 

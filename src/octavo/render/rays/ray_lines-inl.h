@@ -16,8 +16,42 @@ HWY_BEFORE_NAMESPACE();
 namespace octavo {
 namespace HWY_NAMESPACE {
 
+/// Moves places to where their values come from.
+HWY_INLINE void keep_places(const RayCuts* cuts, Reals* place) {
+  if (cuts == nullptr) return;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const Reals from_first = hn::Max(place[axis], real(cuts->first[axis]));
+    place[axis] = hn::Min(from_first, real(cuts->last[axis]));
+  }
+  for (std::size_t i = 0; i < cuts->hole_count; ++i) {
+    const RayCuts::Hole& hole = cuts->holes[i];
+    Reals nearest = real(kRayDone);
+    Reals moved[3] = {place[0], place[1], place[2]};
+    const auto move_to = [&](std::size_t axis, float side, Reals way) HWY_ATTR {
+      const RayMask is_nearer = hn::Lt(way, nearest);
+      nearest = hn::IfThenElse(is_nearer, way, nearest);
+      for (std::size_t other = 0; other < 3; ++other) {
+        const Reals to = other == axis ? real(side) : place[other];
+        moved[other] = hn::IfThenElse(is_nearer, to, moved[other]);
+      }
+    };
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const float before = hole.before[axis];
+      const float behind = hole.behind[axis];
+      move_to(axis, before, hn::Sub(place[axis], real(before)));
+      move_to(axis, behind, hn::Sub(real(behind), place[axis]));
+    }
+    // Otherwise they lie beside the hole.
+    const RayMask is_beside = hn::Gt(nearest, hn::Zero(kRays));
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      place[axis] = hn::IfThenElse(is_beside, moved[axis], place[axis]);
+    }
+  }
+}
+
 /// The rays of some neighbors, and where each enters and leaves what is drawn, in steps.
 struct PacketLines {
+  Reals start;  // where each begins, in steps
   Reals origin[3];
   Reals step[3];
   Reals inverse[3];  // 1 / step
@@ -49,8 +83,9 @@ HWY_INLINE RayMask all_or_none(bool all) {
   return hn::FirstN(kRays, all ? hn::Lanes(kRays) : 0);
 }
 
-/// Moves samples to the planes of the grid that each ray crosses most squarely.
-HWY_INLINE void move_to_planes(PacketLines& lines) {
+/// Moves samples to the planes of the grid that each ray crosses most squarely. Where there is an
+/// eye, which may be inside, rays begin behind the first of them.
+HWY_INLINE void move_to_planes(PacketLines& lines, bool has_eye) {
   Reals most = hn::Abs(lines.step[0]);
   Wholes main = hn::Zero(kWhole);
   Reals step = lines.step[0];
@@ -64,8 +99,11 @@ HWY_INLINE void move_to_planes(PacketLines& lines) {
   }
   const Reals scale = hn::Div(real(1), most);
   const RayMask rises = hn::Gt(step, hn::Zero(kRays));
-  const Reals plane = hn::IfThenElse(rises, hn::Ceil(origin), hn::Floor(origin));
-  const Reals ahead = hn::Abs(hn::Sub(plane, origin));
+  const RayMask is_above = has_eye ? hn::Not(rises) : rises;
+  const Reals plane = hn::IfThenElse(is_above, hn::Ceil(origin), hn::Floor(origin));
+  const Reals by = hn::Abs(hn::Sub(plane, origin));
+  const Reals ahead = has_eye ? hn::Neg(by) : by;
+  if (has_eye) lines.start = by;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const RayMask is_main = of_reals(hn::Eq(main, whole(static_cast<std::int32_t>(axis))));
     const Reals moved = hn::Mul(lines.step[axis], scale);
@@ -78,7 +116,7 @@ HWY_INLINE void move_to_planes(PacketLines& lines) {
 
 /// Where rays enter and leave.
 HWY_INLINE void find_ends(const RayFrame& f, PacketLines& lines) {
-  lines.enter = hn::Zero(kRays);
+  lines.enter = lines.start;
   lines.leave = real(kRayDone);
   lines.enter_axis = whole(2);
   RayMask is_inner_begin = hn::FirstN(kRays, 0);
@@ -124,6 +162,7 @@ HWY_INLINE void find_ends(const RayFrame& f, PacketLines& lines) {
 /// is_on_planes  samples lie on planes of the grid
 HWY_INLINE PacketLines lines_of(const RayFrame& f, Reals u, Reals v, bool is_on_planes) {
   PacketLines lines;
+  lines.start = hn::Zero(kRays);
   Reals scale = real(1);
   if (f.eye_pixels > 0) {
     const Reals eye = real(f.eye_pixels * f.eye_pixels);
@@ -141,7 +180,7 @@ HWY_INLINE PacketLines lines_of(const RayFrame& f, Reals u, Reals v, bool is_on_
     lines.step[axis] =
         hn::IfThenElse(hn::Lt(hn::Abs(step), real(kSmallestStep)), real(kSmallestStep), step);
   }
-  if (is_on_planes) move_to_planes(lines);
+  if (is_on_planes) move_to_planes(lines, f.eye_pixels > 0);
   find_ends(f, lines);
   return lines;
 }

@@ -109,10 +109,8 @@ class Packet {
       active = hn::And(active, before_end());
     }
     // All lanes find their places together.
-    if constexpr (kMode == RayMode::iso) {
-      if (!hn::AllFalse(kRays, hits_)) {
-        PacketHits<kIsWide>(f_, lines_, hits_, hit_k_, hit_base_).light(sums_);
-      }
+    if (kMode == RayMode::iso && !hn::AllFalse(kRays, hits_)) {
+      PacketHits<kIsWide>(f_, lines_, hits_, hit_k_, hit_base_).light(sums_);
     }
     keep(waits_for);
     return taken_;
@@ -188,10 +186,9 @@ class Packet {
       const Wholes begin = hn::ShiftLeftSame(brick[axis], b.shift);
       brick_begin_[axis] = hn::IfThenElse(is_other, begin, brick_begin_[axis]);
     }
-    const Wholes begins = hn::Add(
-        hn::Add(hn::Mul(brick_begin_[2], whole(b.plane)),
-                hn::Mul(brick_begin_[1], whole(b.row))),
-        brick_begin_[0]);
+    const Wholes rows = hn::Mul(brick_begin_[1], whole(b.row));
+    const Wholes planes = hn::Mul(brick_begin_[2], whole(b.plane));
+    const Wholes begins = hn::Add(hn::Add(planes, rows), brick_begin_[0]);
     base_ = hn::Add(hn::Sub(hn::Mul(slot_, whole(b.slot)), begins), whole(inner_sample(b)));
     const Reals next = lines_.next_behind(brick_begin_, 1 << b.shift, f_.margin);
     brick_next_ = hn::IfThenElse(moved, next, brick_next_);
@@ -236,15 +233,18 @@ class Packet {
   HWY_INLINE Reals after(Reals k) const { return limited(k, hn::Add(hn::Floor(k), real(1))); }
 
   /// Of rays that are in a brick; others look at a sample that is there.
-  HWY_INLINE Corners corners_at(Reals k, RayMask lanes, Wholes base) const {
+  /// cuts  where values come from; none: of gradients
+  HWY_INLINE Corners corners_at(Reals k, RayMask lanes, Wholes base, const RayCuts* cuts) const {
     Corners corners;
     Reals place[3];
+    Reals floor[3];
     Wholes cell[3];
     lines_.place_at(k, place);
+    for (std::size_t axis = 0; axis < 3; ++axis) floor[axis] = hn::Floor(place[axis]);
+    keep_places(cuts, place);
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const Reals floor = hn::Floor(place[axis]);
-      corners.share[axis] = hn::Sub(place[axis], floor);
-      cell[axis] = hn::ConvertTo(kWhole, floor);
+      corners.share[axis] = hn::Sub(place[axis], floor[axis]);
+      cell[axis] = hn::ConvertTo(kWhole, floor[axis]);
     }
     corners.at = hn::IfThenElse(of_wholes(lanes), sample_at(f_.bricks, base, cell),
                                 whole(inner_sample(f_.bricks)));
@@ -264,15 +264,15 @@ class Packet {
     const Reals next = after(k_);
     if constexpr (kMode == RayMode::mean) {
       const Reals length = hn::Sub(hn::Min(next, lines_.leave), k_);
-      const Corners middle =
-          corners_at(hn::Add(k_, hn::Mul(real(0.5f), length)), taking, base_);
+      const Reals at = hn::Add(k_, hn::Mul(real(0.5f), length));
+      const Corners middle = corners_at(at, taking, base_, f_.cuts);
       const Reals value = value_of(middle);
       const RayMask seen = seen_of(f_, taking, middle);
       sums_.red = hn::IfThenElse(seen, hn::Add(sums_.red, hn::Mul(value, length)), sums_.red);
       sums_.gathered = hn::IfThenElse(seen, hn::Add(sums_.gathered, length), sums_.gathered);
       return next;
     }
-    const Corners corner = corners_at(k_, taking, base_);
+    const Corners corner = corners_at(k_, taking, base_, f_.cuts);
     return add_samples(taking, {k_, value_of(corner), base_}, corner, next);
   }
 
@@ -302,7 +302,7 @@ class Packet {
   }
 
   HWY_INLINE Wholes entries_at(Reals k, RayMask lanes, Wholes base) const {
-    return entries_of(f_.table, value_of(corners_at(k, lanes, base)));
+    return entries_of(f_.table, value_of(corners_at(k, lanes, base, f_.cuts)));
   }
 
   /// Where parts begin of which it is not known what lies before them.
@@ -343,7 +343,7 @@ class Packet {
   };
 
   HWY_INLINE Gradients brick_gradients(RayMask seen, Reals middle, Wholes base) const {
-    const Corners corners = corners_at(middle, seen, base);
+    const Corners corners = corners_at(middle, seen, base, nullptr);
     return f_.has_cell_gradients ? cell_gradient_at(Rows{f_.bricks}, corners)
                                  : gradient_at(Rows{f_.bricks}, corners);
   }
@@ -361,7 +361,7 @@ class Packet {
     RayMask visible = run;
     Wholes look = hn::Zero(kWhole);
     if (f_.bricks.looks != nullptr) {
-      look = looks_at(f_.bricks, corners_at(middle, run, base));
+      look = looks_at(f_.bricks, corners_at(middle, run, base, nullptr));
       const Wholes begins = hn::GatherIndex(kWhole, f_.looks.begins, look);
       visible = hn::And(run, of_reals(hn::Gt(begins, whole(-1))));
       entry = hn::Add(entry, hn::Max(begins, whole(0)));
@@ -486,7 +486,7 @@ class Packet {
     count(lanes);
     const Wholes base = base_of(brick);
     Corners corner{};
-    if (f_.bricks.looks != nullptr) corner = corners_at(at, lanes, base);
+    if (f_.bricks.looks != nullptr) corner = corners_at(at, lanes, base, f_.cuts);
     const Reals value = hn::Mul(common_value(brick, k, at, lanes), real(f_.sign));
     add_samples(lanes, {at, value, base}, corner, at);
     rays.front_k = hn::IfThenElse(lanes, at, rays.front_k);
@@ -506,11 +506,11 @@ class Packet {
       const RayMask beside = hn::And(lanes, hn::Ne(at, real(k)));
       if (hn::AllFalse(kRays, beside) && course_.find_block(brick, k, low)) {
         return value_at(block_at(f_.bricks, course_.block_begin(brick, low)),
-                        block_corners(lines_, k, low));
+                        block_corners(lines_, f_.cuts, k, low));
       }
     }
 #endif
-    return value_at(Rows{f_.bricks}, corners_at(at, lanes, base_of(brick)));
+    return value_at(Rows{f_.bricks}, corners_at(at, lanes, base_of(brick), f_.cuts));
   }
 
   HWY_INLINE Gradients common_gradients(const CommonBrick& brick, float k, Reals at,
@@ -522,7 +522,7 @@ class Packet {
       const bool is_short = f_.has_cell_gradients || f_.bricks.has_short_differences;
       if (is_short && hn::AllFalse(kRays, beside) && course_.find_block(brick, k, low)) {
         const std::int64_t begin = course_.block_begin(brick, low);
-        const Corners corners = block_corners(lines_, k, low);
+        const Corners corners = block_corners(lines_, nullptr, k, low);
         const BrickTables& b = f_.bricks;
         if (f_.has_cell_gradients) return cell_gradient_at(block_at(b, begin), corners);
         return {{value_at(differences_at(b, begin, 1), corners),

@@ -6,98 +6,11 @@
 
 #include "octavo/render/rays/mesh_shadow.h"
 #include "octavo/render/rays/ray_job.h"
+#include "octavo/render/rays/ray_line.h"
 
 namespace octavo {
 
 namespace {
-
-using RayPlace = std::array<float, 3>;
-using RayCell = std::array<std::int32_t, 3>;
-
-/// Where k runs while a ray is inside.
-struct RaySpan {
-  float enter = 0;
-  float leave = 0;
-  std::size_t axis = 0;  // of the face through which it enters
-};
-
-struct PortableRay {
-  RayPlace origin{};
-  RayPlace step{};
-  RayPlace inverse{};  // 1 / step
-};
-
-PortableRay ray_at(const RayFrame& f, float u, float v) {
-  PortableRay ray;
-  float scale = 1;
-  if (f.eye_pixels > 0) {
-    scale = f.step_pixels / std::sqrt(u * u + v * v + f.eye_pixels * f.eye_pixels);
-  }
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    ray.origin[axis] =
-        f.origin[axis] + u * f.origin_across[axis] + v * f.origin_down[axis];
-    ray.step[axis] =
-        (f.direction[axis] + u * f.direction_across[axis] + v * f.direction_down[axis]) * scale;
-    // A ray along a plane of the grid: nothing is divided by 0.
-    if (std::abs(ray.step[axis]) < kSmallestStep) ray.step[axis] = kSmallestStep;
-  }
-  return ray;
-}
-
-/// The same ray with its samples on the planes of the grid that it crosses most squarely.
-PortableRay on_planes(PortableRay ray) {
-  std::size_t main = 0;
-  for (std::size_t axis = 1; axis < 3; ++axis) {
-    if (std::abs(ray.step[axis]) > std::abs(ray.step[main])) main = axis;
-  }
-  const float scale = 1 / std::abs(ray.step[main]);
-  const bool rises = ray.step[main] > 0;
-  const float plane = rises ? std::ceil(ray.origin[main]) : std::floor(ray.origin[main]);
-  const float ahead = std::abs(plane - ray.origin[main]);
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    ray.step[axis] = ray.step[axis] * scale;
-    ray.origin[axis] = ray.origin[axis] + ahead * ray.step[axis];
-  }
-  ray.step[main] = rises ? 1.0f : -1.0f;
-  ray.origin[main] = plane;
-  return ray;
-}
-
-PortableRay with_inverse(PortableRay ray) {
-  for (std::size_t axis = 0; axis < 3; ++axis) ray.inverse[axis] = 1 / ray.step[axis];
-  return ray;
-}
-
-RaySpan span_of(const RayFrame& f, const PortableRay& ray) {
-  RaySpan span{0, kRayDone, 2};
-  bool is_inner_begin = false;
-  bool is_inner_end = false;
-  float end = kRayDone;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto at = [&](float face) { return (face - ray.origin[axis]) * ray.inverse[axis]; };
-    const float low = at(f.low[axis]);
-    const float high = at(f.high[axis]);
-    const bool rises = ray.step[axis] > 0;
-    const bool is_inner_low = f.low[axis] > f.whole_low[axis];
-    const bool is_inner_high = f.high[axis] < f.whole_high[axis];
-    const float first = std::min(low, high);
-    const float last = std::max(low, high);
-    if (first > span.enter) {
-      span.enter = first;
-      span.axis = axis;
-      is_inner_begin = rises ? is_inner_low : is_inner_high;
-    }
-    if (last < span.leave) {
-      span.leave = last;
-      is_inner_end = rises ? is_inner_high : is_inner_low;
-    }
-    end = std::min(end, std::max(at(f.whole_low[axis]), at(f.whole_high[axis])));
-  }
-  if (span.enter > span.leave) return {0, -1, span.axis};
-  if (is_inner_begin) span.enter = std::ceil(span.enter);
-  if (is_inner_end) span.leave = std::min(std::ceil(span.leave), end);
-  return span;
-}
 
 template <bool kIsWide>
 float sample_at(const BrickTables& bricks, std::int32_t at) {
@@ -312,9 +225,9 @@ class PortableFollower {
   }
 
  private:
-  static PortableRay start(const RayFrame& frame, float u, float v) {
-    const PortableRay ray = ray_at(frame, u, v);
-    return with_inverse(kMode == RayMode::extreme ? on_planes(ray) : ray);
+  static RayLine start(const RayFrame& frame, float u, float v) {
+    const RayLine ray = ray_at(frame, u, v);
+    return with_inverse(kMode == RayMode::extreme ? on_planes(ray, frame.eye_pixels > 0) : ray);
   }
 
   bool is_before_end(float k) const {
@@ -396,14 +309,27 @@ class PortableFollower {
   /// The corner of a place near one in the cell `before`: no farther than `reach` cells.
   SampleCorner near_corner(float k, const RayCell& before, const SampleCorner& corner,
                            std::int32_t reach = kApronBelow) const {
-    SampleCorner moved = corner;
     const RayPlace place = place_at(k);
+    return corner_near(place, place, before, corner, reach);
+  }
+
+  /// The same for values: what cuts take away is not in it.
+  SampleCorner value_corner(float k, const RayCell& before, const SampleCorner& corner,
+                            std::int32_t reach = kApronBelow) const {
+    const RayPlace place = place_at(k);
+    return corner_near(place, kept_place(f_.cuts, place), before, corner, reach);
+  }
+
+  /// counted  a place whose shares count in the cell of `place`
+  SampleCorner corner_near(const RayPlace& place, const RayPlace& counted, const RayCell& before,
+                           const SampleCorner& corner, std::int32_t reach) const {
+    SampleCorner moved = corner;
     std::array<std::int32_t, 3> by;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const auto floor = static_cast<std::int32_t>(std::floor(place[axis]));
       const std::int32_t cell = std::clamp(floor, before[axis] - reach, before[axis] + reach);
       by[axis] = cell - before[axis];
-      moved.share[axis] = place[axis] - static_cast<float>(cell);
+      moved.share[axis] = counted[axis] - static_cast<float>(cell);
     }
     moved.at += by[2] * f_.bricks.plane + by[1] * f_.bricks.row + by[0];
     return moved;
@@ -414,7 +340,7 @@ class PortableFollower {
   }
 
   float value_near(float k, const RayCell& before, const SampleCorner& corner) const {
-    return value_at<kIsWide>(f_.bricks, near_corner(k, before, corner));
+    return value_at<kIsWide>(f_.bricks, value_corner(k, before, corner));
   }
 
   /// Takes the sample at k, or the part of the ray that begins or ends there. Returns what is next.
@@ -423,18 +349,19 @@ class PortableFollower {
     const float next = limited(k, std::floor(k) + 1);
     if constexpr (kMode == RayMode::mean) {
       const float length = std::min(next, span_.leave) - k;
-      const SampleCorner middle = near_corner(k + 0.5f * length, before, corner);
+      const SampleCorner middle = value_corner(k + 0.5f * length, before, corner);
       if (!is_seen(middle)) return next;
       tile_.red[number_] += value_at<kIsWide>(f_.bricks, middle) * length;
       tile_.gathered[number_] += length;
       return next;
     }
-    const float value = value_near(k, before, corner) * f_.sign;
+    const SampleCorner here = value_corner(k, before, corner);
+    const float value = value_at<kIsWide>(f_.bricks, here) * f_.sign;
     if constexpr (kMode == RayMode::extreme) {
-      if (is_seen(corner)) tile_.gathered[number_] = std::max(tile_.gathered[number_], value);
+      if (is_seen(here)) tile_.gathered[number_] = std::max(tile_.gathered[number_], value);
       return next;
     }
-    if (!(value >= f_.isovalue) || !is_seen(corner)) return next;
+    if (!(value >= f_.isovalue) || !is_seen(here)) return next;
     hit(k, before, corner);
     return kRayDone;
   }
@@ -494,12 +421,12 @@ class PortableFollower {
   }
 
   float excess_at(float k, const RayCell& before, const SampleCorner& corner) const {
-    return value_at<kIsWide>(f_.bricks, near_corner(k, before, corner, 1)) * f_.sign -
+    return value_at<kIsWide>(f_.bricks, value_corner(k, before, corner, 1)) * f_.sign -
            f_.isovalue;
   }
 
   bool is_inside(float k, const RayCell& before, const SampleCorner& corner) const {
-    const SampleCorner near = near_corner(k, before, corner, 1);
+    const SampleCorner near = value_corner(k, before, corner, 1);
     return value_at<kIsWide>(f_.bricks, near) * f_.sign >= f_.isovalue && is_seen(near);
   }
 
@@ -570,7 +497,7 @@ class PortableFollower {
   const RayFrame& f_;
   RayTile& tile_;
   std::size_t number_;
-  PortableRay ray_;
+  RayLine ray_;
   RaySpan span_;
   std::int64_t taken_ = 0;
   float back_k_ = -1;  // a sample whose entry is known

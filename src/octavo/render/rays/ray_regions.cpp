@@ -89,6 +89,28 @@ RayRegion region_of(const Box& voxels) {
   return region;
 }
 
+KeptVoxels::KeptVoxels(const Box& kept, std::span<const Box> removed, const Size3& size)
+    : is_all_(kept == box_of(size) && removed.empty()) {
+  for (const Box& box : removed) {
+    RayCuts::Hole hole;
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto i = static_cast<std::size_t>(axis);
+      const std::int64_t before = box.lo[axis] - 1;
+      const std::int64_t behind = box.hi[axis];
+      hole.before[i] = before >= 0 ? static_cast<float>(before) : -kRayDone;
+      hole.behind[i] = behind < size[axis] ? static_cast<float>(behind) : kRayDone;
+    }
+    holes_.push_back(hole);
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto i = static_cast<std::size_t>(axis);
+    cuts_.first[i] = static_cast<float>(kept.lo[axis]);
+    cuts_.last[i] = static_cast<float>(kept.hi[axis] - 1);
+  }
+  cuts_.holes = holes_.data();
+  cuts_.hole_count = holes_.size();
+}
+
 std::vector<Box> without_boxes(const Box& whole, std::span<const Box> removed) {
   std::vector<Box> left = {whole};
   for (const Box& box : removed) {

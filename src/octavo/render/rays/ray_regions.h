@@ -30,6 +30,20 @@ struct RayRegion {
 /// The voxels of a box.
 RayRegion region_of(const Box& voxels);
 
+/// What rays of the voxels of a box without others take no values from, boxes of a grid.
+class KeptVoxels {
+ public:
+  KeptVoxels(const Box& kept, std::span<const Box> removed, const Size3& size);
+
+  /// Valid as long as this; none where all of the grid is kept.
+  const RayCuts* cuts() const { return is_all_ ? nullptr : &cuts_; }
+
+ private:
+  bool is_all_;
+  std::vector<RayCuts::Hole> holes_;
+  RayCuts cuts_;
+};
+
 /// What is left of a box without others, as boxes that do not meet.
 std::vector<Box> without_boxes(const Box& whole, std::span<const Box> removed);
 

@@ -154,6 +154,8 @@ class RayScene final : public RenderScene {
     const double colored = table_ ? table_->colored_width() : 0;
     frame.light.soft_gradient = static_cast<float>(kSoftShare * colored);
 
+    const KeptVoxels kept(grown_, removed_, reader_->levels().size(level_));
+    frame.cuts = kept.cuts();
     const RayRegion grown = region_of(grown_);
     frame.low = grown.low;
     frame.high = grown.high;

@@ -229,6 +229,26 @@ TEST(RayCaster, AnEyeInsideSeesAllAroundIt) {
   expect_levels_alike(shell, setup, cast_scene(shell, setup));
 }
 
+TEST(RayCaster, AnEyeInAThinPlateSeesItsValues) {
+  const auto plate = ray_volume<std::int16_t>({40, 1, 40}, [](auto, auto, auto) { return 300; });
+  RaySetup setup;
+  setup.mode = RayMode::extreme;
+  setup.frame = {64, 64, 1, 0.02};
+  setup.viewpoint = viewpoint_at(70, 10);
+  setup.angle_degrees = 150;
+  for (const float sign : {1.0f, -1.0f}) {
+    setup.sign = sign;
+    const CastScene scene = cast_scene(plate, setup);
+    // Some rays turn away from the middle of the plate.
+    ASSERT_LT(std::abs(scene.frame.origin[1]), 0.5f);
+    ASSERT_GT(std::abs(scene.frame.origin[1]), 0.01f);
+    scene.field.for_each_pixel([&](auto, auto, const RayTile& tile, std::size_t ray) {
+      ASSERT_EQ(tile.gathered[ray], sign * 300);
+    });
+    expect_levels_alike(plate, setup, scene);
+  }
+}
+
 TEST(RayCaster, AHighVoxelKeepsItsHeightFromAllSides) {
   auto point = ray_volume<std::int16_t>({21, 20, 23}, [](auto x, auto y, auto z) {
     return x == 9 && y == 11 && z == 12 ? 1000 : 0;

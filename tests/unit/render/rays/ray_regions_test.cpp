@@ -11,8 +11,10 @@ namespace {
 
 using testing::CastScene;
 using testing::cast_scene;
+using testing::expect_levels_alike;
 using testing::noisy_ball;
 using testing::RaySetup;
+using testing::RayVolume;
 
 Box random_box(std::mt19937& random, std::int64_t side) {
   std::uniform_int_distribution<std::int64_t> place(0, side);
@@ -42,6 +44,62 @@ TEST(RayRegions, WhatIsLeftOfABoxIsEveryVoxelOnce) {
                 is_left ? 1 : 0);
       return true;
     });
+  }
+}
+
+/// Noise with one value wherever it is cut away.
+RayVolume<std::int16_t> filled_noise(const RaySetup& setup, std::int16_t value) {
+  auto volume = noisy_ball(24);
+  visit_cells(box_of(volume.size), {1, 1, 1}, [&](const Index3& voxel) {
+    const bool is_left = setup.shown->contains(voxel) &&
+                         std::none_of(setup.removed.begin(), setup.removed.end(),
+                                      [&](const Box& box) { return box.contains(voxel); });
+    auto& sample =
+        volume.samples[static_cast<std::size_t>((voxel.z * 24 + voxel.y) * 24 + voxel.x)];
+    if (!is_left) sample = value;
+    return true;
+  });
+  // The range of all is the same, whatever the value.
+  volume.samples[static_cast<std::size_t>((12 * 24 + 12) * 24 + 12)] = -200;
+  volume.samples[static_cast<std::size_t>((12 * 24 + 12) * 24 + 13)] = 900;
+  return volume;
+}
+
+TEST(RayRegions, NoValueComesOutOfWhatIsCutAway) {
+  std::mt19937 random(11);
+  for (int round = 0; round < 6; ++round) {
+    RaySetup setup;
+    setup.frame = {60, 50, 1, {}};
+    setup.shown = Box{{3, 0, 2}, {24, 20, 21}};
+    setup.viewpoint = viewpoint_at(37 * round, 15 * round - 30);
+    setup.angle_degrees = round % 2 == 0 ? 0 : 40;
+    setup.brick_shift = 3 + round % 2;
+    for (int i = 0; i < round; ++i) {
+      const Box box = random_box(random, 12);
+      if (!box.is_empty()) setup.removed.push_back(box);
+    }
+    for (const RayMode mode : {RayMode::volume, RayMode::extreme, RayMode::mean, RayMode::iso}) {
+      setup.mode = mode;
+      const int mode_number = static_cast<int>(mode);
+      const auto low = filled_noise(setup, -200);
+      const CastScene scene = cast_scene(low, setup);
+      const CastScene other = cast_scene(filled_noise(setup, 900), setup);
+      for (std::size_t t = 0; t < scene.field.tiles.size(); ++t) {
+        const RayTile& a = scene.field.tiles[t];
+        const RayTile& b = other.field.tiles[t];
+        for (std::size_t ray = 0; ray < kTileRays; ++ray) {
+          // Beside the volume there is no highest value.
+          if (std::isinf(a.gathered[ray]) && a.gathered[ray] == b.gathered[ray]) continue;
+          // As far as sums of floats are rounded.
+          ASSERT_NEAR(a.gathered[ray], b.gathered[ray], 1e-3) << round << ' ' << mode_number;
+          if (mode == RayMode::volume) continue;  // light is of gradients, those are of the whole
+          ASSERT_NEAR(a.blue[ray], b.blue[ray], 1e-3) << round << ' ' << mode_number;
+          if (mode == RayMode::iso) continue;
+          ASSERT_NEAR(a.red[ray], b.red[ray], 1e-2) << round << ' ' << mode_number;
+        }
+      }
+      expect_levels_alike(low, setup, scene);
+    }
   }
 }
 

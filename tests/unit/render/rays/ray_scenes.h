@@ -16,6 +16,7 @@
 #include "octavo/render/rays/ray_caster.h"
 #include "octavo/render/rays/ray_meshes.h"
 #include "octavo/render/rays/ray_picture.h"
+#include "octavo/render/rays/ray_regions.h"
 #include "octavo/render/rays/transfer_function.h"
 
 namespace octavo::testing {
@@ -74,6 +75,7 @@ struct RaySetup {
   ViewFrame frame = {96, 80, 1, {}};
   double angle_degrees = 0;
   std::optional<Box> shown;
+  std::vector<Box> removed;
   std::vector<RayMesh> meshes;
   std::vector<RayRegion> regions;  ///< in place of `shown`, in any order
   bool keeps_order = false;        ///< of regions
@@ -129,16 +131,18 @@ CastScene cast_scene(const RayVolume<T>& volume, const RaySetup& setup) {
     }
     return 0.0f;
   });
+  const KeptVoxels kept(shown, setup.removed, volume.size);
+  frame.cuts = kept.cuts();
   const RayMeshes meshes(setup.meshes, {volume.geometry, scene.view, setup.memory_bytes});
   if (!setup.meshes.empty()) frame.meshes = &meshes;
   NoProgress silent;
   tbb::task_arena arena(setup.threads);
   arena.execute([&] {
-    const RayRegion whole{frame.low, frame.high, frame.low, frame.high};
-    const std::vector<RayRegion> regions =
-        setup.regions.empty() ? std::vector{whole}
-        : setup.keeps_order   ? setup.regions
-                              : front_to_back(setup.regions, frame);
+    std::vector<RayRegion> regions = setup.regions;
+    if (regions.empty()) {
+      for (const Box& box : without_boxes(shown, setup.removed)) regions.push_back(region_of(box));
+    }
+    if (!setup.keeps_order) regions = front_to_back(regions, frame);
     scene.field = cast_rays(bricks, frame, regions, scene.view.width, scene.view.height,
                             setup.follow, silent);
   });
