@@ -114,6 +114,8 @@ constexpr Advice kAdvice[] = {
     {kAny, "kind", "", "--grey changes that"},
     {kUsage, "label_names", "",
      "leave out --label-names, or give --labels if its numbers are names of regions"},
+    {kUsage, "matrix.path", "", "name the output NAME.txt"},
+    {kUsage, "self_similarity.max_difference", "", "give --self-similar 0 or more"},
     {kAny, "surface.output", "", "name it so"},
     {kUsage, "surface.plain", "", "leave out --plain"},
     {kUsage, "surface.space", "", "leave out --space"},

@@ -81,7 +81,8 @@ class StructureTasks:
         thickness : bool
             False leaves out Tb.Th, Tb.Sp and Tb.N.
         tortuosity : bool
-            Whether the geodesic tortuosity of what is not in the mask is measured, along x, y, z.
+            Whether the geodesic tortuosity of what is not in the mask is measured, along x, y, z:
+            from end to end of the region, but for axes on which it tapers.
         diffusion : bool
             Whether its effective diffusivity and diffusive tortuosity are: takes far longer.
         thickness_map, spacing_map : True, str or os.PathLike, optional
@@ -100,7 +101,8 @@ class StructureTasks:
         Raises
         ------
         octavo.ArgumentError
-            For a mask without voxels in the region, grids that differ, a spacing that is not known.
+            For a mask without voxels in the region, grids that differ, a spacing that is not known,
+            maps of a mask that fills the volume.
         """
         from ._tasks import opened_beside
         name, handle = self._opened_file()

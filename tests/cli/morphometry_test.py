@@ -101,7 +101,7 @@ class Morphometry(cli_test.InFolder):
                                slow["porosity"], places=6)
         self.assertNotIn("tortuosity_z", slow)
         tight = self.measures("tight.8vo", "--diffusion", "--no-thickness")
-        self.assertIsNone(tight["effective_diffusivity_z"])
+        self.assertEqual(tight["effective_diffusivity_z"], 0)
         self.expect_error(2, ["--no-thickness"], "morphometry", "tight.8vo", "--no-thickness",
                           "--histogram", "i.png")
         self.expect_error(2, [".png"], "morphometry", "tight.8vo", "--histogram", "i.svg")
@@ -148,6 +148,9 @@ class Morphometry(cli_test.InFolder):
         full = self.expect(0, "morphometry", "full.8vo", "--progress", "none")
         self.assertIn("there is no surface in it", full.stderr)
         self.assertNotIn("Tb.Th", full.stdout)
+        self.expect_error(2, ["full.8vo", "fills the volume"], "morphometry", "full.8vo",
+                          "--thickness-map", "map.8vo")
+        self.assertFalse((self.folder / "map.8vo").exists())
 
     def test_bad_arguments_are_a_sentence(self):
         for words, arguments in (

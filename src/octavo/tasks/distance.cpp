@@ -51,9 +51,19 @@ void check_options(const DistanceOptions& options, const OpenedMask& mask) {
               mask.path);
 }
 
+/// Throws where no distance is as long as an asked step, and so hardly one differs from 0.
+void require_short_step(const DistanceOptions& options, double largest) {
+  if (!options.step_mm || *options.step_mm <= largest) return;
+  throw Error(ErrorKind::invalid_argument,
+              "a step of " + number_text(*options.step_mm) + " mm is longer than the largest " +
+                  "distance, " + number_text(largest) + " mm")
+      .with_field("distance.step_mm");
+}
+
 /// The step of int16 voxels that reach `largest` mm.
 double step_for(const DistanceOptions& options, double largest) {
   if (!options.step_mm) return std::exp2(std::ceil(std::log2(largest / kMostSteps)));
+  require_short_step(options, largest);
   if (largest <= kMostSteps * *options.step_mm) return *options.step_mm;
   throw Error(ErrorKind::invalid_argument,
               "steps of " + number_text(*options.step_mm) + " mm reach " +
@@ -139,6 +149,9 @@ DistanceResult distance(const DistanceOptions& options, const TaskContext& conte
     std::vector<float> mm(static_cast<std::size_t>(box.size().z * plane));
     context.on_threads([&] { field->read(box.lo.z, box.hi.z, mm.data()); });
     store_distances(mm, volume, voxels, span);
+    // A field with a limit alone does not know sooner how far it went.
+    if (box.hi.z < volume.size.z) return;
+    require_short_step(options, std::max(span.largest, -span.smallest));
   };
   const auto source = make_computed_source(volume, fill, std::min<std::int64_t>(plan.slab, 16));
   const BuiltVolume built = build_planes(*source, build, options.output, "distance", context);

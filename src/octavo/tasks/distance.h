@@ -42,8 +42,8 @@ struct DistanceResult {
 /// it: as in a distance map on an octree, whose cells are larger away from what bends it.
 /// Throws  as require_computed, open_mask and build_file; Error{invalid_argument} for a mask that
 ///         is empty or fills the volume, for one of unknown spacing, a distance, step or bound that
-///         is not above 0, a bound below half a step or a step too small for the largest distance;
-///         Error{limit_exceeded}
+///         is not above 0, a bound below half a step, a step too small for the largest distance or
+///         longer than that; Error{limit_exceeded}
 /// Source  S. Lavallée, R. Szeliski, Recovering the position and orientation of free-form objects
 ///         from image contours using 3D distance maps, IEEE Transactions on Pattern Analysis and
 ///         Machine Intelligence 17 (1995)

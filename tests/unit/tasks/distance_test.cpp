@@ -85,6 +85,8 @@ TEST_F(Distance, NeedsAMaskWithASurfaceAndGoodNumbers) {
   options_.is_in_steps = true;
   options_.step_mm = 1e-6;
   EXPECT_EQ(failing().field, "distance.step_mm");
+  options_.step_mm = 1e9;
+  EXPECT_EQ(failing().field, "distance.step_mm");
   options_.step_mm.reset();
   options_.input = write("plain.8vo", mask_, false);
   EXPECT_EQ(failing().kind, ErrorKind::invalid_argument);

@@ -207,7 +207,8 @@ double ThicknessSummary::quantile_mm(double share) const {
   for (std::size_t i = 0; i < bins.size(); ++i) {
     const auto here = static_cast<double>(bins[i]);
     if (below + here >= wanted && here > 0) {
-      return bin_mm * (static_cast<double>(i) + (wanted - below) / here);
+      const double mm = bin_mm * (static_cast<double>(i) + (wanted - below) / here);
+      return std::clamp(mm, minimum_mm, maximum_mm);
     }
     below += here;
   }

@@ -25,7 +25,8 @@ struct ThicknessSummary {
   double bin_mm = 0;                  ///< width of the bins, the first of which begins at 0
   std::vector<std::uint64_t> bins;    ///< voxels
 
-  /// The thickness that a share of the voxels does not reach; 0 without voxels.
+  /// The thickness that a share of the voxels does not reach, as if those of a bin were spread
+  /// evenly in it; none outside of the smallest and the largest. 0 without voxels.
   double quantile_mm(double share) const;
 };
 

@@ -125,6 +125,10 @@ void check_outputs(const AlignOptions& options) {
     require_no_input(output->path, {options.moving, options.fixed});
   }
   if (!options.picture.path.empty()) require_png(options.picture.path);
+  if (!is_octavo_path(options.matrix.path)) return;
+  throw Error(ErrorKind::invalid_argument, "the matrix is a text file, not a volume",
+              options.matrix.path)
+      .with_field("matrix.path");
 }
 
 }  // namespace

@@ -42,7 +42,8 @@ struct AlignResult {
 /// nothing. Lines of sight are moved as the rest is: the inverse of their pose takes the mask to
 /// where the pictures were taken. Of masks larger than 2^26 voxels coarser levels are taken.
 /// Throws  as open_labels, read_features, require_png and PendingFile; Error{invalid_argument} for
-///         a mask without a surface and for one of unknown spacing; Error{limit_exceeded}
+///         a mask without a surface, for one of unknown spacing and for a matrix that is named as
+///         a volume; Error{limit_exceeded}
 /// Memory  the masks, 9 bytes for each voxel of the level of the fixed one, 8 of the moving one
 AlignResult align(const AlignOptions& options, const TaskContext& context);
 

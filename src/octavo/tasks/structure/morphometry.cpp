@@ -24,6 +24,36 @@ namespace octavo {
 namespace {
 
 constexpr std::int64_t kMapPlanes = 16;
+constexpr double kNarrowestEnd = 2.0 / 3;  // of a region along whose axis pores are measured
+
+/// Sums of values plane by plane, each around the mean of its own: large values that differ little
+/// keep their digits.
+struct DensitySums {
+  DensityMeasure measure;  ///< deviation: sum of squares around the mean
+
+  void add(const std::vector<double>& values) {
+    if (values.empty()) return;
+    const auto here = static_cast<double>(values.size());
+    double mean = 0;
+    for (const double value : values) mean += value - values.front();
+    mean = values.front() + mean / here;
+    double squares = 0;
+    for (const double value : values) squares += (value - mean) * (value - mean);
+    const auto before = static_cast<double>(measure.voxels);
+    const double apart = mean - measure.mean;
+    const double share = here / (before + here);
+    measure.mean += apart * share;
+    measure.deviation += squares + apart * apart * before * share;
+    measure.voxels += values.size();
+  }
+
+  DensityMeasure finished() const {
+    DensityMeasure done = measure;
+    if (done.voxels == 0) return done;
+    done.deviation = std::sqrt(done.deviation / static_cast<double>(done.voxels));
+    return done;
+  }
+};
 
 class MorphometryWork {
  public:
@@ -49,6 +79,7 @@ class MorphometryWork {
             .with_field("grey.kind");
       }
     }
+    require_surface_for_maps();
     context.require_memory(2 * mask_.tree.memory_bytes() + room_bytes(), "the measures");
   }
 
@@ -64,6 +95,14 @@ class MorphometryWork {
  private:
   const MaskTree& inside() const { return inside_ ? *inside_ : mask_.tree; }
   const MaskTree* region() const { return region_ ? &*region_ : nullptr; }
+
+  void require_surface_for_maps() const {
+    if (options_.thickness_map.path.empty() && options_.spacing_map.path.empty()) return;
+    if (mask_.tree.voxel_count() < static_cast<std::uint64_t>(size_.voxel_count())) return;
+    throw Error(ErrorKind::invalid_argument,
+                "the mask fills the volume: without a surface no map of thickness is defined",
+                mask_.path);
+  }
 
   std::uint64_t room_bytes() const {
     return bytes_beside(2 * mask_.tree.memory_bytes(), context_);
@@ -134,8 +173,15 @@ class MorphometryWork {
   }
 
   void measure_thickness() {
-    if (result_.voxels == static_cast<std::uint64_t>(size_.voxel_count())) return;
     result_.slices.assign(static_cast<std::size_t>(size_.z), {});
+    if (mask_.tree.voxel_count() == static_cast<std::uint64_t>(size_.voxel_count())) {
+      for (std::int64_t z = 0; z < size_.z; ++z) {
+        SliceMeasure& slice = result_.slices[static_cast<std::size_t>(z)];
+        slice.region_voxels = region_voxels_in(z);
+        slice.voxels = slice.region_voxels;
+      }
+      return;
+    }
     std::unique_ptr<SiteField> sites;
     watched("distances", size_.z, "planes", [&] {
       sites = make_site_field(inside_of(mask_.tree), spacing_, room_bytes(), local_storage(),
@@ -185,9 +231,19 @@ class MorphometryWork {
     return summary;
   }
 
+  /// What is measured of a plane.
+  std::uint64_t region_voxels_in(std::int64_t z) const {
+    return region_ ? region_voxels_in({{0, 0, z}, {size_.x, size_.y, z + 1}})
+                   : static_cast<std::uint64_t>(size_.x * size_.y);
+  }
+  std::uint64_t region_voxels_in(const Box& plane) const {
+    std::vector<std::uint8_t> voxels(static_cast<std::size_t>(plane.size().voxel_count()));
+    fill_voxels(*region_, plane, voxels.data());
+    return static_cast<std::uint64_t>(std::count(voxels.begin(), voxels.end(), std::uint8_t{1}));
+  }
+
   void add_slices(std::int64_t begin, std::int64_t end, const float* mm) {
     const std::int64_t plane = size_.x * size_.y;
-    std::vector<std::uint8_t> in_region(static_cast<std::size_t>(plane), 1);
     for (std::int64_t z = begin; z < end; ++z) {
       SliceMeasure& slice = result_.slices[static_cast<std::size_t>(z)];
       double sum = 0;
@@ -196,8 +252,7 @@ class MorphometryWork {
         slice.voxels += value > 0 ? 1 : 0;
         sum += static_cast<double>(value);
       }
-      if (region_) fill_voxels(*region_, {{0, 0, z}, {size_.x, size_.y, z + 1}}, in_region.data());
-      for (const std::uint8_t one : in_region) slice.region_voxels += one;
+      slice.region_voxels = region_voxels_in(z);
       if (slice.voxels > 0) slice.mean_thickness_mm = sum / static_cast<double>(slice.voxels);
     }
   }
@@ -215,40 +270,75 @@ class MorphometryWork {
     build_planes(*source, {.kind = VolumeKind::grey, .is_resumable = false}, map, what, context_);
   }
 
+  /// Whether what is measured is about as wide at both ends across an axis as on average: it is
+  /// clear then where ways begin and end.
+  bool has_ends(const Box& box, int axis) const {
+    if (!region_) return true;
+    const auto planes = static_cast<double>(box.size()[axis]);
+    const double mean = static_cast<double>(result_.region_voxels) / planes;
+    for (const std::int64_t at : {box.lo[axis], box.hi[axis] - 1}) {
+      Box plane = box;
+      plane.lo[axis] = at;
+      plane.hi[axis] = at + 1;
+      const auto wide = static_cast<double>(region_voxels_in(plane));
+      if (wide < kNarrowestEnd * mean) return false;
+    }
+    return true;
+  }
+
+  /// What is not in the mask, in the region: not 0 in the voxels of a box.
+  std::vector<std::uint8_t> pores_in(const Box& box) const {
+    std::vector<std::uint8_t> pores(static_cast<std::size_t>(box.size().voxel_count()));
+    fill_voxels(mask_.tree, box, pores.data());
+    for (std::uint8_t& voxel : pores) voxel = voxel == 0 ? 1 : 0;
+    if (!region_) return pores;
+    std::vector<std::uint8_t> plane(static_cast<std::size_t>(box.size().x * box.size().y));
+    std::uint8_t* at = pores.data();
+    for (std::int64_t z = box.lo.z; z < box.hi.z; ++z) {
+      fill_voxels(*region_, {{box.lo.x, box.lo.y, z}, {box.hi.x, box.hi.y, z + 1}}, plane.data());
+      for (const std::uint8_t voxel : plane) *at++ &= voxel;
+    }
+    return pores;
+  }
+
   void measure_pores() {
-    const auto voxels = static_cast<std::uint64_t>(size_.voxel_count());
-    const std::uint64_t others = voxels - mask_.tree.voxel_count();
+    Box box = box_of(size_);
+    if (region_) context_.on_threads([&] { box = mask_moments(*region_).box; });
+    const Size3 size = box.size();
+    const auto voxels = static_cast<std::uint64_t>(size.voxel_count());
+    const std::uint64_t others = std::min(
+        voxels, static_cast<std::uint64_t>(size_.voxel_count()) - mask_.tree.voxel_count());
     const std::uint64_t bytes = options_.has_diffusion ? 7 * voxels + 49 * others : 8 * voxels;
     context_.require_memory(2 * mask_.tree.memory_bytes() + bytes, "ways through pores");
-    std::vector<std::uint8_t> pores(static_cast<std::size_t>(voxels));
-    fill_voxels(mask_.tree, box_of(size_), pores.data());
-    for (std::uint8_t& voxel : pores) voxel = voxel == 0 ? 1 : 0;
-    if (region_) {
-      std::vector<std::uint8_t> plane(static_cast<std::size_t>(size_.x * size_.y));
-      for (std::int64_t z = 0; z < size_.z; ++z) {
-        fill_voxels(*region_, {{0, 0, z}, {size_.x, size_.y, z + 1}}, plane.data());
-        std::uint8_t* const at = pores.data() + z * size_.x * size_.y;
-        for (std::size_t i = 0; i < plane.size(); ++i) at[i] &= plane[i];
-      }
-    }
+    const std::vector<std::uint8_t> pores = pores_in(box);
     result_.has_diffusion = options_.has_diffusion;
     const auto pore_count = static_cast<std::int64_t>(
         std::count(pores.begin(), pores.end(), std::uint8_t{1}));
+    std::string without_ends;
     for (int axis = 0; axis < 3; ++axis) {
       const auto a = static_cast<std::size_t>(axis);
+      result_.has_ends[a] = has_ends(box, axis);
+      if (!result_.has_ends[a]) {
+        without_ends += without_ends.empty() ? "" : ", ";
+        without_ends += "xyz"[axis];
+        continue;
+      }
       const std::string along = std::string(" along ") + "xyz"[axis];
       if (options_.has_tortuosity) {
         const ProgressScope scope(context_.watcher(), "ways" + along, pore_count, "voxels");
-        result_.paths[a] = path_lengths(pores, size_, spacing_, axis, context_.watcher());
+        result_.paths[a] = path_lengths(pores, size, spacing_, axis, context_.watcher());
       }
       if (options_.has_diffusion) {
         const auto counted = static_cast<double>(result_.region_voxels);
         watched(("diffusion" + along).c_str(), kDiffusionParts, "parts", [&] {
           result_.diffusions[a] =
-              pore_diffusion(pores, size_, spacing_, axis, counted, context_.watcher());
+              pore_diffusion(pores, size, spacing_, axis, counted, context_.watcher());
         });
       }
     }
+    if (without_ends.empty()) return;
+    context_.warn(options_.region + ": has less than two thirds of its mean cross-section at an " +
+                  "end along " + without_ends + ": pores are not measured along there");
   }
 
   void measure_densities() {
@@ -259,18 +349,17 @@ class MorphometryWork {
     std::vector<std::byte> bytes(count * static_cast<std::size_t>(bytes_per_voxel(volume.type)));
     std::vector<std::uint8_t> in_mask(count);
     std::vector<std::uint8_t> in_region(count, 1);
-    DensityMeasure tissue;
-    DensityMeasure total;
-    const auto add = [](DensityMeasure& to, double value) {
-      ++to.voxels;
-      to.mean += value;
-      to.deviation += value * value;
-    };
+    DensitySums tissue;
+    DensitySums total;
+    std::vector<double> tissue_values;
+    std::vector<double> total_values;
     for (std::int64_t z = 0; z < size_.z; ++z) {
       planes.read_plane(bytes);
       const Box box = {{0, 0, z}, {size_.x, size_.y, z + 1}};
       fill_voxels(mask_.tree, box, in_mask.data());
       if (region_) fill_voxels(*region_, box, in_region.data());
+      tissue_values.clear();
+      total_values.clear();
       with_voxel_type(volume.type, [&](auto id) {
         using T = typename decltype(id)::type;
         for (std::size_t i = 0; i < count; ++i) {
@@ -280,28 +369,22 @@ class MorphometryWork {
           const double real = volume.rescale.to_real(static_cast<double>(stored));
           if (!std::isfinite(real)) continue;
           const double value = options_.calibration.to_real(real);
-          add(total, value);
-          if (in_mask[i] != 0) add(tissue, value);
+          total_values.push_back(value);
+          if (in_mask[i] != 0) tissue_values.push_back(value);
         }
       });
+      total.add(total_values);
+      tissue.add(tissue_values);
       context_.stop_if_cancelled();
       context_.watcher().advance(1);
     }
-    if (total.voxels < result_.region_voxels) {
-      context_.warn(options_.grey + ": " +
-                    std::to_string(result_.region_voxels - total.voxels) + " of " +
-                    std::to_string(result_.region_voxels) +
-                    " voxels are not finite and left out of the densities");
-    }
-    for (DensityMeasure* one : {&tissue, &total}) {
-      if (one->voxels == 0) continue;
-      const auto n = static_cast<double>(one->voxels);
-      one->mean /= n;
-      const double variance = one->deviation / n - one->mean * one->mean;
-      one->deviation = std::sqrt(std::max(0.0, variance));
-    }
-    result_.tissue = tissue;
-    result_.total = total;
+    result_.tissue = tissue.finished();
+    result_.total = total.finished();
+    const std::uint64_t counted = result_.total->voxels;
+    if (counted == result_.region_voxels) return;
+    context_.warn(options_.grey + ": " + std::to_string(result_.region_voxels - counted) + " of " +
+                  std::to_string(result_.region_voxels) +
+                  " voxels are not finite and left out of the densities");
   }
 
   const MorphometryOptions& options_;

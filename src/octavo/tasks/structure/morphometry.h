@@ -75,6 +75,9 @@ struct MorphometryResult {
   std::optional<EllipsoidFactors> ellipsoids;
   /// Of pores along x, y and z; nothing where no way leads through, or not asked for.
   std::array<std::optional<PathLengths>, 3> paths{};
+  /// Whether the region is wide enough at both ends along x, y and z for pores to lead from one to
+  /// the other; where it is not, they are not measured.
+  std::array<bool, 3> has_ends{true, true, true};
   bool has_diffusion = false;  ///< as asked for
   std::array<std::optional<PoreDiffusion>, 3> diffusions{};  ///< as paths
   std::optional<DensityMeasure> tissue;       ///< TMD
@@ -86,10 +89,12 @@ struct MorphometryResult {
   double share() const { return static_cast<double>(voxels) / static_cast<double>(region_voxels); }
 };
 
-/// Measures a mask. Warns where it touches the border of the volume, which cuts off what it
-/// measures, and where nothing but it is in the region.
+/// Measures a mask. Pores are measured from one end of the region, or of the volume, to the other.
+/// Warns where the mask touches the border of the volume, which cuts off what it measures, where
+/// nothing but it is in the region, and where pores are not measured since a region tapers.
 /// Throws  as open_mask, require_same_grid and build_file; Error{invalid_argument} for a mask
-///         without voxels in the region, a mask of unknown spacing, labels in place of the scan
+///         without voxels in the region, a mask of unknown spacing, labels in place of the scan,
+///         maps of a mask that fills the volume
 /// Memory  the masks, 1 GiB for distances (with a limit: half of what the masks leave), 20 bytes
 ///         for each ball; beyond that scratch files beside the map, or in the folder for these
 MorphometryResult morphometry(const MorphometryOptions& options, const TaskContext& context);

@@ -34,6 +34,11 @@ void add_thickness_rows(const MorphometryResult& result, std::vector<Morphometry
   }
 }
 
+/// Why there is no way through the pores along an axis.
+std::string no_way_words(const MorphometryResult& result, std::size_t axis) {
+  return result.has_ends[axis] ? "no pore leads through" : "not measured: the region tapers";
+}
+
 void add_path_rows(const MorphometryResult& result, std::vector<MorphometryRow>& rows) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto& path = result.paths[axis];
@@ -43,7 +48,7 @@ void add_path_rows(const MorphometryResult& result, std::vector<MorphometryRow>&
                     path ? fmt::format("geodesic tortuosity of pores; {:.0f} % of the far ones are "
                                        "reached",
                                        100 * path->reached_share)
-                         : std::string("no pore leads through")});
+                         : no_way_words(result, axis)});
   }
 }
 
@@ -51,13 +56,16 @@ void add_diffusion_rows(const MorphometryResult& result, std::vector<Morphometry
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto& diffusion = result.diffusions[axis];
     const char name = "xyz"[axis];
-    const std::string words = diffusion ? "of pores at rest" : "no pore leads through";
+    const std::string no_way = no_way_words(result, axis);
+    // Nothing spreads through pores that do not lead through.
+    const std::optional<double> blocked =
+        result.has_ends[axis] ? std::optional(0.0) : std::nullopt;
     rows.push_back({fmt::format("effective_diffusivity_{}", name), fmt::format("Deff.{}", name),
-                    diffusion ? std::optional(diffusion->effective) : std::nullopt, "",
-                    diffusion ? "effective diffusivity, 1 in free space" : words});
+                    diffusion ? std::optional(diffusion->effective) : blocked, "",
+                    diffusion ? "effective diffusivity, 1 in free space" : no_way});
     rows.push_back({fmt::format("diffusive_tortuosity_{}", name), fmt::format("tau.D.{}", name),
                     diffusion ? std::optional(diffusion->tortuosity) : std::nullopt, "",
-                    diffusion ? "diffusive tortuosity, porosity over Deff" : words});
+                    diffusion ? "diffusive tortuosity, porosity over Deff" : no_way});
   }
 }
 

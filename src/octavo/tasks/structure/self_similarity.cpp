@@ -25,7 +25,8 @@ constexpr std::int64_t kWidestRange = std::int64_t{1} << 30;
 void check_similarity(const SelfSimilarityOptions& options, const FileReader& input,
                       const FileReader& coded) {
   if (!(options.max_difference >= 0)) {
-    throw Error(ErrorKind::invalid_argument, "the difference must not be negative");
+    throw Error(ErrorKind::invalid_argument, "the difference must not be negative")
+        .with_field("self_similarity.max_difference");
   }
   for (const auto& [reader, path] : {std::pair{&input, options.input}, {&coded, options.coded}}) {
     if (reader->description().kind == VolumeKind::grey) continue;

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::int64_t kPanelWidth = 560;
 constexpr std::int64_t kPlotHeight = 220;
-constexpr std::int64_t kTitleHeight = 44;
+constexpr std::int64_t kTitleHeight = 62;
 constexpr std::int64_t kTickHeight = 40;
 constexpr std::int64_t kSideMargin = 24;
 constexpr std::size_t kMostBars = 60;
@@ -85,9 +85,12 @@ void draw_panel(Picture& picture, std::int64_t top, const ThicknessSummary& summ
   // Words.
   const Lettering letters(kLetterSize);
   const LetterColors colors = letter_colors_on(kPaper);
-  letters.draw(picture, kSideMargin, top + 14,
-               fmt::format("{}: mean {:.4g} mm, deviation {:.3g}; highest bar {:.2g} %", name,
-                           summary.mean_mm, summary.deviation_mm, 100 * most),
+  letters.draw(picture, kSideMargin, top + 12,
+               fmt::format("{}: mean {:.4g} mm, deviation {:.3g} mm", name, summary.mean_mm,
+                           summary.deviation_mm),
+               colors);
+  letters.draw(picture, kSideMargin, top + 34,
+               fmt::format("highest bar {:.3g} % of {} voxels", 100 * most, summary.voxels),
                colors);
   const double step = tick_step(whole);
   for (double mm = 0; mm <= whole * (1 + 1e-9); mm += step) {

@@ -169,6 +169,18 @@ struct KnownThickness {
   double (*distance)(const Point3& p);
 };
 
+TEST(LocalThickness, QuantilesLieBetweenTheSmallestAndTheLargest) {
+  ThicknessSummary summary;
+  summary.voxels = 100;
+  summary.bin_mm = 1;
+  summary.minimum_mm = 2.3;
+  summary.maximum_mm = 4.2;
+  summary.bins = {0, 0, 20, 0, 80};
+  EXPECT_DOUBLE_EQ(summary.quantile_mm(0.01), 2.3);
+  EXPECT_DOUBLE_EQ(summary.quantile_mm(0.15), 2.75);
+  EXPECT_DOUBLE_EQ(summary.quantile_mm(0.9), 4.2);
+}
+
 TEST(LocalThickness, OfRandomlyTurnedFormsIsWithinTwoPercent) {
   const KnownThickness forms[] = {
       {"ball", [](const Point3& p) { return std::sqrt(dot(p, p)); }},

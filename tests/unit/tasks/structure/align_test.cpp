@@ -103,6 +103,13 @@ TEST_F(Align, FindsNoBallInACrowdOfSurfaces) {
   EXPECT_FALSE(std::filesystem::exists(options_.matrix.path));
 }
 
+TEST_F(Align, WritesNoTextIntoAVolumesName) {
+  options_.moving = write("moving.8vo", bars_);
+  options_.matrix.path = folder_.file("pose.8vo");
+  EXPECT_EQ(failure_of([&] { align(options_, context_); }).field, "matrix.path");
+  EXPECT_FALSE(std::filesystem::exists(options_.matrix.path));
+}
+
 TEST_F(Align, NeedsSurfacesAndASpacing) {
   options_.moving = write("empty.8vo", solid([](const Index3&) { return false; }));
   EXPECT_EQ(failure_of([&] { align(options_, context_); }).kind, ErrorKind::invalid_argument);

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "octavo/tasks/structure/morphometry_rows.h"
 #include "support/task_files.h"
 
 namespace octavo {
@@ -83,6 +84,75 @@ TEST_F(MorphometryTask, CalibratesTheScanBeneath) {
   EXPECT_EQ(failure_of([&] { morphometry(options_, context_); }).field, "grey.kind");
 }
 
+TEST_F(MorphometryTask, KeepsTheDeviationOfLargeDensities) {
+  testing::DenseLabels grey(kPlateSize);
+  for_each_voxel(kPlateSize, [&](const Index3& p) { grey.at(p) = p.x % 2 == 0 ? 100 : 102; });
+  testing::Volume volume = testing::volume_of(grey, 2);
+  volume.description.kind = VolumeKind::grey;
+  volume.description.geometry = geometry_;
+  testing::build_volume(volume, folder_.file("grey.8vo"), 1);
+  options_.grey = folder_.file("grey.8vo");
+  options_.has_thickness = false;
+  options_.calibration = {1, 1e9};
+  const MorphometryResult result = morphometry(options_, context_);
+  EXPECT_NEAR(result.tissue->deviation, 1, 1e-6);
+  EXPECT_NEAR(result.total->deviation, 1, 1e-6);
+}
+
+TEST_F(MorphometryTask, MeasuresPoresFromEndToEndOfARegion) {
+  // Straight pores of half of the area along x; plates block those along y.
+  options_.input = write("plates.8vo", solid([](const Index3& p) { return p.y % 4 < 2; }));
+  options_.region = write("box.8vo", solid([](const Index3& p) {
+    return p.x >= 10 && p.x < 30 && p.y >= 8 && p.y < 28 && p.z >= 5 && p.z < 25;
+  }));
+  options_.has_thickness = false;
+  options_.has_tortuosity = true;
+  options_.has_diffusion = true;
+  const MorphometryResult within = morphometry(options_, context_);
+  for (const std::size_t axis : {std::size_t{0}, std::size_t{2}}) {
+    ASSERT_TRUE(within.paths[axis]);
+    EXPECT_NEAR(within.paths[axis]->tortuosity, 1, 1e-6);
+    ASSERT_TRUE(within.diffusions[axis]);
+    EXPECT_NEAR(within.diffusions[axis]->effective, 0.5, 1e-6);
+  }
+  EXPECT_FALSE(within.paths[1]);
+  EXPECT_TRUE(within.has_ends[1]);
+  EXPECT_TRUE(warnings_.empty());
+  // Nothing spreads along y.
+  for (const MorphometryRow& row : morphometry_rows(within, true)) {
+    if (row.key == "effective_diffusivity_y") {
+      EXPECT_EQ(row.value, 0.0);
+    }
+    if (row.key == "diffusive_tortuosity_y") {
+      EXPECT_FALSE(row.value);
+    }
+  }
+}
+
+TEST_F(MorphometryTask, MeasuresNoPoresAlongWhichARegionTapers) {
+  options_.region = write("cylinder.8vo", solid([](const Index3& p) {
+    const double x = static_cast<double>(p.x) - 19.5;
+    const double y = static_cast<double>(p.y) - 19.5;
+    return x * x + y * y < 15 * 15 && p.z < 10;
+  }));
+  options_.input = write("bar.8vo", solid([](const Index3& p) { return p.x == 20 && p.y == 20; }));
+  options_.has_thickness = false;
+  options_.has_tortuosity = true;
+  options_.has_diffusion = true;
+  const MorphometryResult result = morphometry(options_, context_);
+  EXPECT_EQ(result.has_ends, (std::array<bool, 3>{false, false, true}));
+  EXPECT_FALSE(result.paths[0]);
+  ASSERT_TRUE(result.paths[2]);
+  EXPECT_NEAR(result.paths[2]->tortuosity, 1, 1e-6);
+  ASSERT_EQ(warnings_.size(), 1u);
+  EXPECT_NE(warnings_[0].find("along x, y"), std::string::npos);
+  for (const MorphometryRow& row : morphometry_rows(result, true)) {
+    if (row.key == "effective_diffusivity_x") {
+      EXPECT_FALSE(row.value);
+    }
+  }
+}
+
 TEST_F(MorphometryTask, SaysWhereThereIsNothingToMeasure) {
   options_.input = write("empty.8vo", solid([](const Index3&) { return false; }));
   EXPECT_EQ(failure_of([&] { morphometry(options_, context_); }).kind,
@@ -93,6 +163,12 @@ TEST_F(MorphometryTask, SaysWhereThereIsNothingToMeasure) {
   EXPECT_EQ(full.surface.area_mm2, 0);
   EXPECT_FALSE(full.thickness);
   EXPECT_EQ(warnings_.size(), 1u);
+  ASSERT_EQ(full.slices.size(), 30u);
+  EXPECT_EQ(full.slices[7].voxels, 40u * 40);
+  options_.spacing_map.path = folder_.file("spacing.8vo");
+  EXPECT_EQ(failure_of([&] { morphometry(options_, context_); }).kind,
+            ErrorKind::invalid_argument);
+  options_.spacing_map.path.clear();
   options_.input = write("plain.8vo", solid([](const Index3&) { return true; }), false);
   EXPECT_EQ(failure_of([&] { morphometry(options_, context_); }).kind,
             ErrorKind::invalid_argument);

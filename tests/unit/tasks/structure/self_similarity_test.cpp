@@ -56,6 +56,8 @@ TEST_F(SelfSimilarity, NeedsTwoGreyFilesOfOneScan) {
   EXPECT_EQ(kind_of({labels, 0, false, ""}), ErrorKind::invalid_argument);
   EXPECT_EQ(kind_of({grey, 0, false, other}), ErrorKind::invalid_argument);
   EXPECT_EQ(kind_of({grey, -1, false, ""}), ErrorKind::invalid_argument);
+  EXPECT_EQ(failure_of([&] { self_similarity({grey, -1, false, ""}, context_); }).field,
+            "self_similarity.max_difference");
   context_.max_memory_bytes = 1000;
   EXPECT_EQ(kind_of({grey, 0, false, ""}), ErrorKind::limit_exceeded);
 }

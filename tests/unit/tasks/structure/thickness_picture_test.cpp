@@ -37,6 +37,20 @@ TEST(ThicknessPicture, BarsAreAsHighAsTheirShares) {
   EXPECT_EQ(bar(3.5), 0);
 }
 
+TEST(ThicknessPicture, WordsEndBeforeTheBorder) {
+  ThicknessSummary tiny = summary_of({1, 1'000'000'000});
+  tiny.mean_mm = 1.23456e-7;
+  tiny.deviation_mm = 1.23456e-9;
+  tiny.bin_mm = 1.2e-7;
+  const Picture picture = thickness_picture({}, tiny);
+  for (std::int64_t y = 0; y < 60; ++y) {
+    for (std::int64_t x = picture.width - 12; x < picture.width; ++x) {
+      const auto at = static_cast<std::size_t>(3 * (y * picture.width + x));
+      ASSERT_GT(picture.pixels[at], 200) << x << ", " << y;
+    }
+  }
+}
+
 TEST(ThicknessPicture, HasAPanelForEachThatWasMeasured) {
   const ThicknessSummary some = summary_of(std::vector<std::uint64_t>(500, 7));
   const std::int64_t one = thickness_picture(some, {}).height;
