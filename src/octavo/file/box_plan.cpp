@@ -119,12 +119,15 @@ constexpr std::int64_t kMostPlannedBricks = 1 << 14;
 /// Of plans for one box: pages, models and pieces, parts, and once more where others read as well.
 constexpr int kMostPlans = 4;
 
-/// The halves of a box along the axis with the most bricks, cut between bricks.
+/// Of a box that is read in parts, each has so many bytes at most, or one brick: enough to be worth
+/// a round of requests, and few enough for some to be decoded while others come.
+constexpr std::uint64_t kPartBytes = std::uint64_t{1} << 24;
+
+/// The halves of a box, cut between bricks; across z as long as that is possible, as layers follow
+/// one another in a file.
 std::pair<Box, Box> halves_of(const Box& box, const Size3& side, const Size3& met) {
   int axis = 2;
-  for (int other = 1; other >= 0; --other) {
-    if (met[other] > met[axis]) axis = other;
-  }
+  while (met[axis] == 1) --axis;
   const std::int64_t cut = (box.lo[axis] / side[axis] + met[axis] / 2) * side[axis];
   std::pair<Box, Box> halves{box, box};
   halves.first.hi[axis] = cut;
@@ -135,7 +138,7 @@ std::pair<Box, Box> halves_of(const Box& box, const Size3& side, const Size3& me
 }  // namespace
 
 bool fetch_boxes(const OpenFile& file, std::span<const Box> boxes, int level,
-                 const IsDecoded& is_decoded) {
+                 const IsDecoded& is_decoded, std::uint64_t most_bytes) {
   const ByteSource& source = file.source();
   if (source.fetched_bytes_kept() == 0) return true;
   const Size3 side = brick_side_at(file.levels(), level);
@@ -146,7 +149,7 @@ bool fetch_boxes(const OpenFile& file, std::span<const Box> boxes, int level,
   for (int i = 0; i < kMostPlans; ++i) {
     const ReadPlan plan = plan_of_boxes(file, boxes, level, {}, is_decoded);
     fetched += total_bytes(plan.ranges);
-    if (fetched > source.fetched_bytes_kept()) return false;
+    if (fetched > std::min(source.fetched_bytes_kept(), most_bytes)) return false;
     if (!plan.ranges.empty()) source.fetch(plan.ranges);
     if (plan.is_complete) break;
   }
@@ -155,10 +158,14 @@ bool fetch_boxes(const OpenFile& file, std::span<const Box> boxes, int level,
 
 void for_fetched(const OpenFile& file, const Box& box, int level, const IsDecoded& is_decoded,
                  const std::function<void(const Box& part)>& read) {
-  if (file.source().fetched_bytes_kept() == 0) return read(box);
+  const std::uint64_t kept = file.source().fetched_bytes_kept();
+  if (kept == 0) return read(box);
   const Size3 side = brick_side_at(file.levels(), level);
   const Size3 met = cells_met(box, side);
-  if (fetch_boxes(file, {&box, 1}, level, is_decoded) || met.voxel_count() == 1) return read(box);
+  // What is read stays while the next part comes.
+  const bool is_fetched =
+      fetch_boxes(file, {&box, 1}, level, is_decoded, std::min(kPartBytes, kept / 2));
+  if (is_fetched || met.voxel_count() == 1) return read(box);
   const auto [first, second] = halves_of(box, side, met);
   for_fetched(file, first, level, is_decoded, read);
   for_fetched(file, second, level, is_decoded, read);

@@ -149,9 +149,10 @@ class FileReader {
   /// Throws as ranges_of() and ByteSource::fetch()
   virtual bool fetch(std::span<const Box> boxes, int level) const;
 
-  /// Calls read(part) for boxes that tile `box`, one after the other, each of them fetched. Of
-  /// bytes at hand `box` is one part. Readers do this for every box themselves; who reads a box in
-  /// pieces does it for the whole of it first.
+  /// Calls read(part) for boxes that tile `box`, one after the other, each of them fetched. The
+  /// last one has the end of `box`. What a part needs stays until the next call has returned: it
+  /// may still be read while the next part is fetched. Of bytes at hand `box` is one part. Readers
+  /// do this for every box themselves; who reads a box in pieces does it for the whole of it first.
   /// Throws as fetch(), and what `read` throws
   virtual void for_fetched(const Box& box, int level,
                            const std::function<void(const Box& part)>& read) const;

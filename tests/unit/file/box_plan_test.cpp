@@ -5,10 +5,14 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cmath>
+#include <condition_variable>
 #include <map>
+#include <mutex>
 #include <random>
 #include <string>
+#include <thread>
 
 #include "octavo/builder/builder.h"
 #include "octavo/file/parallel_read.h"
@@ -327,6 +331,83 @@ TEST(BoxPlan, LargeBoxesAreFetchedInParts) {
     if (part > 4) continue;
     EXPECT_EQ(source->late_count, 0);
     EXPECT_LE(source->most_held, 2 * kept);
+  }
+}
+
+/// Of which other threads than the one that fetches read nothing before the second fetch begins.
+class SecondFetch final : public ByteSource {
+ public:
+  SecondFetch(const std::vector<std::uint8_t>& file, std::uint64_t kept) : source_(file, kept) {}
+
+  std::uint64_t size() const override { return source_.size(); }
+  const std::string& name() const override { return source_.name(); }
+  std::uint64_t fetched_bytes_kept() const override { return source_.fetched_bytes_kept(); }
+  std::vector<ByteRange> missing(std::span<const ByteRange> ranges) const override {
+    return source_.missing(ranges);
+  }
+  void fetch(std::span<const ByteRange> ranges) const override {
+    {
+      const std::lock_guard lock(mutex_);
+      ++fetch_count_;
+      changed_.notify_all();
+    }
+    source_.fetch(ranges);
+  }
+  void read(std::uint64_t offset, std::span<std::uint8_t> out) const override {
+    if (std::this_thread::get_id() != owner_) {
+      std::unique_lock lock(mutex_);
+      ++elsewhere_count;
+      const bool is_fetched = changed_.wait_for(lock, std::chrono::seconds(60),
+                                                [&] { return fetch_count_ > 1; });
+      if (!is_fetched) ++late_count;
+    }
+    source_.read(offset, out);
+  }
+  int unfetched_count() const { return source_.late_count; }
+
+  mutable std::atomic<int> elsewhere_count = 0;
+  mutable std::atomic<int> late_count = 0;
+
+ private:
+  const std::thread::id owner_ = std::this_thread::get_id();
+  FetchingSource source_;
+  mutable std::mutex mutex_;
+  mutable std::condition_variable changed_;
+  mutable int fetch_count_ = 0;
+};
+
+TEST(BoxPlan, APartIsDecodedWhileTheNextOneIsFetched) {
+  const std::vector<std::uint8_t> file = file_of(kPlannedVolumes[0]);
+  const auto whole = FileReader::open(byte_source_of(file, "whole"));
+  const Box all = box_of(kPlannedVolumes[0].size);
+  const Bytes expected = voxels_of(*whole, all, 0);
+  for (const int threads : {1, 2}) {
+    const auto source = std::make_shared<SecondFetch>(file, file.size());
+    const auto reader = FileReader::open(source, {.lead_bytes = 0});
+    const int unfetched = source->unfetched_count();
+    Bytes found(expected.size());
+    read_parallel(*reader, all, 0, found.data(), threads);
+    EXPECT_EQ(found, expected);
+    EXPECT_GT(source->elsewhere_count, 0);
+    EXPECT_EQ(source->late_count, 0);
+    EXPECT_EQ(source->unfetched_count(), unfetched);
+  }
+}
+
+TEST(BoxPlan, AFailureOfAPartEndsTheReading) {
+  const std::vector<std::uint8_t> file = file_of(kPlannedVolumes[0]);
+  const Box all = box_of(kPlannedVolumes[0].size);
+  std::vector<std::uint8_t> bad = file;
+  bad[FileReader::open(byte_source_of(file, "whole"))->brick(0, {0, 0, 0}).pieces[0].offset] ^= 1;
+  for (const int threads : {1, 2}) {
+    const auto source = std::make_shared<FetchingSource>(bad, bad.size());
+    Bytes found(static_cast<std::size_t>(2 * all.size().voxel_count()));
+    try {
+      read_parallel(*FileReader::open(source, {}), all, 0, found.data(), threads);
+      ADD_FAILURE() << "a damaged brick was read";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::corrupt) << error.what();
+    }
   }
 }
 
