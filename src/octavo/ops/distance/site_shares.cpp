@@ -26,37 +26,82 @@ class SharePlanes {
     const std::int64_t held = std::clamp(z, lo_, hi_ - 1) - lo_;
     return inside_.data() + held * size_.x * size_.y;
   }
-  std::uint8_t at(std::int64_t x, std::int64_t y, std::int64_t z) const {
-    return plane(z)[std::clamp<std::int64_t>(y, 0, size_.y - 1) * size_.x +
-                    std::clamp<std::int64_t>(x, 0, size_.x - 1)];
+  const std::uint8_t* row(std::int64_t y, std::int64_t z) const {
+    return plane(z) + std::clamp<std::int64_t>(y, 0, size_.y - 1) * size_.x;
   }
+  std::uint8_t at(std::int64_t x, std::int64_t y, std::int64_t z) const {
+    return row(y, z)[std::clamp<std::int64_t>(x, 0, size_.x - 1)];
+  }
+  const Size3& size() const { return size_; }
 
-  /// Whether the surface is flat beside a voxel: a layer of 3 x 3 voxels of its class around it,
-  /// and one of the other class beside that.
+  /// Whether the surface is flat beside a voxel: one of its faces lies between a layer of its class
+  /// and one of the other class, which may end at a cliff, on one side of the voxel.
+  ///
+  ///     .  .  .  .  .        the voxel is the one above the face
+  ///     o  o  o  .  .   <    a layer that ends; what is one voxel high is a step of a surface that
+  ///     o  o  o  .  .        lies aslant, and so is a cliff down here and one up on the other side
   bool is_flat(const Index3& p) const {
     const std::uint8_t own = at(p.x, p.y, p.z);
     for (int side = 0; side < 6; ++side) {
       const int axis = side / 2;
       const std::int64_t step = side % 2 == 0 ? -1 : 1;
-      bool is_layer = true;
-      for (int i = 0; i < 9 && is_layer; ++i) {
-        Index3 q = p;
-        q[(axis + 1) % 3] += i % 3 - 1;
-        q[(axis + 2) % 3] += i / 3 - 1;
-        is_layer = at(q.x, q.y, q.z) == own;
-        q[axis] += step;
-        is_layer = is_layer && at(q.x, q.y, q.z) != own;
-      }
-      if (is_layer) return true;
+      Index3 q = p;
+      q[axis] += step;
+      if (at(q.x, q.y, q.z) != own && is_flat_towards(p, own, axis, step)) return true;
     }
     return false;
   }
 
  private:
+  /// Whether the face of a voxel of a class on one side of an axis is one of a flat surface.
+  bool is_flat_towards(const Index3& p, std::uint8_t own, int axis, std::int64_t step) const {
+    const auto is_own = [&](int column, std::int64_t up) {
+      Index3 q = p;
+      q[(axis + 1) % 3] += column % 3 - 1;
+      q[(axis + 2) % 3] += column / 3 - 1;
+      q[axis] += up * step;
+      return at(q.x, q.y, q.z) == own;
+    };
+    bool has_cliff_down = false;
+    bool has_cliff_up = false;
+    for (const int column : {1, 3, 5, 7, 0, 2, 6, 8}) {
+      const bool here = is_own(column, 0);
+      const bool beyond = is_own(column, 1);
+      if (here && !beyond) continue;
+      if (here != beyond || is_own(column, here ? 2 : -1) != here) return false;
+      (here ? has_cliff_down : has_cliff_up) = true;
+    }
+    return !has_cliff_down || !has_cliff_up;
+  }
+
   Size3 size_;
   std::int64_t lo_;
   std::int64_t hi_;
   std::vector<std::uint8_t> inside_;
+};
+
+/// A row and those around it.
+class RowsBeside {
+ public:
+  RowsBeside(const SharePlanes& planes, std::int64_t y, std::int64_t z)
+      : last_(planes.size().x - 1),
+        row_(planes.row(y, z)),
+        around_{planes.row(y - 1, z), planes.row(y + 1, z), planes.row(y, z - 1),
+                planes.row(y, z + 1)} {}
+
+  /// Whether a voxel of the other class shares a face with one of the row.
+  bool has_other(std::int64_t x) const {
+    const std::uint8_t own = row_[x];
+    int differ = own ^ row_[std::max<std::int64_t>(x - 1, 0)];
+    differ |= own ^ row_[std::min(x + 1, last_)];
+    for (const std::uint8_t* const one : around_) differ |= own ^ one[x];
+    return differ != 0;
+  }
+
+ private:
+  std::int64_t last_;
+  const std::uint8_t* row_;
+  std::array<const std::uint8_t*, 4> around_;
 };
 
 /// The weighted sum of five rows.
@@ -97,14 +142,17 @@ void fill_shares(const InsideVoxels& voxels, std::int64_t begin, std::int64_t en
       }
       const std::uint32_t* const r = row.data();
       mix_rows<std::uint32_t>({r, r + 1, r + 2, r + 3, r + 4}, size.x, sums.data());
+      const RowsBeside beside(planes, y, z);
       NearestSite* const out = sites + (z - begin) * plane + y * size.x;
       for (std::int64_t x = 0; x < size.x; ++x) {
         const std::uint8_t is_inside = own[y * size.x + x];
         const double share = sums[static_cast<std::size_t>(x)] / kShareSum;
         const double other = is_inside != 0 ? 1 - share : share;
         auto steps = static_cast<std::uint8_t>(std::min(other, 0.75) * kSharesOfAll);
-        // Between a plate of one voxel and half a space.
-        if (other > 0.22 && other < 0.26 && planes.is_flat({x, y, z})) steps = kFlatShare;
+        // Between one voxel beside this one and all around it.
+        if (other > 0.05 && other < 0.9 && beside.has_other(x) && planes.is_flat({x, y, z})) {
+          steps = kFlatShare;
+        }
         out[x].own = static_cast<std::uint8_t>(steps << 1 | is_inside);
       }
     }

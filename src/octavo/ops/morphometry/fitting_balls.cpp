@@ -17,12 +17,14 @@ namespace {
 
 constexpr std::int64_t kBallPlanes = 16;  // of a slab
 constexpr double kNear = 0.5;             // voxels behind it: says what form the surface has
+constexpr std::int64_t kKeyStride = 1 << 20;  // more than voxels of an axis, on both sides
 constexpr double kContact = 0.2;          // voxels behind the nearest site: touched as well
 
 // What is left where gaps are known, by the radius: behind planes, sites lie aside of the way; in
 // balls, what is around a site bends away. Measured on random planes and balls.
 constexpr double kAside = 1.4;
 constexpr double kSmeared = 1.1;
+constexpr double kGrowsDownTo = 3;  // radius, in smallest spacings: below, that grows no more
 
 /// Planes of sites around a slab.
 class SitePlanes {
@@ -64,6 +66,8 @@ class BallFinder {
       : asked_(asked), planes_(planes) {
     unit_ = std::min({spacing_mm[0], spacing_mm[1], spacing_mm[2]});
     steps_ = scaled(spacing_mm, 1 / unit_);
+    longest_ = std::max({steps_[0], steps_[1], steps_[2]});
+    diagonal_ = std::max(kNear, 0.5 * std::sqrt(dot(steps_, steps_)));
   }
 
   /// The balls of a plane that are needed.
@@ -142,7 +146,8 @@ class BallFinder {
   /// The largest ball whose center lies in voxel p, among the sites of all voxels around it.
   FittingBall largest_around(const Index3& p) const {
     std::array<SeenSite, 27> sites;
-    std::size_t count = 0;
+    std::array<std::int64_t, 27> keys;
+    std::ptrdiff_t count = 0;
     for (int i = 0; i < 27; ++i) {
       const Index3 step{i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1};
       const Index3 q{p.x + step.x, p.y + step.y, p.z + step.z};
@@ -150,102 +155,177 @@ class BallFinder {
       // A voxel of the other class is a site itself.
       const NearestSite& site = planes_.at(q);
       const bool is_other = site.is_inside() == asked_.is_background;
-      const Point3 from{static_cast<double>(step.x), static_cast<double>(step.y),
-                        static_cast<double>(step.z)};
-      const Point3 way = is_other ? Point3{steps_[0] * from[0], steps_[1] * from[1],
-                                           steps_[2] * from[2]}
-                                  : way_of(site, from);
-      const bool is_known = std::any_of(sites.begin(), sites.begin() + count,
-                                        [&](const SeenSite& one) { return one.way == way; });
-      if (!is_known) sites[count++] = {way, is_other ? site.own_share() : site.site_share};
+      std::array<std::int64_t, 3> voxels = {step.x, step.y, step.z};
+      if (!is_other) {
+        for (std::size_t a = 0; a < 3; ++a) voxels[a] += site.steps[a];
+      }
+      const std::int64_t key = (voxels[2] * kKeyStride + voxels[1]) * kKeyStride + voxels[0];
+      if (std::find(keys.begin(), keys.begin() + count, key) != keys.begin() + count) continue;
+      Point3 way{};
+      for (std::size_t a = 0; a < 3; ++a) way[a] = steps_[a] * static_cast<double>(voxels[a]);
+      const auto place = static_cast<std::size_t>(count++);
+      keys[place] = key;
+      sites[place] = {way, is_other ? site.own_share() : site.site_share};
     }
-    const std::span<const SeenSite> seen(sites.data(), count);
+    const std::span<const SeenSite> seen(sites.data(), static_cast<std::size_t>(count));
 
-    // Away from the nearest one, by ever smaller steps.
+    if (is_cubic()) {
+      const Point3 center = deepest_place(seen, [](const Point3& way) { return dot(way, way); });
+      return ball_at(p, center, around(center, seen));
+    }
+    // Where voxels are not cubic, a site along their long side has the surface farther before it.
+    // That says where the middle between flat faces is; centers of sites, which a round surface
+    // just passes, say it elsewhere.
+    const Point3 between_faces = deepest_place(seen, [this](const Point3& way) {
+      return std::sqrt(dot(way, way)) - 0.5 * voxel_along(way);
+    });
+    const Surroundings flat = around(between_faces, seen);
+    if (flat.is_flat()) return ball_at(p, between_faces, flat);
+    const Point3 center = deepest_place(seen, [](const Point3& way) { return dot(way, way); });
+    return ball_at(p, center, around(center, seen));
+  }
+
+  bool is_cubic() const { return longest_ == 1; }
+
+  /// The length of a voxel, seen along a way.
+  double voxel_along(const Point3& way) const {
+    if (is_cubic()) return 1;
+    double squared = 0;
+    for (std::size_t a = 0; a < 3; ++a) squared += way[a] * way[a] * steps_[a] * steps_[a];
+    return std::sqrt(squared / dot(way, way));
+  }
+
+  /// The place in a voxel whose nearest site is the farthest: away from the nearest one, by ever
+  /// smaller steps that reach all of the voxel.
+  template <class Depth>
+  Point3 deepest_place(std::span<const SeenSite> seen, Depth depth_of) const {
     Point3 center{};
     Point3 best{};
-    double best_squared = 0;
-    for (double step = 0.32; step > 0.01; step *= 0.8) {
+    double best_depth = -HUGE_VAL;
+    for (double step = 0.32 * longest_; step > 0.01; step *= 0.8) {
       const SeenSite* nearest = nullptr;
-      double squared = HUGE_VAL;
+      double depth = HUGE_VAL;
       for (const SeenSite& one : seen) {
-        const Point3 way = difference(one.way, center);
-        const double length = dot(way, way);
-        if (length < squared) {
-          squared = length;
+        const double depth_of_one = depth_of(difference(one.way, center));
+        if (depth_of_one < depth) {
+          depth = depth_of_one;
           nearest = &one;
         }
       }
-      if (squared > best_squared) {
-        best_squared = squared;
+      if (depth > best_depth) {
+        best_depth = depth;
         best = center;
       }
       const Point3 away = difference(center, nearest->way);
-      center = sum(center, scaled(away, step / std::sqrt(squared)));
+      center = sum(center, scaled(away, step / std::sqrt(dot(away, away))));
       for (std::size_t a = 0; a < 3; ++a) {
         center[a] = std::clamp(center[a], -0.5 * steps_[a], 0.5 * steps_[a]);
       }
     }
-    return ball_at(p, best, std::sqrt(best_squared), seen);
+    return best;
   }
 
-  FittingBall ball_at(const Index3& p, const Point3& center, double reach,
-                      std::span<const SeenSite> seen) const {
+  /// Sites around a center, in steps.
+  struct Surroundings {
+    double reach = 0;    // to the nearest one
+    double clear = 0;    // to the nearest face of a voxel
+    int contacts = 0;    // sites that the ball touches
+    int flat = 0;        // of these, before which the surface is flat
+    double lengths = 0;  // to the surface before contacts where it is not flat, in all
+    double flat_lengths = 0;  // where it is
+    double along = 0;    // squared voxels, seen along the ways to contacts, in all
+    int near = 0;                    // sites whose directions are known
+    std::array<double, 6> tensor{};  // of directions: xx, yy, zz, xy, yz, zx
+
+    bool is_flat() const { return flat == contacts; }
+  };
+
+  Surroundings around(const Point3& center, std::span<const SeenSite> seen) const {
+    Surroundings all;
+    double nearest = HUGE_VAL;
+    for (const SeenSite& one : seen) {
+      const Point3 way = difference(one.way, center);
+      nearest = std::min(nearest, dot(way, way));
+    }
+    all.reach = std::sqrt(nearest);
+    const double near = (all.reach + kNear) * (all.reach + kNear);
+    const double with_face = (all.reach + diagonal_) * (all.reach + diagonal_);
+    double clear = nearest;
+    for (const SeenSite& one : seen) {
+      const Point3 way = difference(one.way, center);
+      const double squared = dot(way, way);
+      if (squared > with_face) continue;
+      Point3 to_face{};
+      for (std::size_t a = 0; a < 3; ++a) {
+        to_face[a] = std::max(std::abs(way[a]) - 0.5 * steps_[a], 0.0);
+      }
+      clear = std::min(clear, dot(to_face, to_face));
+      if (squared > near) continue;
+      const double length = std::sqrt(squared);
+      const Point3 n = scaled(way, 1 / length);
+      for (std::size_t a = 0; a < 3; ++a) {
+        all.tensor[a] += n[a] * n[a];
+        all.tensor[3 + a] += n[a] * n[(a + 1) % 3];
+      }
+      ++all.near;
+      if (length > all.reach + kContact) continue;
+      const double voxel = voxel_along(way);
+      const bool is_flat = one.share == kFlatShare;
+      (is_flat ? all.flat_lengths : all.lengths) += length - surface_gap(one.share) * voxel;
+      all.along += voxel * voxel;
+      ++all.contacts;
+      if (is_flat) ++all.flat;
+    }
+    all.clear = std::sqrt(clear);
+    return all;
+  }
+
+  FittingBall ball_at(const Index3& p, const Point3& center, const Surroundings& sites) const {
     FittingBall ball;
     for (int axis = 0; axis < 3; ++axis) {
       const auto a = static_cast<std::size_t>(axis);
       ball.center[a] =
           static_cast<float>(static_cast<double>(p[axis]) + 0.5 + center[a] / steps_[a]);
     }
-    const double radius = surface_distance(center, reach, seen);
-    ball.radius_mm = static_cast<float>(unit_ * std::max(0.25, radius));
+    const double radius = sites.is_flat() ? sites.clear : radius_before(sites);
+    // Of flat voxels, a site may lie far behind the surface.
+    const double reach =
+        is_cubic() ? sites.reach : std::min(sites.reach, radius + 0.5 * longest_);
+    ball.radius_mm = static_cast<float>(unit_ * radius);
     ball.reach_mm = static_cast<float>(unit_ * reach);
     return ball;
   }
 
-  /// How far the surface is from a center whose nearest site is at `reach`.
-  double surface_distance(const Point3& center, double reach,
-                          std::span<const SeenSite> seen) const {
-    double lengths = 0;
-    double nearest = HUGE_VAL;
-    int contacts = 0;
-    std::array<double, 6> tensor{};  // of directions: xx, yy, zz, xy, yz, zx
-    int near = 0;
-    bool is_flat = true;
-    for (const SeenSite& one : seen) {
-      const Point3 way = difference(one.way, center);
-      const double length = std::sqrt(dot(way, way));
-      if (length > reach + kNear) continue;
-      const Point3 n = scaled(way, 1 / length);
-      for (std::size_t a = 0; a < 3; ++a) {
-        tensor[a] += n[a] * n[a];
-        tensor[3 + a] += n[a] * n[(a + 1) % 3];
-      }
-      ++near;
-      if (length > reach + kContact) continue;
-      double across = 0;  // a voxel, seen along the way
-      for (std::size_t a = 0; a < 3; ++a) across += n[a] * n[a] * steps_[a] * steps_[a];
-      const double to_surface = length - surface_gap(one.share) * std::sqrt(across);
-      nearest = std::min(nearest, to_surface);
-      lengths += to_surface;
-      ++contacts;
-      is_flat = is_flat && one.share == kFlatShare;
-    }
-    if (is_flat) return nearest;
-    // 0 between two planes, 0.5 in a rod, 1 in a ball.
+  /// How far the surface is where it is not flat.
+  double radius_before(const Surroundings& sites) const {
+    // Of so many directions: 1 between two planes, 2 in a rod, 3 in a ball.
     double squares = 0;
     for (std::size_t a = 0; a < 3; ++a) {
-      squares += tensor[a] * tensor[a] + 2 * tensor[3 + a] * tensor[3 + a];
+      squares += sites.tensor[a] * sites.tensor[a] + 2 * sites.tensor[3 + a] * sites.tensor[3 + a];
     }
-    const double round = std::clamp(0.5 * (near * near / squares - 1), 0.0, 1.0);
-    const double behind = (kSmeared * round - kAside * (1 - round)) / reach;
-    return std::min(lengths / contacts + behind, reach);
+    const double directions = sites.near * sites.near / squares;
+    const double round = std::clamp(0.5 * (directions - 1), 0.0, 1.0);
+    // A surface that bends in all of them but its normal, smeared over voxels.
+    double across = -sites.along / sites.contacts;
+    for (std::size_t a = 0; a < 3; ++a) {
+      across += directions * sites.tensor[a] / sites.near * steps_[a] * steps_[a];
+    }
+    const double smeared =
+        kSmeared * std::max(0.5 * across, 0.0) / std::max(sites.reach, kGrowsDownTo);
+    const double aside = kAside * (1 - round) / sites.reach;
+    // The caps of round surfaces look flat, and are where these just pass centers.
+    const double counted = std::clamp(2 - directions, 0.0, 1.0);
+    const double length = (sites.lengths + counted * sites.flat_lengths) /
+                          (sites.contacts - sites.flat + counted * sites.flat);
+    return std::clamp(length + smeared - aside, sites.clear, sites.reach);
   }
 
   const ThicknessClass& asked_;
   const SitePlanes& planes_;
   double unit_ = 1;
   Point3 steps_{};  // the spacing in units
+  double longest_ = 1;
+  double diagonal_ = 1;  // half of that of a voxel: no face lies farther before its center
 };
 
 }  // namespace

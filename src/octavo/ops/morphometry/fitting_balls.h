@@ -9,6 +9,9 @@
 //                          3  the surface passes before the sites that the ball touches, by as much
 //                             as what is around them says (site_lines.h)
 //
+// Where all that it touches is flat along axes, a ball reaches to the nearest face of a voxel; it
+// is never smaller than that. So plates and square rods of w voxels are w voxels thick on any grid.
+//
 // The centers of voxels of the class that a ball holds are covered by it.
 //
 // Source  T. Hildebrand, P. Rüegsegger, A new method for the model-independent assessment of

@@ -21,6 +21,32 @@ std::vector<NearestSite> shares_of(const DenseMask& mask) {
   return sites;
 }
 
+/// The share of one voxel of a mask.
+template <class Inside>
+std::uint8_t share_at(const Index3& place, Inside inside) {
+  DenseMask mask{{13, 13, 13}, std::vector<std::uint8_t>(13 * 13 * 13)};
+  for_each_voxel(mask.size, [&](const Index3& p) { mask.at(p) = inside(p) ? 1 : 0; });
+  return shares_of(mask)[static_cast<std::size_t>((place.z * 13 + place.y) * 13 + place.x)]
+      .own_share();
+}
+
+TEST(SiteShares, SurfacesAreFlatUpToCliffsButNotOverSteps) {
+  for (const std::int64_t wide : {1, 2, 3}) {
+    const auto is_in_rod = [&](const Index3& p) {
+      return p.x >= 5 && p.x < 5 + wide && p.z >= 5 && p.z < 5 + wide;
+    };
+    EXPECT_EQ(share_at({5, 6, 4}, is_in_rod), kFlatShare) << wide;
+    EXPECT_EQ(share_at({5, 6, 4}, [&](const Index3& p) { return !is_in_rod(p); }),
+              share_at({5, 6, 4}, is_in_rod)) << wide;
+    EXPECT_EQ(share_at({5, 6, 5}, [&](const Index3& p) { return !is_in_rod(p); }), kFlatShare);
+  }
+  for (const std::int64_t slope : {1, 2, 3}) {
+    const auto is_below = [&](const Index3& p) { return p.z <= 6 + slope * (p.x - 6); };
+    EXPECT_NE(share_at({6, 6, 7}, is_below), kFlatShare) << slope;
+    EXPECT_NE(share_at({6, 6, 6}, is_below), kFlatShare) << slope;
+  }
+}
+
 TEST(SiteShares, FlatSurfacesPassHalfWay) {
   for (const std::int64_t thick : {1, 2, 5}) {
     DenseMask mask{{9, 9, 16}, std::vector<std::uint8_t>(9 * 9 * 16)};

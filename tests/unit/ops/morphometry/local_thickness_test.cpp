@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numeric>
 #include <random>
+#include <string>
 
 #include "octavo/core/vectors.h"
 #include "support/dense_mask.h"
@@ -57,6 +58,84 @@ TEST(LocalThickness, OfPlatesIsWhatTheyAreThick) {
     EXPECT_EQ(summary.voxels, static_cast<std::uint64_t>(1600 * thick));
     EXPECT_NEAR(summary.mean_mm, 0.25 * static_cast<double>(thick), 1e-6);
     EXPECT_NEAR(summary.deviation_mm, 0, 1e-6);
+  }
+}
+
+const std::vector<Point3> kSpacings = {{1, 1, 1}, {1, 1, 2},  {1, 1, 3.5},  {5, 1, 1},
+                                       {1, 7, 1}, {1, 1, 10}, {0.1, 1, 7}};
+
+std::string said(const Point3& spacing, int axis, std::int64_t thick) {
+  return std::to_string(thick) + " voxels along axis " + std::to_string(axis) + " at " +
+         std::to_string(spacing[0]) + ", " + std::to_string(spacing[1]) + ", " +
+         std::to_string(spacing[2]);
+}
+
+TEST(LocalThickness, OfFlatPlatesAndGapsIsTheirVoxelsAtAnySpacing) {
+  for (const Point3& spacing : kSpacings) {
+    for (int axis = 0; axis < 3; ++axis) {
+      for (const std::int64_t thick : {1, 2, 3, 4, 7}) {
+        const DenseMask mask = solid({15, 15, 15}, [&](const Index3& p) {
+          return p[axis] < 4 || p[axis] >= 4 + thick;
+        });
+        const double answer =
+            spacing[static_cast<std::size_t>(axis)] * static_cast<double>(thick);
+        const ThicknessSummary gap = measured(mask, spacing, true).summary;
+        EXPECT_NEAR(gap.mean_mm / answer, 1, 0.003) << said(spacing, axis, thick);
+        const DenseMask plate = solid({15, 15, 15}, [&](const Index3& p) {
+          return p[axis] >= 4 && p[axis] < 4 + thick;
+        });
+        const ThicknessSummary summary = measured(plate, spacing).summary;
+        EXPECT_NEAR(summary.mean_mm / answer, 1, 0.003) << said(spacing, axis, thick);
+      }
+    }
+  }
+}
+
+TEST(LocalThickness, OfSquareRodsIsTheirShorterSideAtAnySpacing) {
+  for (const Point3& spacing : kSpacings) {
+    for (int axis = 0; axis < 3; ++axis) {
+      for (const std::int64_t thick : {1, 2, 3, 4}) {
+        const int first = (axis + 1) % 3;
+        const int second = (axis + 2) % 3;
+        const DenseMask mask = solid({13, 13, 13}, [&](const Index3& p) {
+          return p[first] >= 4 && p[first] < 4 + thick && p[second] >= 4 && p[second] < 4 + thick;
+        });
+        const double answer = std::min(spacing[static_cast<std::size_t>(first)],
+                                       spacing[static_cast<std::size_t>(second)]) *
+                              static_cast<double>(thick);
+        const ThicknessSummary summary = measured(mask, spacing).summary;
+        EXPECT_NEAR(summary.mean_mm / answer, 1, 0.003) << said(spacing, axis, thick);
+      }
+    }
+  }
+}
+
+TEST(LocalThickness, OfVoxelsAloneIsTheirShortestEdge) {
+  for (const Point3& spacing : kSpacings) {
+    const DenseMask mask = solid({12, 12, 12}, [&](const Index3& p) {
+      return p.x % 5 == 2 && p.y % 5 == 2 && p.z % 5 == 2;
+    });
+    const ThicknessSummary summary = measured(mask, spacing).summary;
+    const double edge = std::min({spacing[0], spacing[1], spacing[2]});
+    EXPECT_NEAR(summary.maximum_mm, edge, 1e-6 * edge);
+    EXPECT_NEAR(summary.minimum_mm, edge, 1e-6 * edge);
+  }
+}
+
+TEST(LocalThickness, OfBallsAndRodsOfEightLongVoxelsIsWithinTwoPercent) {
+  for (const double slice : {3.0, 5.0}) {
+    const double radius = 4 * slice;
+    const auto side = static_cast<std::int64_t>(2 * radius) + 8;
+    for (const bool is_rod : {false, true}) {
+      const DenseMask mask = solid({is_rod ? 12 : side, side, 14}, [&](const Index3& p) {
+        const double x = is_rod ? 0 : static_cast<double>(p.x) - 0.5 * static_cast<double>(side);
+        const double y = static_cast<double>(p.y) - 0.5 * static_cast<double>(side) + 0.3;
+        const double z = (static_cast<double>(p.z) - 6.7) * slice;
+        return x * x + y * y + z * z <= radius * radius;
+      });
+      const ThicknessSummary summary = measured(mask, {1, 1, slice}).summary;
+      EXPECT_NEAR(summary.mean_mm / (2 * radius), 1, 0.02) << slice << (is_rod ? " rod" : " ball");
+    }
   }
 }
 
