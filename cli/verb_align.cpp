@@ -24,11 +24,16 @@ constexpr VerbText kAlignText = {
     "from two sides or more. Nothing has to be near: turns of all kinds are\n"
     "tried. Half of a surface may be missing on either side. The matrix, mm and LPS, is what\n"
     "'octavo transform --affine' takes. With --scale the size is found as well.\n\n"
-    "Surfaces agree where they are within a voxel of the coarser mask and face the same way.\n"
-    "Where fewer than 30 % of the first agree, or fewer than 60 % of what the second has around\n"
-    "those, there is no pose: the exit code is 1, and no matrix is written. Of meshes and points\n"
-    "the sides do not count; of lines of sight 60 % have to touch within a voxel. The condition\n"
-    "says how well the surfaces hold the pose; it is large for balls and rods.\n\n"
+    "Surfaces agree where they are within a voxel of the coarser mask and face the same way: 30 %\n"
+    "of the first have to, and 60 % of what the second has around those. Of what comes within\n"
+    "four voxels 75 % has to be within half of one (its sharpness; below 85 % a warning says that\n"
+    "the pose is doubtful), and what each has for itself has to lie behind a cut, not all around.\n"
+    "Otherwise there is no pose: the exit code is 1, and no matrix is written. Of meshes and\n"
+    "points the sides do not count, and sharpness may be 10 % less; of lines of sight 60 % have\n"
+    "to touch within a voxel, and no more is asked. docs/poses.md says what was measured of true\n"
+    "and false poses, and which of them nothing tells apart.\n\n"
+    "The condition says how evenly surfaces hold the pose: 4 to 25 for bodies of all kinds, above\n"
+    "90 for balls, rods and rings, which turn or slide in place.\n\n"
     "Examples:\n"
     "  octavo align skull-a.8vo skull-b.8vo -o pose.txt\n"
     "  octavo align probe.stl skull.8vo -o pose.txt --picture pose.png\n"
@@ -51,6 +56,9 @@ nlohmann::ordered_json report_json(const AlignOptions& options, const AlignResul
           {"scale", pose.scale},
           {"agreement", result.agreement.forward},
           {"agreement_around", result.agreement.backward},
+          {"sharpness", result.agreement.sharpness},
+          {"parting", result.agreement.parting},
+          {"doubtful", result.is_doubtful},
           {"overlap", pose.overlap},
           {"mean_mm", pose.mean_mm},
           {"p95_mm", pose.p95_mm},
@@ -64,11 +72,8 @@ nlohmann::ordered_json report_json(const AlignOptions& options, const AlignResul
 std::string report_text(const AlignOptions& options, const AlignResult& result) {
   const FoundPose& pose = result.pose;
   if (!result.is_found) {
-    return fmt::format(
-        "{} and {}: no pose; at best {:.0f} % of the first agrees, and {:.0f} % of "
-        "the second around it\n",
-        escaped(options.moving), escaped(options.fixed), 100 * result.agreement.forward,
-        100 * result.agreement.backward);
+    return fmt::format("{} and {}: no pose; {}\n", escaped(options.moving),
+                       escaped(options.fixed), result.why_none);
   }
   std::string text;
   for (std::size_t row = 0; row < 3; ++row) {
@@ -79,8 +84,9 @@ std::string report_text(const AlignOptions& options, const AlignResult& result) 
   text += fmt::format("{:.0f} % of the surface within two voxels: mean {:.3g} mm, 95 % within "
                       "{:.3g} mm, largest {:.3g} mm\n",
                       100 * pose.overlap, pose.mean_mm, pose.p95_mm, pose.max_mm);
-  text += fmt::format("{:.0f} % agree, and {:.0f} % of the second around them\n",
-                      100 * result.agreement.forward, 100 * result.agreement.backward);
+  text += fmt::format("{:.0f} % agree, and {:.0f} % of the second around them; sharpness {:.2f}\n",
+                      100 * result.agreement.forward, 100 * result.agreement.backward,
+                      result.agreement.sharpness);
   return text + fmt::format("scale {:.6g}, {} iterations, condition {:.3g}\n", pose.scale,
                             pose.iterations, pose.condition);
 }

@@ -146,6 +146,9 @@ nb::dict pose_facts(const AlignResult& result) {
   facts["scale"] = pose.scale;
   facts["agreement"] = result.agreement.forward;
   facts["agreement_around"] = result.agreement.backward;
+  facts["sharpness"] = result.agreement.sharpness;
+  facts["parting"] = result.agreement.parting;
+  facts["doubtful"] = result.is_doubtful;
   facts["overlap"] = pose.overlap;
   facts["mean_mm"] = pose.mean_mm;
   facts["p95_mm"] = pose.p95_mm;

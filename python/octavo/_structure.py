@@ -150,7 +150,8 @@ class StructureTasks:
         -------
         dict
             The members of ``octavo align --json``. matrix_mm is 4 x 4, mm in x, y, z (LPS), what
-            ``transform(affine=)`` takes; None where found is False.
+            ``transform(affine=)`` takes; None where found is False. Where doubtful is True, the
+            surfaces are much alike rather than the same.
 
         Raises
         ------

@@ -14,8 +14,8 @@ import cli_test
 
 SIZE = (48, 40, 36)
 KEYS = ["moving", "fixed", "found", "matrix_mm", "scale", "agreement", "agreement_around",
-        "overlap", "mean_mm", "p95_mm", "max_mm", "iterations", "condition", "points", "level",
-        "warnings"]
+        "sharpness", "parting", "doubtful", "overlap", "mean_mm", "p95_mm", "max_mm",
+        "iterations", "condition", "points", "level", "warnings"]
 
 
 def is_in_bars(x, y, z):
@@ -72,7 +72,8 @@ class Align(cli_test.InFolder):
         self.build("ball.8vo",
                    lambda x, y, z: (x - 20) ** 2 + (y - 18) ** 2 + (z - 17) ** 2 <= 100)
         shown = self.expect(1, "align", "ball.8vo", "walls.8vo", "-o", "pose.txt")
-        self.assertIn("no pose", shown.stdout)
+        self.assertIn("no pose; ", shown.stdout)
+        self.assertIn(" %, not ", shown.stdout)
         self.assertFalse((self.folder / "pose.txt").exists())
         made = json.loads(self.expect(1, "align", "ball.8vo", "walls.8vo", "-o", "pose.txt",
                                       "--json", "--progress", "none").stdout)

@@ -15,6 +15,7 @@ namespace octavo {
 
 namespace {
 
+constexpr double kSlopeVoxels = 2;    // to either side, for the condition
 constexpr std::size_t kUnknowns = 7;  // turn, shift, logarithm of the scale
 using PoseRow = std::array<double, kUnknowns>;
 using PoseMatrix = std::array<PoseRow, kUnknowns>;
@@ -196,11 +197,17 @@ class PoseSolver {
     }
   }
 
+  /// Of the system at a pose, with slopes over some voxels: single ones turn to and fro on the
+  /// steps of a surface, and would seem to hold a ball.
   double condition(const Pose& pose, const Stage& stage) const {
     PoseMatrix m{};
-    PoseRow right{};
-    Expected expected;
-    system(pose, stage, m, right, expected);
+    for (std::size_t i = 0; i < features_.count(); ++i) {
+      const NearestSight feature = placed(pose, i, stage.grid);
+      const double r = feature.distance.mm / pose.scale;
+      const Point3 slope = smooth_slope(stage.grid, feature.place);
+      add_products(row_of(pose, feature.place, slope, r), weight_of(r, stage.cut_mm), m);
+    }
+    mirror_products(m);
     return condition_of(m, n_);
   }
 
@@ -236,27 +243,58 @@ class PoseSolver {
       const NearestSight feature =
           is_first ? placed(pose, i, stage.grid) : placed(pose, i, stage.grid, expected[i]);
       if (!expected.empty()) expected[i] = feature.along_mm;
-      const Point3 arm = difference(feature.place, pose.place);
       const GridDistance& d = feature.distance;
       // Distances in the size of the points, or a scale of 0 would be best.
       const double r = d.mm / pose.scale;
       const double r2 = r * r;
       cost += cut2 * r2 / (cut2 + r2);
-      const double root = cut2 / (cut2 + r2);
-      const double weight = root * root;
-      const Point3 slope = scaled(d.slope, 1 / pose.scale);
-      const Point3 by_turn = scaled(cross(arm, slope), 1 / target_.radius_mm);
-      PoseRow row = {by_turn[0], by_turn[1], by_turn[2], slope[0], slope[1], slope[2],
-                     (dot(arm, slope) - r) / target_.radius_mm};
-      for (std::size_t a = 0; a < n_; ++a) {
-        for (std::size_t b = 0; b <= a; ++b) m[a][b] += weight * row[a] * row[b];
-        right[a] -= weight * row[a] * r;
-      }
+      const double weight = weight_of(r, stage.cut_mm);
+      const PoseRow row = row_of(pose, feature.place, d.slope, r);
+      add_products(row, weight, m);
+      for (std::size_t a = 0; a < n_; ++a) right[a] -= weight * row[a] * r;
     }
+    mirror_products(m);
+    return cost / static_cast<double>(count);
+  }
+
+  static double weight_of(double r, double cut_mm) {
+    const double cut2 = cut_mm * cut_mm;
+    const double root = cut2 / (cut2 + r * r);
+    return root * root;
+  }
+
+  /// How a distance of r grows with each unknown.
+  PoseRow row_of(const Pose& pose, const Point3& place, const Point3& grown, double r) const {
+    const Point3 arm = difference(place, pose.place);
+    const Point3 slope = scaled(grown, 1 / pose.scale);
+    const Point3 by_turn = scaled(cross(arm, slope), 1 / target_.radius_mm);
+    return {by_turn[0], by_turn[1], by_turn[2], slope[0], slope[1], slope[2],
+            (dot(arm, slope) - r) / target_.radius_mm};
+  }
+
+  /// The lower half of a sum of products.
+  void add_products(const PoseRow& row, double weight, PoseMatrix& m) const {
+    for (std::size_t a = 0; a < n_; ++a) {
+      for (std::size_t b = 0; b <= a; ++b) m[a][b] += weight * row[a] * row[b];
+    }
+  }
+  void mirror_products(PoseMatrix& m) const {
     for (std::size_t a = 0; a < n_; ++a) {
       for (std::size_t b = a + 1; b < n_; ++b) m[a][b] = m[b][a];
     }
-    return cost / static_cast<double>(count);
+  }
+
+  Point3 smooth_slope(const DistanceGrid& grid, const Point3& place) const {
+    const double step = kSlopeVoxels * target_.voxel_mm;
+    Point3 slope{};
+    for (std::size_t a = 0; a < 3; ++a) {
+      Point3 before = place;
+      Point3 behind = place;
+      before[a] -= step;
+      behind[a] += step;
+      slope[a] = (grid.at(behind).mm - grid.at(before).mm) / (2 * step);
+    }
+    return slope;
   }
 
   Pose moved(const Pose& pose, const PoseRow& change) const {

@@ -49,7 +49,7 @@ struct FoundPose {
   double max_mm = 0;
   int iterations = 0;      ///< of the pose that was taken, in all stages
   /// Of the last system, lengths counted in radii: large where the surface does not hold the pose,
-  /// as a ball or a rod.
+  /// above 90 for a ball or a rod, 4 to 25 for bodies of all kinds.
   double condition = 0;
 };
 

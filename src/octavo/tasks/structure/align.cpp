@@ -68,6 +68,12 @@ double voxel_side(const LeveledMask& mask) {
   return std::cbrt(spacing[0] * spacing[1] * spacing[2]);
 }
 
+/// Mean edge of the voxels of a mask.
+double voxel_edge(const LeveledMask& mask) {
+  const Point3& spacing = mask.geometry.spacing_mm;
+  return (spacing[0] + spacing[1] + spacing[2]) / 3;
+}
+
 void write_matrix(const Affine& map, const Output& output) {
   std::string text;
   for (std::size_t row = 0; row < 3; ++row) {
@@ -100,21 +106,57 @@ MovingSide open_moving(const std::string& path, const TaskContext& context) {
 
 /// The share of lines of sight that touch the surface within a voxel, and where each is nearest.
 PoseAgreement agreement_of_lines(const std::vector<SightLine>& lines, const PoseTarget& target,
-                                 const Affine& map, std::vector<PosedPlace>& places) {
+                                 double edge_mm, const Affine& map,
+                                 std::vector<PosedPlace>& places) {
   const SightReach reach = sight_reach(target);
+  std::vector<double> distances;
   std::size_t agreeing = 0;
   for (const SightLine& line : lines) {
     const NearestSight near = nearest_sight(target.fine, {map(line.from), map(line.to)}, reach);
     places.push_back({near.place, near.distance.mm});
+    distances.push_back(near.distance.mm);
     if (std::abs(near.distance.mm) <= target.voxel_mm) ++agreeing;
   }
-  return {static_cast<double>(agreeing) / static_cast<double>(lines.size()), 0};
+  return {static_cast<double>(agreeing) / static_cast<double>(lines.size()), 0,
+          sharpness_of(distances, edge_mm), 1};
 }
 
-bool is_enough(const AlignResult& result) {
-  if (result.has_lines) return result.agreement.forward >= kMinimumSights;
-  return result.agreement.forward >= kMinimumAgreement.forward &&
-         result.agreement.backward >= kMinimumAgreement.backward;
+/// The sharpness from which on a pose is beyond doubt.
+double clear_sharpness(const AlignResult& result) {
+  if (result.has_lines) return 0;
+  return result.has_sides ? kClearSharpness : kClearSharpness - kPointBlur;
+}
+
+/// What a pose lacks to be one; nothing where it lacks nothing.
+std::string lacking_words(const AlignResult& result) {
+  const PoseAgreement& is = result.agreement;
+  PoseAgreement needed = kMinimumAgreement;
+  if (result.has_lines) needed = {kMinimumSights, 0, 0, 0};
+  else if (!result.has_sides) needed.sharpness -= kPointBlur;
+  if (!result.has_lines && is.sharpness >= clear_sharpness(result)) {
+    needed.backward = kClearBackward;
+  }
+  const auto words = [](const char* what, double share, double minimum) {
+    return fmt::format("{} {:.0f} %, not {:.0f} % or more", what, 100 * share, 100 * minimum);
+  };
+  if (is.forward < needed.forward) {
+    return words(result.has_lines ? "the share of lines that touch the surface is"
+                                  : "the share of the first surface that agrees is",
+                 is.forward, needed.forward);
+  }
+  if (is.backward < needed.backward) {
+    return words("the share of the second surface that agrees around there is", is.backward,
+                 needed.backward);
+  }
+  if (is.sharpness < needed.sharpness) {
+    return words("the surfaces merely come near each other: the share within half a voxel is",
+                 is.sharpness, needed.sharpness);
+  }
+  if (is.parting < needed.parting) {
+    return words("each has parts of its own on all sides: the share of these that a plane parts is",
+                 is.parting, needed.parting);
+  }
+  return "";
 }
 
 void check_outputs(const AlignOptions& options) {
@@ -158,6 +200,7 @@ AlignResult align(const AlignOptions& options, const TaskContext& context) {
   result.level = fixed.level;
   result.points = features.points.size() + features.lines.size();
   result.has_lines = !features.lines.empty();
+  result.has_sides = moving.mask.has_value();
   result.voxel_mm = voxel_side(fixed);
   const PointSpread spread = spread_of(fixed_points);
   const PoseTarget target{coarse,      fine, spread.middle, spread.axes, spread.radius_mm,
@@ -173,20 +216,30 @@ AlignResult align(const AlignOptions& options, const TaskContext& context) {
 
   // Whether it is one.
   std::vector<PosedPlace> places;
-  const PosedSurface onto = {fixed_points, fine, result.voxel_mm};
+  const PosedSurface onto = {fixed_points, fine, result.voxel_mm, voxel_edge(fixed)};
   if (result.has_lines) {
-    result.agreement = agreement_of_lines(features.lines, target, result.pose.map, places);
+    result.agreement =
+        agreement_of_lines(features.lines, target, onto.edge_mm, result.pose.map, places);
   } else if (moving.mask) {
     const LeveledMask& mask = *moving.mask;
     const DistanceGrid own(distances_of(mask, context), mask.tree.size(), mask.geometry, 1);
     result.agreement =
-        agreement_of({features.points, own, voxel_side(mask)}, onto, result.pose.map);
+        agreement_of({features.points, own, voxel_side(mask), voxel_edge(mask)}, onto,
+                     result.pose.map);
   } else {
     result.agreement = agreement_of(PosedPoints{features.points, features.spacing_mm}, onto,
                                     result.pose.map);
   }
-  result.is_found = is_enough(result);
+  result.why_none = lacking_words(result);
+  result.is_found = result.why_none.empty();
   if (!result.is_found) return result;
+  result.is_doubtful = result.agreement.sharpness < clear_sharpness(result);
+  if (result.is_doubtful) {
+    context.warn(fmt::format("{}: the pose is doubtful: of what comes near {} {:.0f} % is within "
+                             "half a voxel; of the same surface more than {:.0f} % would be",
+                             options.moving, options.fixed, 100 * result.agreement.sharpness,
+                             100 * clear_sharpness(result)));
+  }
   PictureFiles pictures(context);
   if (!options.picture.path.empty()) {
     for (const Point3& p : features.points) {

@@ -20,27 +20,41 @@ struct AlignOptions {
   Output picture = {};  ///< a PNG of both; no path: none is written
 };
 
-/// Shares of agreement below which there is no pose. Half of a surface may be missing, and of what
-/// is left voxels twice as large lose a part; around what agrees, most of the other has to.
-inline constexpr PoseAgreement kMinimumAgreement = {0.3, 0.6};
+/// Agreement below which there is no pose. Half of a surface may be missing, and of what is left
+/// voxels twice as large lose a part; around what agrees, most of the other has to. Sharpness and
+/// parting lie between what was measured of poses that were right and of such that were not:
+/// docs/poses.md has both.
+inline constexpr PoseAgreement kMinimumAgreement = {0.3, 0.6, 0.75, 0.85};
+/// The sharpness below which a pose is doubtful: bodies that are much alike reach it.
+inline constexpr double kClearSharpness = 0.85;
+/// What has to agree around of the second where sharpness is clear: small bodies of few voxels lose
+/// more of it at a cut.
+inline constexpr double kClearBackward = 0.5;
+/// How much less sharp meshes and points may be: those on a cut have no sides that tell them from
+/// others.
+inline constexpr double kPointBlur = 0.1;
 
-/// The share of lines of sight that have to touch the surface within a voxel; nothing is asked the
-/// other way.
+/// The share of lines of sight that have to touch the surface within a voxel; nothing is asked of
+/// the other way, nor of sharpness, since pixels of pictures may be coarser than voxels.
 inline constexpr double kMinimumSights = 0.6;
 
 struct AlignResult {
   FoundPose pose;  ///< from world space of `moving` to that of `fixed`, mm, LPS
   PoseAgreement agreement;
   bool is_found = false;
+  bool is_doubtful = false;  ///< found, but less sharply than poses of the same surface are
+  std::string why_none;      ///< in words, where none is found
   int level = 0;   ///< of the fixed mask that distances were measured at
   double voxel_mm = 0;  ///< of that level
   std::uint64_t points = 0;
   bool has_lines = false;  ///< what moved were lines of sight: points counts these
+  bool has_sides = false;  ///< it was a mask
 };
 
 /// Finds the pose, and writes its matrix and picture where enough of the surfaces agree; otherwise
-/// nothing. Lines of sight are moved as the rest is: the inverse of their pose takes the mask to
-/// where the pictures were taken. Of masks larger than 2^26 voxels coarser levels are taken.
+/// nothing. Warns of one that is doubtful. Lines of sight are moved as the rest is: the inverse of
+/// their pose takes the mask to where the pictures were taken. Of masks larger than 2^26 voxels
+/// coarser levels are taken.
 /// Throws  as open_labels, read_features, require_png and PendingFile; Error{invalid_argument} for
 ///         a mask without a surface, for one of unknown spacing and for a matrix that is named as
 ///         a volume; Error{limit_exceeded}

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <optional>
 #include <vector>
 
@@ -31,7 +32,9 @@ struct MeasuredMask {
                       kBlockSize, geometry, 1);
   }
 
-  PosedSurface surface(double voxel_mm = 1) const { return {points, *distances, voxel_mm}; }
+  PosedSurface surface(double voxel_mm = 1, double edge_mm = 1) const {
+    return {points, *distances, voxel_mm, edge_mm};
+  }
 
   std::vector<Point3> points;
   std::optional<DistanceGrid> distances;
@@ -57,7 +60,7 @@ TEST(PoseAgreement, FollowsSimilarities) {
   const auto to_index = inverse(index_to_world(large));
   ASSERT_TRUE(to_index);
   const Affine map = chained(*to_index, index_to_world(kUnitGeometry));
-  const PoseAgreement same = agreement_of(other.surface(3), block.surface(), map);
+  const PoseAgreement same = agreement_of(other.surface(3, 3), block.surface(), map);
   EXPECT_GT(same.forward, 0.999);
   EXPECT_GT(same.backward, 0.999);
 }
@@ -87,6 +90,73 @@ TEST(PoseAgreement, AsksTheSecondSurfaceOnlyAroundTheFirst) {
   const PoseAgreement whole = agreement_of(pair.surface(), block.surface(), {});
   EXPECT_LT(whole.forward, 0.85);
   EXPECT_GT(whole.backward, 0.95);
+}
+
+/// Whether a place lies in an ellipsoid around the middle of the block's volume.
+bool is_in_ellipsoid(const Index3& p, double a, double b, double c) {
+  const double x = (static_cast<double>(p.x) - 19.5) / a;
+  const double y = (static_cast<double>(p.y) - 17.5) / b;
+  const double z = (static_cast<double>(p.z) - 15.5) / c;
+  return x * x + y * y + z * z <= 1;
+}
+
+TEST(PoseAgreement, IsSharpForTheSameSurfaceAlone) {
+  const auto is_round = [](const Index3& p) { return is_in_ellipsoid(p, 15, 13, 11); };
+  const MeasuredMask body(kUnitGeometry, is_round);
+  // Of half of it as well, by what is left.
+  const MeasuredMask half(kUnitGeometry,
+                          [&](const Index3& p) { return is_round(p) && p.x + p.y > 37; });
+  EXPECT_GT(agreement_of(body.surface(), body.surface(), {}).sharpness, 0.99);
+  EXPECT_GT(agreement_of(half.surface(), body.surface(), {}).sharpness, 0.9);
+  // Most of another surface agrees within a voxel, and little within half of one.
+  const MeasuredMask other(kUnitGeometry,
+                           [](const Index3& p) { return is_in_ellipsoid(p, 14, 12.3, 12.3); });
+  const PoseAgreement apart = agreement_of(body.surface(), other.surface(), {});
+  EXPECT_GT(apart.forward, 0.6);
+  EXPECT_GT(apart.backward, 0.6);
+  EXPECT_LT(apart.sharpness, 0.7);
+}
+
+TEST(PoseAgreement, CountsWhereVoxelsAreLongInTheirMeanEdge) {
+  // A slope that voxels of 1 x 1 x 4 show in steps, and such of 1 x 1 x 1 finely.
+  Geometry flat = kUnitGeometry;
+  flat.spacing_mm = {1, 1, 4};
+  const MeasuredMask coarse(flat, [](const Index3& p) { return p.x + 4 * p.z < 50; });
+  const MeasuredMask fine(kUnitGeometry, [](const Index3& p) { return p.x + p.z < 50; });
+  const PoseAgreement one =
+      agreement_of(coarse.surface(std::cbrt(4.0), 2), fine.surface(), {});
+  EXPECT_GT(one.sharpness, 0.75);
+}
+
+TEST(PoseAgreement, APlanePartsWhatCutsTookAway) {
+  const auto part = [](std::int64_t from, std::int64_t to) {
+    return MeasuredMask(kUnitGeometry, [=](const Index3& p) {
+      return is_in_block(p) && p.x >= from && p.x < to;
+    });
+  };
+  const MeasuredMask low = part(0, 24);
+  const MeasuredMask high = part(14, 40);
+  const PoseAgreement cut = agreement_of(low.surface(), high.surface(), {});
+  EXPECT_GT(cut.parting, 0.98);
+  EXPECT_GT(cut.sharpness, 0.9);
+  // What lies all around is no cut.
+  const MeasuredMask along_x(kUnitGeometry, [](const Index3& p) {
+    return is_in_block(p) || (p.x >= 2 && p.x < 36 && p.y >= 12 && p.y < 24 && p.z >= 10 &&
+                              p.z < 21);
+  });
+  const MeasuredMask along_y(kUnitGeometry, [](const Index3& p) {
+    return is_in_block(p) || (p.y >= 2 && p.y < 34 && p.x >= 13 && p.x < 25 && p.z >= 10 &&
+                              p.z < 21);
+  });
+  const PoseAgreement crossed = agreement_of(along_x.surface(), along_y.surface(), {});
+  EXPECT_GT(crossed.forward, 0.5);
+  EXPECT_LT(crossed.parting, 0.8);
+}
+
+TEST(PoseAgreement, SharpnessOfDistancesIsTheShareOfNearOnes) {
+  const std::vector<double> mm = {0.1, -0.9, 1.1, 7.9, 8.1, -50};
+  EXPECT_DOUBLE_EQ(sharpness_of(mm, 2), 0.5);
+  EXPECT_DOUBLE_EQ(sharpness_of({}, 2), 0);
 }
 
 TEST(PoseAgreement, IsSmallBackwardInACrowd) {

@@ -103,6 +103,99 @@ TEST_F(Align, FindsNoBallInACrowdOfSurfaces) {
   EXPECT_FALSE(std::filesystem::exists(options_.matrix.path));
 }
 
+/// A body of five ellipsoids that nothing turns onto itself or its mirror image.
+bool is_in_lumps(const Index3& p, bool is_mirrored = false) {
+  struct Lump {
+    Point3 middle;
+    Point3 radius;
+  };
+  constexpr Lump kLumps[] = {{{0, 0, 0}, {18, 11, 8}},
+                             {{12, 8, 0}, {6, 6, 10}},
+                             {{-10, 2, 9}, {5, 7, 6}},
+                             {{0, -12, -4}, {4, 9, 5}},
+                             {{-14, -6, -6}, {6, 3, 4}}};
+  const double x = static_cast<double>(p.x) - 23.5;
+  const Point3 from_middle = {is_mirrored ? -x : x, static_cast<double>(p.y) - 23,
+                              static_cast<double>(p.z) - 16};
+  for (const Lump& lump : kLumps) {
+    double sum = 0;
+    for (std::size_t a = 0; a < 3; ++a) {
+      const double share = (from_middle[a] - lump.middle[a]) / lump.radius[a];
+      sum += share * share;
+    }
+    if (sum <= 1) return true;
+  }
+  return false;
+}
+
+TEST_F(Align, FindsNoPoseOfHalvesThatShareNothing) {
+  geometry_.spacing_mm = {1, 1, 1};
+  options_.moving = write("left.8vo", solid([](const Index3& p) {
+    return p.x < 20 && is_in_lumps(p);
+  }));
+  options_.fixed = write("right.8vo", solid([](const Index3& p) {
+    return p.x > 28 && is_in_lumps(p);
+  }));
+  const AlignResult result = align(options_, context_);
+  EXPECT_FALSE(result.is_found) << result.agreement.sharpness;
+  EXPECT_FALSE(result.why_none.empty());
+  EXPECT_FALSE(std::filesystem::exists(options_.matrix.path));
+}
+
+TEST_F(Align, FindsNoPoseOfAMirrorImage) {
+  geometry_.spacing_mm = {1, 1, 1};
+  options_.moving = write("image.8vo", solid([](const Index3& p) { return is_in_lumps(p, true); }));
+  options_.fixed = write("lumps.8vo", solid([](const Index3& p) { return is_in_lumps(p); }));
+  const AlignResult result = align(options_, context_);
+  // The largest of the lumps has no sides: it lies exactly where it should, and the others do not.
+  EXPECT_FALSE(result.is_found) << result.agreement.parting;
+  EXPECT_NE(result.why_none.find("on all sides"), std::string::npos) << result.why_none;
+  EXPECT_FALSE(std::filesystem::exists(options_.matrix.path));
+}
+
+TEST_F(Align, WarnsOfBodiesThatAreMerelyAlike) {
+  const auto blunt = [](double length) {
+    return solid([=](const Index3& p) {
+      const Point3 d = {(static_cast<double>(p.x) - 23.5) / length,
+                        (static_cast<double>(p.y) - 19.5) / 14,
+                        (static_cast<double>(p.z) - 17.5) / 11};
+      return d[0] * d[0] + d[1] * d[1] + d[2] * d[2] <= 1;
+    });
+  };
+  geometry_.spacing_mm = {1, 1, 1};
+  options_.fixed = write("short.8vo", blunt(19));
+  options_.moving = write("long.8vo", blunt(19.7));
+  const AlignResult alike = align(options_, context_);
+  EXPECT_TRUE(alike.is_found) << alike.why_none;
+  EXPECT_TRUE(alike.is_doubtful) << alike.agreement.sharpness;
+  EXPECT_EQ(warnings_.size(), 1u);
+  warnings_.clear();
+  options_.moving = write("again.8vo", blunt(19));
+  options_.matrix.overwrite = true;
+  EXPECT_FALSE(align(options_, context_).is_doubtful);
+  EXPECT_TRUE(warnings_.empty());
+}
+
+TEST_F(Align, SaysThatNothingHoldsABall) {
+  geometry_.spacing_mm = {1, 1, 1};
+  const auto ball = [](double radius) {
+    return solid([=](const Index3& p) {
+      const Point3 d = {static_cast<double>(p.x) - 23.7, static_cast<double>(p.y) - 19.6,
+                        static_cast<double>(p.z) - 17.5};
+      return d[0] * d[0] + d[1] * d[1] + d[2] * d[2] <= radius * radius;
+    });
+  };
+  options_.moving = write("ball.8vo", ball(12));
+  options_.fixed = options_.moving;
+  options_.matrix = {};
+  EXPECT_GT(align(options_, context_).pose.condition, 50);
+  options_.moving = write("lumps.8vo", solid([](const Index3& p) { return is_in_lumps(p); }));
+  options_.fixed = options_.moving;
+  const AlignResult held = align(options_, context_);
+  EXPECT_TRUE(held.is_found);
+  EXPECT_LT(held.pose.condition, 25);
+}
+
 TEST_F(Align, WritesNoTextIntoAVolumesName) {
   options_.moving = write("moving.8vo", bars_);
   options_.matrix.path = folder_.file("pose.8vo");
