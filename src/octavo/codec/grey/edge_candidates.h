@@ -54,13 +54,7 @@ RowMask background_of(const Sample* means, std::int64_t count, Sample lowest) {
     for (std::int64_t x = first; x < first + kTogether; ++x) flags[x] = means[x] == lowest ? 1 : 0;
   }
   RowMask mask = 0;
-  for (std::int64_t x = 0; x < count; x += 8) {
-    std::uint64_t eight;
-    std::memcpy(&eight, flags + x, 8);
-    if constexpr (std::endian::native == std::endian::big) eight = __builtin_bswap64(eight);
-    // The lowest bit of each byte to the highest byte, in their order
-    mask |= (eight * 0x0102040810204080u >> 56) << x;
-  }
+  for (std::int64_t x = 0; x < count; x += 8) mask |= mask_of_bytes(flags + x) << x;
   return mask & first_pairs(count);
 }
 

@@ -41,6 +41,15 @@ Sample* first_of_row(SampleGrid<Sample>& fine, int axis, std::int64_t y, std::in
   return fine.row(axis == 1 ? 2 * y : y, axis == 2 ? 2 * z : z);
 }
 
+/// The lowest bits of 8 bytes.
+inline RowMask mask_of_bytes(const std::uint8_t* bytes) {
+  std::uint64_t eight;
+  std::memcpy(&eight, bytes, 8);
+  if constexpr (std::endian::native == std::endian::big) eight = __builtin_bswap64(eight);
+  // That of each byte to the highest byte, in their order
+  return (eight & 0x0101010101010101u) * 0x0102040810204080u >> 56;
+}
+
 /// Calls f(x) for the pairs of a mask, first to last.
 template <class F>
 void for_each_pair(RowMask pairs, F&& f) {

@@ -203,6 +203,19 @@ template struct PortableKernel<std::int32_t>;
 
 namespace {
 
+/// Every bit of the first half of a mask twice.
+RowMask doubled(RowMask mask) {
+  constexpr RowMask kEvery[] = {0x0000ffff0000ffff, 0x00ff00ff00ff00ff, 0x0f0f0f0f0f0f0f0f,
+                                0x3333333333333333, 0x5555555555555555};
+  mask &= first_pairs(32);
+  int distance = 16;
+  for (const RowMask every : kEvery) {
+    mask = (mask | mask << distance) & every;
+    distance /= 2;
+  }
+  return mask | mask << 1;
+}
+
 /// The pairs of a row that lie in no uniform cell.
 RowMask pairs_beside_cells(const Stage& stage, std::int64_t y, std::int64_t z) {
   const RowMask all = first_pairs(stage.pairs.x);
@@ -211,13 +224,12 @@ RowMask pairs_beside_cells(const Stage& stage, std::int64_t y, std::int64_t z) {
   const std::uint8_t* flags =
       stage.cells->flags.data() +
       ((z >> stage.cell_shift[2]) * size.y + (y >> stage.cell_shift[1])) * size.x;
-  const int side = 1 << stage.cell_shift[0];
-  const RowMask cell = first_pairs(side);
-  RowMask open = 0;
-  for (int x = 0; x < stage.pairs.x; x += side, ++flags) {
-    if (*flags == 0) open |= cell << x;
-  }
-  return open & all;
+  RowMask flagged = 0;
+  std::int64_t x = 0;
+  for (; x + 8 <= size.x; x += 8) flagged |= mask_of_bytes(flags + x) << x;
+  for (; x < size.x; ++x) flagged |= RowMask{flags[x]} << x;
+  for (int i = 0; i < stage.cell_shift[0]; ++i) flagged = doubled(flagged);
+  return ~flagged & all;
 }
 
 /// Calls f(rows) for the rows of pairs that lie in the same cells: y and z of a box.
