@@ -65,6 +65,8 @@ class File:
     """Voxels [z][y][x], the masks of their ladder; who knows a kind of bricks codes them."""
 
     KIND, TYPE, DTYPE = 1, 3, "<i2"
+    max_error = 0
+    coarse_model = b""  # of the other tiers, where they have one of their own
 
     def __init__(self, voxels, masks, spacing=(1.0, 1.0, 1.0), metadata=b"{}"):
         self.voxels, self.masks = voxels.astype(np.int64), masks
@@ -193,7 +195,8 @@ class File:
                                                            len(masks), 1)
                 + masks + bytes(32 - len(masks)) + struct.pack("<3Q", *self.size)
                 + struct.pack("<3d", 0, 0, 0) + struct.pack("<3d", *self.spacing)
-                + struct.pack("<9d", 1, 0, 0, 0, 1, 0, 0, 0, 1) + struct.pack("<3d", 1, 0, 0))
+                + struct.pack("<9d", 1, 0, 0, 0, 1, 0, 0, 0, 1)
+                + struct.pack("<3d", 1, 0, self.max_error))
 
     def _layers(self, tier):
         bricks = self.tiers[tier]
@@ -213,13 +216,14 @@ class File:
             trailer += struct.pack("<I", crc32c(trailer))
             body += slab + trailer
             lengths.append(len(trailer))
-        return body, lengths
+        return body + self.coarse_model, lengths
 
     def _page(self, tier, bricks):
         page, before = b"\0", 0
         for brick in bricks:
             page += varint(signed(brick.smallest - before))
             page += varint(brick.largest - brick.smallest)
+            page += self._error(tier)
             before = brick.smallest
         for number in range(len(bricks[0].pieces)):
             coded = [brick for brick in bricks if not brick.is_uniform()]
@@ -231,10 +235,17 @@ class File:
                                                              brick.pieces[number]))
         return page
 
+    def _error(self, tier):
+        """What is claimed of a brick of tier 0, or a page."""
+        return varint(self.max_error) if self.max_error > 0 and tier == 0 else b""
+
     def _index(self, trailers):
         """Pages and root; a layer has one page."""
-        root = varint(1) + varint(0) + varint(len(self.model))
-        root += struct.pack("<I", self.piece_crc(255, 0, self.model))
+        models = [model for model in (self.model, self.coarse_model) if model]
+        root = varint(len(models))
+        for number, model in enumerate(models):
+            root += varint(number * len(trailers)) + varint(len(model))
+            root += struct.pack("<I", self.piece_crc(255, number, model))
         pages = b""
         for tier in range(len(self.tiers)):
             before = 0
@@ -246,6 +257,7 @@ class File:
                 root += varint(trailers[layer]) if tier == 0 else b""
                 root += varint(len(page)) + struct.pack("<I", crc32c(page))
                 root += varint(signed(smallest - before)) + varint(largest - smallest)
+                root += self._error(tier)
                 root += varint(sum(brick.is_uniform() for brick in bricks))
                 before = smallest
                 for number in range(len(bricks[0].pieces)):

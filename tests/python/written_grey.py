@@ -1,4 +1,4 @@
-"""Codes grey bricks as docs/format-grey.md has them: lossless, narrow, predicted from means.
+"""Codes grey bricks as docs/format-grey.md has them, predicted from means.
 
 Written from that text alone and sharing nothing with the two readers, so that the tests tell what
 the text leaves open. Arrays are indexed [z][y][x] in the axes of the model, axis 0 is x.
@@ -9,7 +9,9 @@ import struct
 
 import numpy as np
 
+from file_bytes import crc32c
 from written_files import File, pack, signed, varint
+from written_masked import Gaps, ValueMap, edges_of
 
 ORDERS = ("xyz", "xzy", "yxz", "yzx", "zxy", "zyx")
 FAR_SHARE, SLOPE, BEHIND = 24, 300, 20  # of all groups, axes and classes
@@ -96,6 +98,22 @@ class Split:
     is_weighted: np.ndarray  # of each pair, or as numpy spreads it
     term: int
     is_flagged: np.ndarray | bool = False  # of each pair: whether it lies in a flagged cell
+    padded: np.ndarray | None = None  # the means and two around them
+    gaps: Gaps | None = None  # the samples that occur, where some do not
+
+
+@dataclasses.dataclass
+class Scale:
+    """Section 1: the samples of the smallest and the largest code of a brick."""
+
+    low: int
+    high: int
+    shift: int
+
+    @staticmethod
+    def of(span):
+        low = -2**15 if span <= 65535 else -2**31
+        return Scale(low, low + span, max(0, span.bit_length() - 16))
 
 
 def along(array, axis, first, step, count):
@@ -118,7 +136,8 @@ def split_along(samples, axis, each, last, term):
     means = b + (each * details + ((sums - 1 + term) >> 1)) // sums
     if length % 2:
         means = np.concatenate([means, along(samples, axis, length - 1, 1, 1)], axis=2 - axis)
-    split = Split(axis, means, details, second != each, term)
+    is_weighted = np.broadcast_to(second != each, details.shape)
+    split = Split(axis, means, details, is_weighted, term, padded=np.pad(means, 2, mode="edge"))
     return split, 2 * each, last if length % 2 else each + last
 
 
@@ -208,22 +227,22 @@ def magnitudes_before(split, magnitudes, halved_y):
     return taken(1, 1, 0), taken(2, halved_y, 1)
 
 
-def residuals_of(split, high, magnitudes, halved_y):
-    """Sections 6 to 8: residuals and contexts of a split whose samples lie in [-2^15, high]."""
-    low, details = -2**15, split.details
-    shape = details.shape
-    padded = np.pad(split.means, 2, mode="edge")
+def residuals_of(split, scale, is_edge, magnitudes, halved_y):
+    """Sections 6 to 8: residuals and contexts of a split; those of edges are of no account."""
+    low, high, shift = scale.low, scale.high, scale.shift
+    details = np.where(is_edge, 0, split.details)
+    shape, padded = details.shape, split.padded
     at = {step: shifted(padded, shape, split.axis, step) for step in (-2, -1, 0, 1, 2)}
     mean = at[0]
-    e0 = abs(at[-1] - mean) + abs(at[1] - mean)
-    e1 = abs(at[-1] + at[1] - 2 * mean)
-    e2 = sum(abs(shifted(padded, shape, axis, step) - mean)
+    e0 = (abs(at[-1] - mean) >> shift) + (abs(at[1] - mean) >> shift)
+    e1 = abs(at[-1] + at[1] - 2 * mean) >> shift
+    e2 = sum(abs(shifted(padded, shape, axis, step) - mean) >> shift
              for axis in range(3) if axis != split.axis for step in (-1, 1))
     activity = e0 + e2
     has_weights = activity > 0
     limit = np.minimum(2 * (mean - low) + 1 - split.term, 2 * (high - mean) + split.term)
     limit = np.where(split.is_weighted, high - low, limit)
-    limit = np.where(split.is_flagged, 0, limit)
+    limit = np.where(split.is_flagged | is_edge, 0, limit)
     slope = at[-1] - at[1] + (((at[-2] - at[2]) * FAR_SHARE + 64) >> 7)
     likely = np.clip((slope * SLOPE + 2048) >> 12, -limit, limit)
     likely = np.where(has_weights, likely, 0)
@@ -231,9 +250,12 @@ def residuals_of(split, high, magnitudes, halved_y):
     excess[1:] = (details - likely)[:-1]
     prediction = np.clip(likely + ((excess * BEHIND + 64) >> 7), -limit, limit)
     prediction = np.where(has_weights, prediction, 0)
-    residuals = fold(details + limit, prediction + limit, 2 * limit)
+    if split.gaps is None:
+        residuals = fold(details + limit, prediction + limit, 2 * limit)
+    else:
+        residuals = split.gaps.residuals(mean, split.term, details, prediction, limit)
 
-    own = np.minimum(abs(residuals), 2047)
+    own = np.minimum(abs(residuals) >> shift, 2047)
     magnitudes[split.axis] = own
     behind = np.zeros(shape, np.int64)
     behind[1:] = own[:-1]
@@ -244,16 +266,16 @@ def residuals_of(split, high, magnitudes, halved_y):
                 *magnitudes_before(split, magnitudes, halved_y), zeros + 1, *[zeros] * 5,
                 behind, wide[:, :, :-2], wide[:, :, 2:], high_rows[:, :-2], high_rows[:, 2:]]
     total = sum(weight * feature for weight, feature in zip(CONTEXT_WEIGHTS, features))
-    bank = total > 128 * (limit - 1)
-    total = np.minimum(total, limit << 8)
+    bank = total > 128 * ((limit >> shift) - 1)
+    total = np.minimum(total, limit >> shift << 8)
     halves = np.array([half_octave(number + 8) for number in total.flat], np.int64)
     return residuals, halves.reshape(shape) + 30 * bank
 
 
-def token_of(residual, context):
+def token_of(residual, context, shift):
     """Section 4: a token, and its plain bits as (number, how many)."""
     u = signed(residual)
-    k = min(7, max(0, context % 30 // 2 - 6))
+    k = min(7, max(0, context % 30 // 2 - 6)) + shift
     high = u >> k
     if high < 32:
         return high, (u & ((1 << k) - 1), k)
@@ -261,28 +283,74 @@ def token_of(residual, context):
     return 32 + 2 * (e - 4) + (high >> e & 1), (u & ((1 << (e + k)) - 1), e + k)
 
 
-def symbols_of(splits, high):
-    """[(context, residual, number in its row)] of a level, in the order of coding."""
-    magnitudes, symbols = {}, []
+def symbols_of(splits, scale, has_edges=False):
+    """[(context, token, plain bits, number in its row)] of a level, in the order of coding; and how
+    many details it has. Contexts of edges follow those of residuals."""
+    magnitudes, symbols, count = {}, [], 0
     halved_y = any(split.axis == 1 for split in splits)
     for split in reversed(splits):
         if split.details.size == 0:
             continue
-        residuals, contexts = residuals_of(split, high, magnitudes, halved_y)
-        is_coded = np.broadcast_to(~np.asarray(split.is_flagged), residuals.shape)
+        is_edge = np.zeros(split.details.shape, bool)
+        is_open = ~np.broadcast_to(split.is_flagged, is_edge.shape)
+        count += np.count_nonzero(is_open)
+        if has_edges:
+            is_edge, kinds = edges_of(split, scale)
+            symbols += [(60 + context, kind, bits, j) for context, kind, bits, j in kinds]
+        residuals, contexts = residuals_of(split, scale, is_edge, magnitudes, halved_y)
         for z, y in np.ndindex(residuals.shape[:2]):
-            coded = is_coded[z, y]
+            coded = (is_open & ~is_edge)[z, y]
             pairs = zip(contexts[z, y][coded].tolist(), residuals[z, y][coded].tolist())
-            symbols += [(context, residual, j) for j, (context, residual) in enumerate(pairs)]
-    return symbols
+            symbols += [(context, *token_of(residual, context, scale.shift), j)
+                        for j, (context, residual) in enumerate(pairs)]
+    return symbols, count
+
+
+def parts_of(steps, mask, cuts):
+    """Section 16: the splits of each part of level 0; steps: those of the brick."""
+    splits, level1 = steps[0]
+    fine = list(level1.shape[::-1])
+    for split in splits:
+        shape = split.details.shape[2 - split.axis], split.means.shape[2 - split.axis]
+        fine[split.axis] = sum(shape)
+    runs = [[(at, min(at + 32, n)) for at in range(0, n, 32)] if cuts >> k & 1 else [(0, n)]
+            for k, n in enumerate(fine)]
+    return [[part_of(split, level1, mask, (x, y, z)) for split in splits]
+            for z in runs[2] for y in runs[1] for x in runs[0]]
+
+
+def part_of(split, level1, mask, box):
+    """What a part has of a split; box: [start, end) of its voxels along each axis."""
+    means, pairs, places = [], [], []
+    for axis, (start, end) in enumerate(box):
+        half = mask >> axis & 1
+        coarse = (start >> half, (end + half) >> half)
+        means.append((start, end) if axis > split.axis else coarse)
+        pairs.append((start >> 1, end >> 1) if axis == split.axis else means[axis])
+        last = split.means.shape[2 - axis] - 1
+        places.append(np.clip(np.arange(means[axis][0] - 2, means[axis][1] + 2), 0, last))
+    own = tuple(slice(*pairs[k]) for k in (2, 1, 0))
+    is_x, is_y, is_z = ((p >= m[0]) & (p < m[1]) for p, m in zip(places, means))
+    over = [p >> (mask >> axis & 1 and axis > split.axis) for axis, p in enumerate(places)]
+    padded = np.where(is_z[:, None, None] & is_y[:, None] & is_x,
+                      split.means[np.ix_(*places[::-1])], level1[np.ix_(*over[::-1])])
+    inside = tuple(slice(*m) for m in means[::-1])
+    flagged = np.broadcast_to(split.is_flagged, split.details.shape)[own]
+    return dataclasses.replace(split, means=split.means[inside], details=split.details[own],
+                               is_weighted=split.is_weighted[own], is_flagged=flagged,
+                               padded=padded)
 
 
 def frequencies_of(levels):
-    """Tables of both sets out of [(set, symbols)]; None: that of the context before."""
-    counts = np.zeros((2, 60, 63), np.int64)
+    """Tables of both sets out of [(set, symbols)]; None: that of the context before. And those of
+    edges, of the kinds 1 and 2."""
+    counts, edges = np.zeros((2, 60, 63), np.int64), np.zeros((360, 3), np.int64)
     for table_set, symbols in levels:
-        for context, residual, _ in symbols:
-            counts[table_set, context, token_of(residual, context)[0]] += 1
+        for context, token, _, _ in symbols:
+            if context < 60:
+                counts[table_set, context, token] += 1
+            else:
+                edges[context - 60, token] += 1
     tables = [[None] * 60, [None] * 60]
     for table_set in range(2):
         for context in range(60):
@@ -290,15 +358,17 @@ def frequencies_of(levels):
             if context == 0 or own.sum():
                 share = own * 1900 // max(own.sum(), 1)
                 tables[table_set][context] = np.maximum(share, own > 0).tolist()
-    return tables
+    shares = edges[:, 1:] * 1900 // np.maximum(edges.sum(axis=1, keepdims=True), 1)
+    return tables, np.maximum(shares, 1).tolist()
 
 
 class Model:
     """Section 11, and streams of details under it."""
 
-    def __init__(self, order, levels):
-        self.order = order
-        self.tables = frequencies_of(levels)
+    def __init__(self, order, levels, cuts=0, has_edges=False, value_map=None, voxel_step=1):
+        self.order, self.cuts, self.has_edges = order, cuts, has_edges
+        self.value_map, self.voxel_step = value_map, voxel_step
+        self.tables, self.edges = frequencies_of(levels)
 
     def bytes(self):
         coder = BinaryEncoder()
@@ -311,6 +381,17 @@ class Model:
         for _ in range(9):
             for weight in CONTEXT_WEIGHTS:
                 contexts.put(coder, weight)
+        self._put_tables(coder, lengths)
+        flags = 1 + 2 * (self.voxel_step > 1) + 4 * ORDERS.index(self.order)
+        flags += 32 * (self.value_map is not None) + 64 * self.has_edges
+        start = bytes([flags, self.cuts])
+        if self.voxel_step > 1:
+            start += varint(self.voxel_step) + varint(0) + varint(0)
+        if self.value_map is not None:
+            start += self.value_map.bytes()
+        return start + varint(THRESHOLD) + b"\0" + coder.end()
+
+    def _put_tables(self, coder, lengths):
         numbers = {}
         for table in self.tables:
             before = [0] * 64
@@ -327,25 +408,32 @@ class Model:
                     numbers.setdefault(kind, AdaptiveNumber()).put(coder, frequency)
                     last = frequency
                 before = own + [2048 - sum(own)]
-        start = bytes([1 + 4 * ORDERS.index(self.order), 0]) + varint(THRESHOLD) + b"\0"
-        return start + coder.end()
+        repeats, *kinds = (AdaptiveNumber() for _ in range(3))
+        for own, before in zip(self.edges, [None] + self.edges if self.has_edges else []):
+            repeats.put(coder, own != before)
+            for number, frequency in zip(kinds, own if own != before else []):
+                number.put(coder, frequency - 1)
 
     def slots(self, table_set, context, token):
         """Frequency and first slot."""
-        while self.tables[table_set][context] is None:
-            context -= 1
-        own = self.tables[table_set][context]
+        if context >= 60:
+            own = self.edges[context - 60]
+            own = [2048 - sum(own)] + own
+        else:
+            while self.tables[table_set][context] is None:
+                context -= 1
+            own = self.tables[table_set][context]
         return own[token], sum(own[:token])
 
-    def details(self, table_set, symbols):
+    def details(self, table_set, symbols, detail_count, most_states=32):
         """Section 4, from the plain bits on."""
-        if not symbols:
+        if not detail_count:
             return b""
         count = next(n for lowest, n in ((16384, 32), (1024, 8), (128, 2), (0, 1))
-                     if len(symbols) >= lowest)
+                     if detail_count >= lowest)
+        count = min(count, most_states)
         plain, plain_length, tokens = 0, 0, []
-        for context, residual, number in symbols:
-            token, (bits, width) = token_of(residual, context)
+        for context, token, (bits, width), number in symbols:
             plain |= bits << plain_length
             plain_length += width
             tokens.append((*self.slots(table_set, context, token), number % count))
@@ -361,36 +449,111 @@ class Model:
                 + struct.pack(f"<{len(words)}H", *reversed(words)))
 
 
-class GreyFile(File):
-    """Of int16; its model has an order of axes."""
+@dataclasses.dataclass
+class Coded:
+    """What a brick is made of before the model is known."""
 
-    def __init__(self, voxels, masks, order="xyz", spacing=(1.0, 1.0, 1.0)):
-        self.order = order
-        self.parts = {}  # of each brick plain bytes, flags of cells, symbols of its levels
+    plain: bytes  # with the brick's map, where the model has one
+    cells: bytes | None  # None: a brick of fewer than three levels
+    parts: list  # symbols and number of details of each part of level 0, one if nothing is cut
+    levels: list  # the same of level 1 and up
+
+
+class GreyFile(File):
+    """Of int16, or int32 where voxels need it; its model has an order of axes.
+
+    value_map   which codes there are; its bricks of tier 0 have gaps where it lists them
+    voxel_step  above 1: voxels are rounded to multiples of this odd number
+    """
+
+    def __init__(self, voxels, masks, order="xyz", spacing=(1.0, 1.0, 1.0), cuts=0,
+                 has_edges=False, value_map=None, voxel_step=1):
+        self.order, self.cuts, self.has_edges = order, cuts, has_edges
+        self.value_map, self.voxel_step = value_map, voxel_step
+        self.max_error = (voxel_step - 1) // 2
+        self.decoded = voxels.astype(np.int64)
+        self.coded = {}
+        if abs(self.decoded).max() > 32767:
+            self.TYPE, self.DTYPE = 5, "<i4"
         super().__init__(voxels, masks, spacing)
+
+    def planes(self):
+        return self.decoded
+
+    def _code_of(self, voxels, step):
+        if self.value_map is not None:
+            return (voxels - self.value_map.offset) // self.value_map.step
+        return (voxels + step // 2) // step
+
+    def _voxel_of(self, codes, step, brick):
+        if self.value_map is not None:
+            return codes * self.value_map.step + self.value_map.offset
+        return np.clip(codes * step, brick.smallest, brick.largest)
 
     def analyze(self, brick, samples, steps, weights, count):
         turn = ["xyz".index(name) for name in self.order]  # of the model's axes
-        turned = (samples - brick.smallest - 2**15).transpose([2 - turn[k] for k in (2, 1, 0)])
+        is_finest = weights[0] == [0, 0, 0]
+        step = self.voxel_step if is_finest else 1
+        lowest = self._code_of(brick.smallest, step)
+        scale = Scale.of(int(self._code_of(brick.largest, step) - lowest))
+        codes = self._code_of(samples, step)
+        turned = (codes - lowest + scale.low).transpose([2 - turn[k] for k in (2, 1, 0)])
         masks = [sum((mask >> turn[k] & 1) << k for k in range(3)) for mask in steps]
         made = levels_of(turned, masks, *[[values[turn[k]] for k in range(3)]
                                           for values in weights])
-        cells = cell_flags(flag_cells(turned, masks, made)) if count >= 3 else b""
-        high = brick.largest - brick.smallest - 2**15
-        symbols = [symbols_of(splits, high) for splits, _ in made[:count - 1]]
+        cells = cell_flags(flag_cells(turned, masks, made)) if count >= 3 else None
+        if step > 1:
+            box = tuple(slice(p * side, p * side + n) for p, side, n in zip(
+                brick.place[::-1], [1 << sum(m >> k & 1 for m in steps) for k in (2, 1, 0)],
+                samples.shape))
+            self.decoded[box] = self._voxel_of(codes, step, brick)
+        brick_map = b""
+        if self.value_map is not None:
+            has_gaps = is_finest and self.value_map.has_gaps()
+            brick_map = self.value_map.brick_bytes(codes, has_gaps)
+            if has_gaps and count > 1:
+                occurring = self.value_map.occurring(codes) - lowest + scale.low
+                made[0][0][0].gaps = Gaps(occurring)
+        parts = [made[0][0]]
+        if count >= 3 and any(self.cuts >> k & 1 and turned.shape[2 - k] > 32 for k in range(3)):
+            parts = parts_of(made, masks[0], self.cuts)
         coarsest = made[count - 2][1] if count > 1 else turned
-        width = (brick.largest - brick.smallest).bit_length()
-        self.parts[id(brick)] = pack((coarsest + 2**15).flat, width), cells, symbols
-        brick.root = int(made[-1][1].item()) + 2**15 + brick.smallest
+        self.coded[id(brick)] = Coded(
+            brick_map + pack((coarsest - scale.low).flat, (scale.high - scale.low).bit_length()),
+            cells, [symbols_of(part, scale, self.has_edges) for part in parts if count > 1],
+            [symbols_of(splits, scale, self.has_edges) for splits, _ in made[1:count - 1]])
+        root = int(made[-1][1].item()) - scale.low + lowest
+        brick.root = int(self._voxel_of(root, step, brick))
 
     def code_all(self, bricks):
-        coded = [brick for brick in bricks if not brick.is_uniform()]
-        model = Model(self.order, [(min(i, 1), symbols) for brick in coded
-                                   for i, symbols in enumerate(self.parts[id(brick)][2])])
-        for brick in coded:
-            plain, cells, levels = self.parts[id(brick)]
-            brick.segments = [model.details(min(i, 1), symbols)
-                              for i, symbols in enumerate(levels)] + [plain]
-            if len(levels) >= 2:
-                brick.segments[1] = varint(len(cells)) + cells + brick.segments[1]
+        if self.voxel_step == 1:
+            return self._code_some(bricks, self.voxel_step)
+        # Those of other tiers leave out nothing.
+        finest = self.tiers[0]
+        model = self._code_some(finest, self.voxel_step)
+        if len(self.tiers) > 1:
+            self.coarse_model = self._code_some(bricks[len(finest):], 1)
+        return model
+
+    def _code_some(self, bricks, voxel_step):
+        """Under a model of their own."""
+        coded = [(brick, self.coded[id(brick)]) for brick in bricks if not brick.is_uniform()]
+        streams = [(0, symbols) for _, own in coded for symbols, _ in own.parts]
+        streams += [(1, symbols) for _, own in coded for symbols, _ in own.levels]
+        model = Model(self.order, streams, self.cuts, self.has_edges, self.value_map, voxel_step)
+        for brick, own in coded:
+            has_parts = len(own.parts) > 1
+            most = (8 if self.cuts & 1 else 16) if has_parts else 32
+            parts = [model.details(0, *part, most) for part in own.parts]
+            segments = [model.details(1, *level) for level in own.levels]
+            if own.cells is not None:
+                segments[0] = varint(len(own.cells)) + own.cells + segments[0]
+            if has_parts:
+                segments[0] = b"".join(part_entry(part) for part in parts) + segments[0]
+            brick.segments = ([b"".join(parts)] if own.parts else []) + segments + [own.plain]
         return model.bytes()
+
+
+def part_entry(part):
+    """Section 16: what the list of parts has of one."""
+    return varint(len(part)) + (struct.pack("<I", crc32c(part)) if part else b"")

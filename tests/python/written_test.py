@@ -18,6 +18,7 @@ from octavo_reader import OctavoFile, verify
 from written_floats import FloatFile
 from written_grey import GreyFile
 from written_labels import LabelFile
+from written_masked import ValueMap
 
 OCTAVO = "octavo"
 
@@ -59,6 +60,17 @@ def organs(size, seed):
     return labels
 
 
+def masked(size, seed):
+    """A ball of waves and noise in a background of one value; another one touches the border."""
+    z, y, x = np.meshgrid(*[np.arange(n) for n in size[::-1]], indexing="ij")
+    noise = np.random.default_rng(seed)
+    voxels = np.rint(70 + 40 * np.sin(x / 4 + z / 5) + noise.normal(0, 6, x.shape))
+    middle = [n / 2 for n in size]
+    inner = sum(((c - m) / m)**2 for c, m in zip((x, y, z), middle)) < 0.7
+    inner |= (x < 5) & (y + z > 9)
+    return np.where(inner, np.clip(voxels, 2, 160), 0).astype(np.int64)
+
+
 class Written(unittest.TestCase):
     def both_read(self, volume):
         data = volume.bytes()
@@ -90,6 +102,58 @@ class Written(unittest.TestCase):
 
     def test_two_bricks_along_x_in_one_page(self):
         self.both_read(GreyFile(scan((70, 15, 12), 3), [7, 7, 7, 7, 7, 7, 1]))
+
+    def test_parts_along_each_axis_and_all(self):
+        voxels = scan((35, 34, 37), 10)
+        for cuts, order in ((1, "xyz"), (2, "yzx"), (6, "zxy"), (7, "xzy")):
+            with self.subTest(cuts=cuts, order=order):
+                self.both_read(GreyFile(voxels, [7, 7, 7, 7, 7, 7], order, cuts=cuts))
+        # Two bricks; z is not halved between level 0 and 1.
+        self.both_read(GreyFile(scan((71, 9, 33), 11), [3, 7, 7, 7, 7, 7, 5], cuts=7))
+
+    def test_samples_of_17_bits_and_more(self):
+        for factor in (12, 40000):
+            wide = scan((21, 18, 13), 12).astype(np.int64) * factor
+            wide += np.random.default_rng(13).integers(0, factor, wide.shape)
+            self.both_read(GreyFile(wide, [7, 7, 7, 7, 3], "zyx"))
+        self.both_read(GreyFile(scan((35, 34, 9), 14).astype(np.int64) * 9, [7, 7, 7, 7, 3, 3],
+                                cuts=3, has_edges=True))
+
+    def test_edges_of_odd_sizes_and_in_parts(self):
+        for size, masks, cuts in (((23, 21, 17), [7, 7, 7, 7, 7], 0),
+                                  ((37, 35, 41), [7, 7, 7, 7, 7, 7], 7),
+                                  ((41, 36, 11), [3, 7, 7, 7, 7, 3], 3)):
+            for order in ("xyz", "zyx"):
+                with self.subTest(size=size, order=order):
+                    self.both_read(GreyFile(masked(size, 15), masks, order, cuts=cuts,
+                                            has_edges=True))
+
+    def test_edges_between_two_values(self):
+        voxels = (masked((19, 22, 13), 16) > 80) * 7
+        self.both_read(GreyFile(voxels, [7, 7, 7, 7, 3], has_edges=True))
+
+    def test_a_lattice_of_values_in_two_tiers(self):
+        voxels = 3 * masked((70, 19, 12), 17) + 301
+        self.both_read(GreyFile(voxels, [7, 7, 7, 7, 7, 7, 1], value_map=ValueMap(3, 1)))
+
+    def test_gaps_between_values_with_and_without_a_lattice_edges_and_parts(self):
+        codes = masked((43, 21, 18), 18)
+        codes -= codes % 5 * (codes > 9)
+        codes[5, 4, 3:9] = 77
+        known = tuple(code for code in range(0, 161) if code % 5 == 0 or code in (3, 4))
+        masks = [7, 7, 7, 7, 7, 1]
+        for step, offset, shift in ((1, 0, 0), (2, 1, -40)):
+            for has_edges, cuts in ((False, 0), (True, 0), (True, 3)):
+                with self.subTest(step=step, has_edges=has_edges, cuts=cuts):
+                    own = tuple(code + shift for code in known)
+                    self.both_read(GreyFile((codes + shift) * step + offset, masks, "yxz",
+                                            cuts=cuts, has_edges=has_edges,
+                                            value_map=ValueMap(step, offset, own)))
+
+    def test_voxels_rounded_within_a_maximum_error(self):
+        for step, cuts in ((3, 0), (9, 3)):
+            self.both_read(GreyFile(scan((39, 34, 13), 19), [7, 7, 7, 7, 3, 3], cuts=cuts,
+                                    voxel_step=step))
 
     def test_labels_of_two_tiers_some_bricks_uniform_or_stored(self):
         voxels = organs((70, 21, 18), 4)
