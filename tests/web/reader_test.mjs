@@ -475,7 +475,7 @@ test("whatever is no box, place, pool or source is an error of this package", as
   for (const option of ["cacheBytes", "parallelRequests", "joinGapBytes", "wholeFileBytes"]) {
     for (const given of [-1, NaN, "5", {}]) {
       await assert.rejects(open(bytes, { pool, [option]: given }),
-        failsWith("invalid_argument", new RegExp(`: ${option} is .*, no number from 0 on$`)));
+        failsWith("invalid_argument", new RegExp(`^${option} is .*, no number from 0 on$`)));
     }
   }
   await assert.rejects(open(bytes, { pool: 3 }), wrong);
