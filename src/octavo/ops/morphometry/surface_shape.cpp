@@ -13,6 +13,17 @@ namespace octavo {
 namespace {
 
 constexpr std::int64_t kShapeReach = 3;  // of an average, to each side
+
+// Weights of voxels so far away; sums fit 16 bits. Even ones say best how a surface lies, but find
+// none in what is thinner than half of their reach. Where the middle counts most, averages fall
+// outward at the surface of anything.
+struct ShapeWeights {
+  std::array<std::uint16_t, 4> away;
+  double sum;  // along one axis
+};
+constexpr std::array<ShapeWeights, 2> kShapeWeights = {{{{1, 1, 1, 1}, 7}, {{6, 5, 5, 4}, 34}}};
+enum ShapeField : std::size_t { kEven = 0, kPeaked = 1 };
+
 constexpr std::int64_t kFieldRim = 2;    // planes of averages beside those that faces stand in
 
 /// The planes of a slab, with the averages of the mask around them.
@@ -30,7 +41,7 @@ class ShapeSlab {
         field_end_(std::min(shown_end_ + kFieldRim, size_.z)) {
     const double volume = spacing_[0] * spacing_[1] * spacing_[2];
     for (std::size_t a = 0; a < 3; ++a) face_mm2_[a] = volume / spacing_[a];
-    fill_field(mask);
+    fill_fields(mask);
     if (region != nullptr) {
       region_.resize(static_cast<std::size_t>((shown_end_ - begin_) * plane_));
       fill_voxels(*region, {{0, 0, begin_}, {size_.x, size_.y, shown_end_}}, region_.data());
@@ -48,7 +59,7 @@ class ShapeSlab {
   }
 
  private:
-  void fill_field(const MaskTree& mask) {
+  void fill_fields(const MaskTree& mask) {
     const std::int64_t lo = std::max<std::int64_t>(field_begin_ - kShapeReach, 0);
     const std::int64_t hi = std::min(field_end_ + kShapeReach, size_.z);
     std::vector<std::uint8_t> inside(static_cast<std::size_t>((hi - lo) * plane_));
@@ -56,55 +67,64 @@ class ShapeSlab {
     const auto* const shown = inside.data() + (begin_ - lo) * plane_;
     inside_.assign(shown, shown + (shown_end_ - begin_) * plane_);
 
-    // Sums of 7 x 7 in each plane, then of 7 planes; beyond the border voxels repeat.
-    std::vector<std::uint8_t> rows(static_cast<std::size_t>(plane_));
+    for (const ShapeField which : {kEven, kPeaked}) fill_field(inside, lo, which);
+  }
+
+  /// Sums along rows, over rows of each plane, then over planes; beyond the border voxels repeat.
+  void fill_field(const std::vector<std::uint8_t>& inside, std::int64_t lo, ShapeField which) {
+    const auto weight = [&](std::int64_t away) {
+      return kShapeWeights[which].away[static_cast<std::size_t>(std::abs(away))];
+    };
+    std::vector<std::uint16_t>& field = fields_[which];
+    field.assign(static_cast<std::size_t>((field_end_ - field_begin_) * plane_), 0);
+    std::vector<std::uint16_t> rows(static_cast<std::size_t>(plane_));
+    std::vector<std::uint16_t> sums(static_cast<std::size_t>(plane_));
+    const std::int64_t hi = lo + static_cast<std::int64_t>(inside.size()) / plane_;
     for (std::int64_t z = lo; z < hi; ++z) {
-      std::uint8_t* const voxels = inside.data() + (z - lo) * plane_;
+      const std::uint8_t* const voxels = inside.data() + (z - lo) * plane_;
       for (std::int64_t y = 0; y < size_.y; ++y) {
-        sum_row(voxels + y * size_.x, rows.data() + y * size_.x);
+        for (std::int64_t x = 0; x < size_.x; ++x) {
+          int sum = 0;
+          for (std::int64_t d = -kShapeReach; d <= kShapeReach; ++d) {
+            const std::int64_t from = std::clamp<std::int64_t>(x + d, 0, size_.x - 1);
+            sum += weight(d) * voxels[y * size_.x + from];
+          }
+          rows[static_cast<std::size_t>(y * size_.x + x)] = static_cast<std::uint16_t>(sum);
+        }
       }
-      std::fill(voxels, voxels + plane_, std::uint8_t{0});
+      std::fill(sums.begin(), sums.end(), std::uint16_t{0});
       for (std::int64_t y = 0; y < size_.y; ++y) {
         for (std::int64_t d = -kShapeReach; d <= kShapeReach; ++d) {
           const std::int64_t from = std::clamp<std::int64_t>(y + d, 0, size_.y - 1);
-          add_row(rows.data() + from * size_.x, voxels + y * size_.x, size_.x);
+          add_row(rows.data() + from * size_.x, weight(d), size_.x, sums.data() + y * size_.x);
         }
       }
-    }
-    field_.assign(static_cast<std::size_t>((field_end_ - field_begin_) * plane_), 0);
-    for (std::int64_t z = field_begin_; z < field_end_; ++z) {
-      for (std::int64_t d = -kShapeReach; d <= kShapeReach; ++d) {
-        const std::int64_t from = std::clamp<std::int64_t>(z + d, 0, size_.z - 1);
-        add_row(inside.data() + (from - lo) * plane_, field_.data() + (z - field_begin_) * plane_,
-                plane_);
+      const std::int64_t first = std::max(field_begin_, z - kShapeReach);
+      const std::int64_t last = std::min(field_end_ - 1, z + kShapeReach);
+      for (std::int64_t to = first; to <= last; ++to) {
+        std::uint16_t share = 0;
+        for (std::int64_t d = -kShapeReach; d <= kShapeReach; ++d) {
+          if (std::clamp<std::int64_t>(to + d, 0, size_.z - 1) == z) share += weight(d);
+        }
+        add_row(sums.data(), share, plane_, field.data() + (to - field_begin_) * plane_);
       }
     }
   }
 
-  void sum_row(const std::uint8_t* row, std::uint8_t* sums) const {
-    const auto at = [&](std::int64_t x) {
-      return row[std::clamp<std::int64_t>(x, 0, size_.x - 1)];
-    };
-    int sum = 0;
-    for (std::int64_t x = -kShapeReach; x < kShapeReach; ++x) sum += at(x);
-    for (std::int64_t x = 0; x < size_.x; ++x) {
-      sum += at(x + kShapeReach);
-      sums[x] = static_cast<std::uint8_t>(sum);
-      sum -= at(x - kShapeReach);
+  static void add_row(const std::uint16_t* from, std::uint16_t share, std::int64_t count,
+                      std::uint16_t* to) {
+    for (std::int64_t i = 0; i < count; ++i) {
+      to[i] = static_cast<std::uint16_t>(to[i] + share * from[i]);
     }
-  }
-
-  template <class From, class To>
-  static void add_row(const From* from, To* to, std::int64_t count) {
-    for (std::int64_t i = 0; i < count; ++i) to[i] = static_cast<To>(to[i] + from[i]);
   }
 
   std::size_t shown_place(const Index3& p) const {
     return static_cast<std::size_t>((p.z - begin_) * plane_ + p.y * size_.x + p.x);
   }
 
-  double field_at(const Index3& p) const {
-    return field_[static_cast<std::size_t>((p.z - field_begin_) * plane_ + p.y * size_.x + p.x)];
+  double field_at(ShapeField which, const Index3& p) const {
+    return fields_[which][static_cast<std::size_t>((p.z - field_begin_) * plane_ + p.y * size_.x +
+                                                   p.x)];
   }
 
   /// The voxels beside one along an axis, where there are any, and how far they lie apart.
@@ -122,30 +142,79 @@ class ShapeSlab {
     return both;
   }
 
-  Point3 gradient(const Index3& p) const {
+  Point3 gradient(ShapeField which, const Index3& p) const {
     Point3 g{};
     for (int axis = 0; axis < 3; ++axis) {
       const Beside both = beside(p, axis);
       g[static_cast<std::size_t>(axis)] =
-          (field_at(both.behind) - field_at(both.before)) / both.apart_mm;
+          (field_at(which, both.behind) - field_at(which, both.before)) / both.apart_mm;
     }
     return g;
   }
 
-  /// A part of the unit normal, outward.
-  double normal(const Index3& p, int axis) const {
-    const Point3 g = gradient(p);
-    const double length = std::sqrt(dot(g, g));
-    return length > 0 ? -g[static_cast<std::size_t>(axis)] / length : 0;
+  /// Second derivatives: along x, y, z, then along y and z, z and x, x and y. Beside the border
+  /// those of the voxel next to it.
+  std::array<double, 6> bending(ShapeField which, const Index3& p) const {
+    std::array<double, 6> bends{};
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto a = static_cast<std::size_t>(axis);
+      if (size_[axis] < 3) continue;
+      Index3 middle = p;
+      middle[axis] = std::clamp<std::int64_t>(p[axis], 1, size_[axis] - 2);
+      const Beside both = beside(middle, axis);
+      bends[a] = (field_at(which, both.before) - 2 * field_at(which, middle) +
+                  field_at(which, both.behind)) /
+                 (spacing_[a] * spacing_[a]);
+    }
+    for (int axis = 0; axis < 3; ++axis) {
+      const int first = (axis + 1) % 3;
+      const int second = (axis + 2) % 3;
+      const Beside both = beside(p, first);
+      const Beside before = beside(both.before, second);
+      const Beside behind = beside(both.behind, second);
+      bends[static_cast<std::size_t>(3 + axis)] =
+          (field_at(which, behind.behind) - field_at(which, behind.before) -
+           field_at(which, before.behind) + field_at(which, before.before)) /
+          (both.apart_mm * before.apart_mm);
+    }
+    return bends;
   }
 
-  double divergence(const Index3& p) const {
-    double sum = 0;
-    for (int axis = 0; axis < 3; ++axis) {
-      const Beside both = beside(p, axis);
-      sum += (normal(both.behind, axis) - normal(both.before, axis)) / both.apart_mm;
+  /// The derivatives of averages at a face, as shares of the mask.
+  struct FaceBend {
+    Point3 gradient{};
+    std::array<double, 6> bends{};
+
+    /// So much of another one in place of this.
+    void mix(const FaceBend& other, double share) {
+      gradient = sum(scaled(gradient, 1 - share), scaled(other.gradient, share));
+      for (std::size_t i = 0; i < bends.size(); ++i) {
+        bends[i] += share * (other.bends[i] - bends[i]);
+      }
     }
-    return sum;
+  };
+  FaceBend face_bend(ShapeField which, const Index3& p, const Index3& q, int axis) const {
+    const double sum_of_all = std::pow(kShapeWeights[which].sum, 3);
+    const auto a = static_cast<std::size_t>(axis);
+    FaceBend face;
+    face.gradient = scaled(sum(gradient(which, p), gradient(which, q)), 0.5 / sum_of_all);
+    face.gradient[a] = (field_at(which, q) - field_at(which, p)) / (spacing_[a] * sum_of_all);
+    const std::array<double, 6> here = bending(which, p);
+    const std::array<double, 6> there = bending(which, q);
+    for (std::size_t i = 0; i < here.size(); ++i) {
+      face.bends[i] = (here[i] + there[i]) * 0.5 / sum_of_all;
+    }
+    return face;
+  }
+
+  /// How steeply averages fall at a face, over how they do at a flat one of something thick.
+  double steepness(const FaceBend& face) const {
+    double squared = 0;
+    for (std::size_t a = 0; a < 3; ++a) {
+      const double of_voxel = face.gradient[a] * spacing_[a];
+      squared += of_voxel * of_voxel;
+    }
+    return std::sqrt(squared) * kShapeWeights[kEven].sum;
   }
 
   bool is_in_region(const Index3& p) const {
@@ -174,13 +243,30 @@ class ShapeSlab {
 
   void add_face(const Index3& p, const Index3& q, int axis, SurfaceShape& sums) const {
     const auto a = static_cast<std::size_t>(axis);
-    Point3 g = scaled(sum(gradient(p), gradient(q)), 0.5);
-    g[a] = (field_at(q) - field_at(p)) / spacing_[a];
-    const double length = std::sqrt(dot(g, g));
-    const double share = length > 0 ? std::abs(g[a]) / length : 1;
-    const double patch = share * face_mm2_[a];
+    FaceBend face = face_bend(kEven, p, q, axis);
+    const double thin = std::clamp(3 - 4 * steepness(face), 0.0, 1.0);
+    if (thin > 0) face.mix(face_bend(kPeaked, p, q, axis), thin);
+    const double length = std::sqrt(dot(face.gradient, face.gradient));
+    if (length <= 0) {
+      sums.area_mm2 += face_mm2_[a];
+      return;
+    }
+    const Point3 n = scaled(face.gradient, 1 / length);
+    const double patch = std::abs(n[a]) * face_mm2_[a];
     sums.area_mm2 += patch;
-    sums.growth_mm += patch * 0.5 * (divergence(p) + divergence(q));
+
+    // How a surface of equal averages bends across its normal. It is followed inward where the
+    // average falls inward, as it may between structures that lie closer than it reaches.
+    double across = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      across += face.bends[i] * (1 - n[i] * n[i]);
+      across -= 2 * face.bends[3 + i] * n[(i + 1) % 3] * n[(i + 2) % 3];
+    }
+    const bool falls_outward = (face.gradient[a] < 0) == (inside_[shown_place(p)] != 0);
+    const double bend = (falls_outward ? -across : across) / length;
+    // No ball is smaller than a voxel.
+    const double most = 2 / spacing_[(a + 1) % 3] + 2 / spacing_[(a + 2) % 3];
+    sums.growth_mm += patch * std::clamp(bend, -most, most);
   }
 
   Size3 size_;
@@ -194,7 +280,7 @@ class ShapeSlab {
   Point3 face_mm2_{};
   std::vector<std::uint8_t> inside_;
   std::vector<std::uint8_t> region_;
-  std::vector<std::uint16_t> field_;
+  std::array<std::vector<std::uint16_t>, 2> fields_;
 };
 
 }  // namespace

@@ -5,8 +5,11 @@
 //
 //     A = sum over faces of  area of the face * |n_a|        since  n_x^2 + n_y^2 + n_z^2 = 1
 //
-// Normals are those of the mask averaged over cubes of 7 x 7 x 7 voxels. The divergence of the
-// normals, summed over the patches, is how fast the area grows when the surface moves outward.
+// Normals are those of the mask averaged over cubes of 7 x 7 x 7 voxels, in which the middle counts
+// more where something thin passes. How much surfaces of equal averages bend, summed over patches,
+// is how fast the area grows when the surface moves outward: second derivatives across the normal,
+// over the gradient. None is taken along the normal, so that it does not matter how near the other
+// side of a plate or gap is.
 //
 // Source  F. Flin et al., Adaptive Estimation of Normals and Surface Area for Discrete 3-D
 //         Objects, IEEE Transactions on Image Processing 14 (2005)
@@ -29,7 +32,7 @@ struct SurfaceShape {
 /// Measures the surface. Uses the threads of the calling task arena; does not depend on them.
 /// region  only faces between two of its voxels count; null: all of the volume
 /// Throws  Error{cancelled}
-/// Memory  90 bytes for each voxel of a plane, per thread
+/// Memory  150 bytes for each voxel of a plane, per thread
 SurfaceShape surface_shape(const MaskTree& mask, const MaskTree* region, const Point3& spacing_mm,
                            Progress& progress);
 

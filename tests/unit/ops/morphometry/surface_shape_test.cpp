@@ -2,9 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
+#include "octavo/core/vectors.h"
 #include "support/dense_mask.h"
 
 namespace octavo {
@@ -14,15 +17,31 @@ using testing::DenseMask;
 using testing::for_each_voxel;
 
 template <class Inside>
-SurfaceShape shape_of(const Size3& size, const Point3& spacing, Inside inside) {
+DenseMask filled(const Size3& size, const Point3& spacing, Inside inside) {
   DenseMask mask{size, std::vector<std::uint8_t>(static_cast<std::size_t>(size.voxel_count()))};
   for_each_voxel(size, [&](const Index3& p) {
     mask.at(p) = inside((static_cast<double>(p.x) + 0.5) * spacing[0],
                         (static_cast<double>(p.y) + 0.5) * spacing[1],
                         (static_cast<double>(p.z) + 0.5) * spacing[2]) ? 1 : 0;
   });
+  return mask;
+}
+
+template <class Inside>
+SurfaceShape shape_of(const Size3& size, const Point3& spacing, Inside inside) {
   NoProgress progress;
-  return surface_shape(testing::tree_of(mask), nullptr, spacing, progress);
+  const MaskTree tree = testing::tree_of(filled(size, spacing, inside));
+  return surface_shape(tree, nullptr, spacing, progress);
+}
+
+/// Of what lies in a region.
+template <class Inside, class InRegion>
+SurfaceShape shape_of(const Size3& size, const Point3& spacing, Inside inside,
+                      InRegion in_region) {
+  NoProgress progress;
+  const MaskTree tree = testing::tree_of(filled(size, spacing, inside));
+  const MaskTree region = testing::tree_of(filled(size, spacing, in_region));
+  return surface_shape(tree, &region, spacing, progress);
 }
 
 TEST(SurfaceShape, OfSpheresIsTheirAreaAndItsGrowth) {
@@ -48,6 +67,101 @@ TEST(SurfaceShape, OfPlatesDoesNotGrowAndEndsAreCut) {
   EXPECT_NEAR(shape.area_mm2, 2 * 15 * 20, 1e-6);
   EXPECT_NEAR(shape.growth_mm, 0, 1e-6);
   EXPECT_NEAR(shape.cut_mm2, 2 * 4 * (15 + 20), 1e-6);
+}
+
+/// The structure model index of a mask in a cube of voxels, without what its borders cut.
+template <class Inside>
+double model_index(std::int64_t side, const Point3& spacing, Inside inside) {
+  DenseMask mask{{side, side, side},
+                 std::vector<std::uint8_t>(static_cast<std::size_t>(side * side * side))};
+  double voxels = 0;
+  for_each_voxel(mask.size, [&](const Index3& p) {
+    mask.at(p) = inside(p) ? 1 : 0;
+    voxels += mask.at(p);
+  });
+  NoProgress progress;
+  const SurfaceShape shape =
+      surface_shape(testing::tree_of(mask), nullptr, spacing, progress);
+  const double volume = voxels * spacing[0] * spacing[1] * spacing[2];
+  return 6 * volume * shape.growth_mm / (shape.area_mm2 * shape.area_mm2);
+}
+
+const std::vector<Point3> kShapeSpacings = {{1, 1, 1}, {1, 1, 3}, {5, 1, 1}, {0.1, 1, 7}};
+
+TEST(SurfaceShape, OfFlatPlatesAndGapsDoesNotGrowHoweverThinTheyAre) {
+  for (const Point3& spacing : kShapeSpacings) {
+    for (int axis = 0; axis < 3; ++axis) {
+      for (const std::int64_t thick : {1, 2, 3, 4, 5}) {
+        EXPECT_NEAR(model_index(18, spacing, [&](const Index3& p) {
+                      return p[axis] >= 6 && p[axis] < 6 + thick;
+                    }), 0, 1e-9) << thick << " voxels along axis " << axis;
+        EXPECT_NEAR(model_index(18, spacing, [&](const Index3& p) {
+                      return p[axis] < 6 || p[axis] >= 6 + thick;
+                    }), 0, 1e-9) << "gap of " << thick << " voxels along axis " << axis;
+        EXPECT_NEAR(model_index(18, spacing, [&](const Index3& p) {
+                      return p[axis] % (2 * thick) < thick;
+                    }), 0, 1e-9) << "many of " << thick << " voxels along axis " << axis;
+      }
+    }
+  }
+}
+
+TEST(SurfaceShape, OfThinRodsAndVoxelsAloneGrowsAsOfRodsAndBalls) {
+  for (const std::int64_t thick : {1, 2, 3}) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const int first = (axis + 1) % 3;
+      const int second = (axis + 2) % 3;
+      EXPECT_NEAR(model_index(18, {1, 1, 1}, [&](const Index3& p) {
+                    return p[first] >= 7 && p[first] < 7 + thick && p[second] >= 7 &&
+                           p[second] < 7 + thick;
+                  }), 3, 0.35) << thick << " voxels along axis " << axis;
+    }
+    EXPECT_NEAR(model_index(18, {1, 1, 1}, [&](const Index3& p) {
+                  return std::min({p.x, p.y, p.z}) >= 7 && std::max({p.x, p.y, p.z}) < 7 + thick;
+                }), 4, 0.4) << thick << " voxels";
+  }
+}
+
+TEST(SurfaceShape, OfThinTurnedPlatesAndRodsIsTheirs) {
+  const Point3 across = unit({1, 1, 6});
+  const Point3 along = unit({1, 2, 3});
+  const auto from_middle = [](double x, double y, double z) {
+    return Point3{x - 20.2, y - 19.9, z - 20.1};
+  };
+  for (const double thick : {2.0, 3.0, 4.0}) {
+    // Of a part within a ball, so that no border counts.
+    const auto is_near = [&](double x, double y, double z) {
+      const Point3 p = from_middle(x, y, z);
+      return dot(p, p) < 14 * 14;
+    };
+    const SurfaceShape plate = shape_of({40, 40, 40}, {1, 1, 1}, [&](double x, double y, double z) {
+      return std::abs(dot(from_middle(x, y, z), across)) < 0.5 * thick;
+    }, is_near);
+    EXPECT_NEAR(plate.area_mm2 / (2 * std::numbers::pi * 14 * 14), 1, 0.05) << thick;
+    EXPECT_NEAR(plate.growth_mm / plate.area_mm2 * thick, 0, 0.1) << thick;
+    const SurfaceShape rod = shape_of({40, 40, 40}, {1, 1, 1}, [&](double x, double y, double z) {
+      const Point3 p = from_middle(x, y, z);
+      const double aside = dot(p, p) - dot(p, along) * dot(p, along);
+      return aside < 0.25 * thick * thick;
+    }, is_near);
+    EXPECT_NEAR(rod.area_mm2 / (std::numbers::pi * thick * 28), 1, 0.08) << thick;
+    EXPECT_NEAR(rod.growth_mm / (2 * std::numbers::pi * 28), 1, 0.1) << thick;
+  }
+}
+
+TEST(SurfaceShape, OfBallsOfEightLongVoxelsIsTheirArea) {
+  for (const double slice : {3.0, 5.0}) {
+    const double radius = 4 * slice;
+    const auto side = static_cast<std::int64_t>(2 * radius) + 10;
+    const double middle = 0.5 * static_cast<double>(side);
+    const SurfaceShape shape =
+        shape_of({side, side, 16}, {1, 1, slice}, [&](double x, double y, double z) {
+          const Point3 p = {x - middle - 0.2, y - middle, z - 8.3 * slice};
+          return dot(p, p) <= radius * radius;
+        });
+    EXPECT_NEAR(shape.area_mm2 / (4 * std::numbers::pi * radius * radius), 1, 0.02) << slice;
+    EXPECT_NEAR(shape.growth_mm / (8 * std::numbers::pi * radius), 1, 0.1) << slice;
+  }
 }
 
 TEST(SurfaceShape, OfAGyroidIsThatOfItsUnitCells) {
