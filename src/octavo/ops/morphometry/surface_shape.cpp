@@ -16,12 +16,12 @@ constexpr std::int64_t kShapeReach = 3;  // of an average, to each side
 
 // Weights of voxels so far away; sums fit 16 bits. Even ones say best how a surface lies, but find
 // none in what is thinner than half of their reach. Where the middle counts most, averages fall
-// outward at the surface of anything.
-struct ShapeWeights {
-  std::array<std::uint16_t, 4> away;
-  double sum;  // along one axis
-};
-constexpr std::array<ShapeWeights, 2> kShapeWeights = {{{{1, 1, 1, 1}, 7}, {{6, 5, 5, 4}, 34}}};
+// outward at the surface of anything. Along voxels that are long beside the others, an average that
+// reached as far would take in all of a structure.
+using ShapeWeights = std::array<std::uint16_t, 4>;
+constexpr std::array<ShapeWeights, 2> kShapeWeights = {{{1, 1, 1, 1}, {6, 5, 5, 4}}};
+constexpr ShapeWeights kLongWeights = {6, 5, 4, 0};
+constexpr double kLong = 2;  // times the shortest side
 enum ShapeField : std::size_t { kEven = 0, kPeaked = 1 };
 
 constexpr std::int64_t kFieldRim = 2;    // planes of averages beside those that faces stand in
@@ -40,7 +40,16 @@ class ShapeSlab {
         field_begin_(std::max<std::int64_t>(begin - kFieldRim, 0)),
         field_end_(std::min(shown_end_ + kFieldRim, size_.z)) {
     const double volume = spacing_[0] * spacing_[1] * spacing_[2];
-    for (std::size_t a = 0; a < 3; ++a) face_mm2_[a] = volume / spacing_[a];
+    const double shortest = std::min({spacing_[0], spacing_[1], spacing_[2]});
+    for (std::size_t a = 0; a < 3; ++a) {
+      face_mm2_[a] = volume / spacing_[a];
+      for (const ShapeField which : {kEven, kPeaked}) {
+        const ShapeWeights& own = spacing_[a] >= kLong * shortest ? kLongWeights
+                                                                  : kShapeWeights[which];
+        weights_[which][a] = own;
+        sums_[which] *= own[0] + 2 * (own[1] + own[2] + own[3]);
+      }
+    }
     fill_fields(mask);
     if (region != nullptr) {
       region_.resize(static_cast<std::size_t>((shown_end_ - begin_) * plane_));
@@ -72,8 +81,8 @@ class ShapeSlab {
 
   /// Sums along rows, over rows of each plane, then over planes; beyond the border voxels repeat.
   void fill_field(const std::vector<std::uint8_t>& inside, std::int64_t lo, ShapeField which) {
-    const auto weight = [&](std::int64_t away) {
-      return kShapeWeights[which].away[static_cast<std::size_t>(std::abs(away))];
+    const auto weight = [&](std::size_t axis, std::int64_t away) {
+      return weights_[which][axis][static_cast<std::size_t>(std::abs(away))];
     };
     std::vector<std::uint16_t>& field = fields_[which];
     field.assign(static_cast<std::size_t>((field_end_ - field_begin_) * plane_), 0);
@@ -87,7 +96,7 @@ class ShapeSlab {
           int sum = 0;
           for (std::int64_t d = -kShapeReach; d <= kShapeReach; ++d) {
             const std::int64_t from = std::clamp<std::int64_t>(x + d, 0, size_.x - 1);
-            sum += weight(d) * voxels[y * size_.x + from];
+            sum += weight(0, d) * voxels[y * size_.x + from];
           }
           rows[static_cast<std::size_t>(y * size_.x + x)] = static_cast<std::uint16_t>(sum);
         }
@@ -96,7 +105,8 @@ class ShapeSlab {
       for (std::int64_t y = 0; y < size_.y; ++y) {
         for (std::int64_t d = -kShapeReach; d <= kShapeReach; ++d) {
           const std::int64_t from = std::clamp<std::int64_t>(y + d, 0, size_.y - 1);
-          add_row(rows.data() + from * size_.x, weight(d), size_.x, sums.data() + y * size_.x);
+          add_row(rows.data() + from * size_.x, weight(1, d), size_.x,
+                  sums.data() + y * size_.x);
         }
       }
       const std::int64_t first = std::max(field_begin_, z - kShapeReach);
@@ -104,7 +114,7 @@ class ShapeSlab {
       for (std::int64_t to = first; to <= last; ++to) {
         std::uint16_t share = 0;
         for (std::int64_t d = -kShapeReach; d <= kShapeReach; ++d) {
-          if (std::clamp<std::int64_t>(to + d, 0, size_.z - 1) == z) share += weight(d);
+          if (std::clamp<std::int64_t>(to + d, 0, size_.z - 1) == z) share += weight(2, d);
         }
         add_row(sums.data(), share, plane_, field.data() + (to - field_begin_) * plane_);
       }
@@ -194,7 +204,7 @@ class ShapeSlab {
     }
   };
   FaceBend face_bend(ShapeField which, const Index3& p, const Index3& q, int axis) const {
-    const double sum_of_all = std::pow(kShapeWeights[which].sum, 3);
+    const double sum_of_all = sums_[which];
     const auto a = static_cast<std::size_t>(axis);
     FaceBend face;
     face.gradient = scaled(sum(gradient(which, p), gradient(which, q)), 0.5 / sum_of_all);
@@ -211,10 +221,12 @@ class ShapeSlab {
   double steepness(const FaceBend& face) const {
     double squared = 0;
     for (std::size_t a = 0; a < 3; ++a) {
-      const double of_voxel = face.gradient[a] * spacing_[a];
+      const ShapeWeights& own = weights_[kEven][a];
+      const double flat = own[0] / (own[0] + 2.0 * (own[1] + own[2] + own[3]));
+      const double of_voxel = face.gradient[a] * spacing_[a] / flat;
       squared += of_voxel * of_voxel;
     }
-    return std::sqrt(squared) * kShapeWeights[kEven].sum;
+    return std::sqrt(squared);
   }
 
   bool is_in_region(const Index3& p) const {
@@ -278,6 +290,8 @@ class ShapeSlab {
   std::int64_t field_begin_;
   std::int64_t field_end_;
   Point3 face_mm2_{};
+  std::array<std::array<ShapeWeights, 3>, 2> weights_{};  // of fields, along axes
+  std::array<double, 2> sums_{1, 1};                      // of all weights
   std::vector<std::uint8_t> inside_;
   std::vector<std::uint8_t> region_;
   std::array<std::vector<std::uint16_t>, 2> fields_;

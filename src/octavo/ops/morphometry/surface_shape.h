@@ -5,11 +5,11 @@
 //
 //     A = sum over faces of  area of the face * |n_a|        since  n_x^2 + n_y^2 + n_z^2 = 1
 //
-// Normals are those of the mask averaged over cubes of 7 x 7 x 7 voxels, in which the middle counts
-// more where something thin passes. How much surfaces of equal averages bend, summed over patches,
-// is how fast the area grows when the surface moves outward: second derivatives across the normal,
-// over the gradient. None is taken along the normal, so that it does not matter how near the other
-// side of a plate or gap is.
+// Normals are those of the mask averaged over 7 x 7 x 7 voxels, 5 along their long sides, of which
+// the middle counts more where something thin passes. How much surfaces of equal averages bend,
+// summed over patches, is how fast the area grows when the surface moves outward: second
+// derivatives across the normal, over the gradient. None is taken along the normal, so that it
+// does not matter how near the other side of a plate or gap is.
 //
 // Source  F. Flin et al., Adaptive Estimation of Normals and Surface Area for Discrete 3-D
 //         Objects, IEEE Transactions on Image Processing 14 (2005)
