@@ -1,5 +1,5 @@
-// What static libraries within the wheel write to where they find something wrong. They reach for the
-// variable of the C library in a way that only the program itself may; here it is one of the
+// What static libraries within the wheel write to where they find something wrong. They reach for
+// the variable of the C library in a way that only the program itself may; here it is one of the
 // extension's own.
 extern "C" {
 
