@@ -9,15 +9,18 @@
 //
 // Fluxes pass the faces between voxels; the outermost planes are half a voxel from where 1 and 0
 // are held. Pores that do not lead from one side to the other hold still, and count for the
-// porosity all the same. The equations are solved by conjugate gradients, each divided by its
-// diagonal, until the residual is so small that the flux is known to about that share.
+// porosity all the same.
+//
+// J is the sum of conductance * difference^2 over all faces, which is smallest at rest: it is never
+// too small, and too large by the square of how far the concentrations are off alone. They come to
+// rest by conjugate gradients, preconditioned by a multigrid over clusters of pores, until J is
+// known to about kDiffusionError of itself.
 //
 // Source  M. R. Hestenes, E. Stiefel, Methods of conjugate gradients for solving linear systems,
 //         Journal of Research of the National Bureau of Standards 49 (1952); S. J. Cooper et al.,
-//         TauFactor, SoftwareX 5 (2016)
+//         TauFactor, SoftwareX 5 (2016); pore_clusters.h for those of the multigrid
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -28,11 +31,14 @@
 
 namespace octavo {
 
+/// Where the steps end: an estimate of the share by which D_eff is too large.
+constexpr double kDiffusionError = 1e-8;
+
 struct PoreDiffusion {
   double effective = 0;   ///< D_eff / D
   double tortuosity = 1;  ///< porosity * D / D_eff
   int steps = 0;          ///< of conjugate gradients
-  double imbalance = 0;   ///< how far the fluxes in and out are apart, as a share
+  double error = 0;       ///< an estimate of the share by which D_eff is too large
 };
 
 /// What pore_diffusion announces of itself.
@@ -41,11 +47,13 @@ constexpr std::int64_t kDiffusionParts = 1000;
 /// Along one axis; nothing where no pore leads through.
 /// pores           [z][y][x], not 0 in pores
 /// counted_voxels  that the porosity is a share of, pores and others
-/// progress        advances by kDiffusionParts in all, as the logarithm of the residual falls
+/// progress        advances by kDiffusionParts in all, as the logarithm of the error falls
 /// Uses the threads of the calling task arena; does not depend on them.
 /// Throws  Error{limit_exceeded} beyond 2^31 voxels of pores, Error{cancelled}
-/// Memory  41 bytes for each voxel of pores that lead through, and 6 for each voxel; while these
-///         are looked for, up to 8 more for each of pores
+/// Memory  41 bytes for each voxel of pores that lead through and 4 for each voxel, and for the
+///         multigrid 10 to 25 more for each of these pores, in mazes one voxel wide 45, and up to
+///         100 where voxels are long as well; while pores are looked for, 5 for each voxel and 8
+///         for each of pores
 std::optional<PoreDiffusion> pore_diffusion(const std::vector<std::uint8_t>& pores,
                                             const Size3& size, const Point3& spacing_mm, int axis,
                                             double counted_voxels, Progress& progress);

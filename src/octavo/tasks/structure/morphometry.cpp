@@ -308,7 +308,8 @@ class MorphometryWork {
     const auto voxels = static_cast<std::uint64_t>(size.voxel_count());
     const std::uint64_t others = std::min(
         voxels, static_cast<std::uint64_t>(size_.voxel_count()) - mask_.tree.voxel_count());
-    const std::uint64_t bytes = options_.has_diffusion ? 7 * voxels + 49 * others : 8 * voxels;
+    const std::uint64_t bytes =
+        std::max(8 * voxels, options_.has_diffusion ? 6 * voxels + 86 * others : 0);
     context_.require_memory(2 * mask_.tree.memory_bytes() + bytes, "ways through pores");
     const std::vector<std::uint8_t> pores = pores_in(box);
     result_.has_diffusion = options_.has_diffusion;

@@ -36,7 +36,7 @@ struct MorphometryOptions {
   Output spacing_map;    ///< of what is not in it
   /// Of what is not in the mask, along x, y and z; takes 6 bytes a voxel.
   bool has_tortuosity = false;
-  /// Of what is not in the mask, along x, y and z; takes 7 bytes a voxel, and up to 49 for each
+  /// Of what is not in the mask, along x, y and z; takes 6 bytes a voxel, and 51 to 86 for each
   /// that is not in the mask.
   bool has_diffusion = false;
   Output histogram = {};  ///< a PNG of thickness and separation; no path: none is written
