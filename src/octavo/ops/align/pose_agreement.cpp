@@ -156,6 +156,18 @@ double sharpness_of(std::span<const double> distances_mm, double edge_mm) {
   return counts.sharpness();
 }
 
+std::vector<Point3> facing_points(const PosedSurface& first, const PosedSurface& second,
+                                  const Affine& map) {
+  const double edge_mm = std::max(first.edge_mm * stretch_of(map), second.edge_mm);
+  std::vector<Point3> facing;
+  for (const Point3& p : first.points) {
+    if (other_surface(first, p, second, map(p), map, kNearEdges * edge_mm).faces_alike) {
+      facing.push_back(p);
+    }
+  }
+  return facing;
+}
+
 PoseAgreement agreement_of(const PosedSurface& first, const PosedSurface& second,
                            const Affine& map) {
   PoseAgreement agreement;
@@ -199,9 +211,9 @@ PoseAgreement agreement_of(const PosedSurface& first, const PosedSurface& second
   const auto is_few = [](const std::vector<Point3>& alone, std::span<const Point3> of) {
     return static_cast<double>(alone.size()) < kFewestAlone * static_cast<double>(of.size());
   };
-  if (!is_few(first_alone, first.points) && !is_few(second_alone, second.points)) {
-    agreement.parting = parting_of(first_alone, second_alone);
-  }
+  agreement.has_both_alone =
+      !is_few(first_alone, first.points) && !is_few(second_alone, second.points);
+  if (agreement.has_both_alone) agreement.parting = parting_of(first_alone, second_alone);
   return agreement;
 }
 

@@ -15,6 +15,7 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include "octavo/ops/align/distance_grid.h"
 #include "octavo/ops/grid/affine.h"
@@ -42,12 +43,18 @@ struct PoseAgreement {
   /// alone has outside of the first: the share of both that is on its side, each counted as half.
   /// 1 where one of them has less than a twentieth of its points there.
   double parting = 1;
+  bool has_both_alone = false;  ///< each has a twentieth or more there: both were cut, or differ
 };
 
 /// Agreement within one voxel of the coarser surface, at most two of the second.
 /// map  from the first surface to the second: a rigid map or a similarity
 PoseAgreement agreement_of(const PosedSurface& first, const PosedSurface& second,
                            const Affine& map);
+
+/// The points of the first that the second faces the same way within four edges: not those of a
+/// cut, which lie near other faces of the second and pull at a pose.
+std::vector<Point3> facing_points(const PosedSurface& first, const PosedSurface& second,
+                                  const Affine& map);
 
 /// Points without sides, as of a mesh or a point set.
 struct PosedPoints {

@@ -385,6 +385,18 @@ std::vector<Pose> starting_poses(const PointSpread& own, const PoseTarget& targe
   return poses;
 }
 
+FoundPose described(const PoseSolver& solver, const Pose& pose, const PoseSolver::Stage& last,
+                    const Point3& pivot, const PoseTarget& target) {
+  FoundPose found;
+  found.scale = pose.scale;
+  for (std::size_t i = 0; i < 9; ++i) found.map.linear[i] = pose.scale * pose.turn[i];
+  found.map.offset = difference(pose.place, turned_point(found.map.linear, pivot));
+  found.iterations = pose.iterations;
+  found.condition = solver.condition(pose, last);
+  measure_residuals(last.points, solver, pose, target, found);
+  return found;
+}
+
 FoundPose found_pose(const PosedFeatures& features, const PointSpread& own,
                      const PoseTarget& target, bool has_scale, Progress& progress) {
   const PoseSolver solver(features, own.middle, target, has_scale);
@@ -411,15 +423,7 @@ FoundPose found_pose(const PosedFeatures& features, const PointSpread& own,
   const PoseSolver::Stage last{target.fine, features.count(), cut, 25, 1e-6};
   poses = improved(solver, std::move(poses), last, 1, progress);
 
-  const Pose& best = poses.front();
-  FoundPose found;
-  found.scale = best.scale;
-  for (std::size_t i = 0; i < 9; ++i) found.map.linear[i] = best.scale * best.turn[i];
-  found.map.offset = difference(best.place, turned_point(found.map.linear, own.middle));
-  found.iterations = best.iterations;
-  found.condition = solver.condition(best, last);
-  measure_residuals(features.count(), solver, best, target, found);
-  return found;
+  return described(solver, poses.front(), last, own.middle, target);
 }
 
 }  // namespace
@@ -445,6 +449,23 @@ PointSpread spread_of(std::span<const Point3> points) {
   spread.axes = principal_axes(shape, Geometry{}).axes;
   spread.axes[2] = cross(spread.axes[0], spread.axes[1]);
   return spread;
+}
+
+FoundPose settled_pose(const FoundPose& found, std::span<const Point3> points,
+                       std::span<const Point3> facing, const PoseTarget& target, bool has_scale) {
+  const Point3 pivot = spread_of(points).middle;
+  Pose pose;
+  pose.scale = found.scale;
+  for (std::size_t i = 0; i < 9; ++i) pose.turn[i] = found.map.linear[i] / found.scale;
+  pose.place = found.map(pivot);
+  pose.iterations = found.iterations;
+  const double voxel = target.voxel_mm;
+  const PoseSolver by_facing({facing, {}}, pivot, target, has_scale);
+  for (const double cut : {2.0, 1.0}) {
+    by_facing.improve(pose, {target.fine, facing.size(), cut * voxel, 15, 1e-5});
+  }
+  const PoseSolver by_all({points, {}}, pivot, target, has_scale);
+  return described(by_all, pose, {target.fine, points.size(), voxel, 0, 0}, pivot, target);
 }
 
 FoundPose find_pose(std::span<const Point3> points, const PoseTarget& target, bool has_scale,

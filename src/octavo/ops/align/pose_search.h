@@ -76,4 +76,11 @@ FoundPose find_pose(std::span<const Point3> points, const PoseTarget& target, bo
 FoundPose find_pose(std::span<const SightLine> lines, const PoseTarget& target, bool has_scale,
                     Progress& progress);
 
+/// A pose moved on by those of its points alone that have a counterpart.
+/// points    all of them: what is said of distances is of these
+/// facing    some of them
+/// Requires  points and facing
+FoundPose settled_pose(const FoundPose& found, std::span<const Point3> points,
+                       std::span<const Point3> facing, const PoseTarget& target, bool has_scale);
+
 }  // namespace octavo

@@ -25,6 +25,8 @@ namespace {
 
 constexpr std::int64_t kMostVoxels = std::int64_t{1} << 26;
 constexpr std::int64_t kMostPoints = 6000;
+constexpr int kSettlingRounds = 3;
+constexpr std::size_t kFewestFacing = 12;
 constexpr std::int64_t kCoarseSide = 64;  // samples of the longest axis of the coarse map
 
 /// A mask at the finest level that has few enough voxels.
@@ -118,7 +120,7 @@ PoseAgreement agreement_of_lines(const std::vector<SightLine>& lines, const Pose
     if (std::abs(near.distance.mm) <= target.voxel_mm) ++agreeing;
   }
   return {static_cast<double>(agreeing) / static_cast<double>(lines.size()), 0,
-          sharpness_of(distances, edge_mm), 1};
+          sharpness_of(distances, edge_mm)};
 }
 
 /// The sharpness from which on a pose is beyond doubt.
@@ -131,9 +133,12 @@ double clear_sharpness(const AlignResult& result) {
 std::string lacking_words(const AlignResult& result) {
   const PoseAgreement& is = result.agreement;
   PoseAgreement needed = kMinimumAgreement;
-  if (result.has_lines) needed = {kMinimumSights, 0, 0, 0};
+  if (result.has_lines) needed = {.forward = kMinimumSights, .parting = 0};
   else if (!result.has_sides) needed.sharpness -= kPointBlur;
-  if (!result.has_lines && is.sharpness >= clear_sharpness(result)) {
+  if (is.has_both_alone) {
+    needed.backward = kBothAloneBackward;
+    needed.sharpness = kClearSharpness;
+  } else if (!result.has_lines && is.sharpness >= clear_sharpness(result)) {
     needed.backward = kClearBackward;
   }
   const auto words = [](const char* what, double share, double minimum) {
@@ -159,6 +164,76 @@ std::string lacking_words(const AlignResult& result) {
   return "";
 }
 
+/// The distances around a mask, coarse and fine, and how its surface is spread.
+class MaskMaps {
+ public:
+  MaskMaps(const LeveledMask& mask, const std::vector<Point3>& points, const TaskContext& context)
+      : MaskMaps(mask, points, distances_of(mask, context)) {}
+
+  PoseTarget target() const {
+    return {coarse_, fine_, spread_.middle, spread_.axes, spread_.radius_mm, voxel_mm_};
+  }
+  PosedSurface surface() const { return {points_, fine_, voxel_mm_, edge_mm_}; }
+
+ private:
+  MaskMaps(const LeveledMask& mask, const std::vector<Point3>& points,
+           const std::vector<float>& mm)
+      : coarse_(mm, mask.tree.size(), mask.geometry, coarse_step(mask.tree.size())),
+        fine_(mm, mask.tree.size(), mask.geometry, 1),
+        points_(points),
+        spread_(spread_of(points)),
+        voxel_mm_(voxel_side(mask)),
+        edge_mm_(voxel_edge(mask)) {}
+
+  static std::int64_t coarse_step(const Size3& size) {
+    return std::max<std::int64_t>(1, std::max({size.x, size.y, size.z}) / kCoarseSide);
+  }
+
+  DistanceGrid coarse_;
+  DistanceGrid fine_;
+  const std::vector<Point3>& points_;
+  PointSpread spread_;
+  double voxel_mm_;
+  double edge_mm_;
+};
+
+/// Moves a pose of a mask on by what has a counterpart, and judges it.
+void settle_pose(const MaskMaps& moving, const MaskMaps& fixed, bool has_scale,
+                 AlignResult& result) {
+  const PosedSurface moved = moving.surface();
+  const PosedSurface onto = fixed.surface();
+  for (int round = 0; round < kSettlingRounds; ++round) {
+    const std::vector<Point3> facing = facing_points(moved, onto, result.pose.map);
+    if (facing.size() < kFewestFacing) break;
+    result.pose = settled_pose(result.pose, moved.points, facing, fixed.target(), has_scale);
+  }
+  result.agreement = agreement_of(moved, onto, result.pose.map);
+  result.why_none = lacking_words(result);
+}
+
+/// The pose of a mask: what moves is looked for on what stays, and where that finds none, what
+/// stays on what moves. A whole has no counterpart for most of its points on a half, and points of
+/// a half have theirs on the whole.
+void find_mask_pose(const MaskMaps& moving, const MaskMaps& fixed, bool has_scale,
+                    const TaskContext& context, AlignResult& result) {
+  context.on_threads([&] {
+    result.pose =
+        find_pose(moving.surface().points, fixed.target(), has_scale, context.watcher());
+    settle_pose(moving, fixed, has_scale, result);
+    if (result.why_none.empty()) return;
+    AlignResult other = result;
+    const FoundPose back =
+        find_pose(fixed.surface().points, moving.target(), has_scale, context.watcher());
+    const auto map = inverse(back.map);
+    if (!map) return;
+    other.pose.map = *map;
+    other.pose.scale = 1 / back.scale;
+    other.pose.iterations = back.iterations;
+    settle_pose(moving, fixed, has_scale, other);
+    if (other.why_none.empty()) result = other;
+  });
+}
+
 void check_outputs(const AlignOptions& options) {
   require_apart({options.matrix.path, options.picture.path});
   for (const Output* output : {&options.matrix, &options.picture}) {
@@ -180,57 +255,40 @@ AlignResult align(const AlignOptions& options, const TaskContext& context) {
   const LeveledMask fixed = open_leveled(options.fixed, context);
   const MovingSide moving = open_moving(options.moving, context);
   const MovingFeatures& features = moving.features;
-  const Size3 size = fixed.tree.size();
   const std::int64_t moving_voxels = moving.mask ? moving.mask->tree.size().voxel_count() : 0;
-  context.require_memory(9 * static_cast<std::uint64_t>(size.voxel_count()) +
-                             8 * static_cast<std::uint64_t>(moving_voxels),
-                         "the distances");
+  context.require_memory(
+      9 * static_cast<std::uint64_t>(fixed.tree.size().voxel_count() + moving_voxels),
+      "the distances");
   const std::vector<Point3> fixed_points = points_of(fixed, options.fixed);
+  const MaskMaps fixed_maps(fixed, fixed_points, context);
+  const PoseTarget target = fixed_maps.target();
 
-  // The maps of distances.
-  std::vector<float> mm = distances_of(fixed, context);
-  const std::int64_t longest = std::max({size.x, size.y, size.z});
-  const std::int64_t step = std::max<std::int64_t>(1, longest / kCoarseSide);
-  const DistanceGrid coarse(mm, size, fixed.geometry, step);
-  const DistanceGrid fine(mm, size, fixed.geometry, 1);
-  mm = {};
-
-  // The pose.
   AlignResult result;
   result.level = fixed.level;
   result.points = features.points.size() + features.lines.size();
   result.has_lines = !features.lines.empty();
   result.has_sides = moving.mask.has_value();
   result.voxel_mm = voxel_side(fixed);
-  const PointSpread spread = spread_of(fixed_points);
-  const PoseTarget target{coarse,      fine, spread.middle, spread.axes, spread.radius_mm,
-                          result.voxel_mm};
-  {
+  std::vector<PosedPlace> places;
+  if (moving.mask) {
+    const MaskMaps moving_maps(*moving.mask, features.points, context);
+    const ProgressScope scope(context.watcher(), "align", 1, "poses");
+    find_mask_pose(moving_maps, fixed_maps, options.has_scale, context, result);
+  } else {
     const ProgressScope scope(context.watcher(), "align", 1, "poses");
     context.on_threads([&] {
       result.pose = result.has_lines
           ? find_pose(features.lines, target, options.has_scale, context.watcher())
           : find_pose(features.points, target, options.has_scale, context.watcher());
     });
-  }
-
-  // Whether it is one.
-  std::vector<PosedPlace> places;
-  const PosedSurface onto = {fixed_points, fine, result.voxel_mm, voxel_edge(fixed)};
-  if (result.has_lines) {
     result.agreement =
-        agreement_of_lines(features.lines, target, onto.edge_mm, result.pose.map, places);
-  } else if (moving.mask) {
-    const LeveledMask& mask = *moving.mask;
-    const DistanceGrid own(distances_of(mask, context), mask.tree.size(), mask.geometry, 1);
-    result.agreement =
-        agreement_of({features.points, own, voxel_side(mask), voxel_edge(mask)}, onto,
-                     result.pose.map);
-  } else {
-    result.agreement = agreement_of(PosedPoints{features.points, features.spacing_mm}, onto,
-                                    result.pose.map);
+        result.has_lines
+            ? agreement_of_lines(features.lines, target, voxel_edge(fixed), result.pose.map,
+                                 places)
+            : agreement_of(PosedPoints{features.points, features.spacing_mm},
+                           fixed_maps.surface(), result.pose.map);
+    result.why_none = lacking_words(result);
   }
-  result.why_none = lacking_words(result);
   result.is_found = result.why_none.empty();
   if (!result.is_found) return result;
   result.is_doubtful = result.agreement.sharpness < clear_sharpness(result);
@@ -244,7 +302,7 @@ AlignResult align(const AlignOptions& options, const TaskContext& context) {
   if (!options.picture.path.empty()) {
     for (const Point3& p : features.points) {
       const Point3 q = result.pose.map(p);
-      places.push_back({q, fine.at(q).mm});
+      places.push_back({q, target.fine.at(q).mm});
     }
     pictures.add(options.picture.path,
                  pose_picture(fixed.tree, fixed.geometry, places, result.voxel_mm));

@@ -30,6 +30,9 @@ inline constexpr double kClearSharpness = 0.85;
 /// What has to agree around of the second where sharpness is clear: small bodies of few voxels lose
 /// more of it at a cut.
 inline constexpr double kClearBackward = 0.5;
+/// What has to agree around of the second where each has parts that the other lacks, and sharpness
+/// has to be clear: two parts of bodies can be laid onto each other in many ways.
+inline constexpr double kBothAloneBackward = 0.75;
 /// How much less sharp meshes and points may be: those on a cut have no sides that tell them from
 /// others.
 inline constexpr double kPointBlur = 0.1;
@@ -58,7 +61,7 @@ struct AlignResult {
 /// Throws  as open_labels, read_features, require_png and PendingFile; Error{invalid_argument} for
 ///         a mask without a surface, for one of unknown spacing and for a matrix that is named as
 ///         a volume; Error{limit_exceeded}
-/// Memory  the masks, 9 bytes for each voxel of the level of the fixed one, 8 of the moving one
+/// Memory  the masks, 9 bytes for each voxel of their levels
 AlignResult align(const AlignOptions& options, const TaskContext& context);
 
 }  // namespace octavo

@@ -153,6 +153,21 @@ TEST(PoseAgreement, APlanePartsWhatCutsTookAway) {
   EXPECT_LT(crossed.parting, 0.8);
 }
 
+TEST(PoseAgreement, PointsOfACutFaceNothing) {
+  const MeasuredMask block(kUnitGeometry, is_in_block);
+  const MeasuredMask half(kUnitGeometry,
+                          [](const Index3& p) { return is_in_block(p) && p.x < 20; });
+  const std::vector<Point3> facing = facing_points(half.surface(), block.surface(), {});
+  EXPECT_GT(facing.size(), half.points.size() / 2);
+  EXPECT_LT(facing.size(), half.points.size());
+  const double cut = kUnitGeometry.to_world({19.5, 0, 0})[0];
+  std::size_t on_cut = 0;
+  for (const Point3& p : facing) {
+    if (p[0] == cut) ++on_cut;
+  }
+  EXPECT_LT(on_cut, facing.size() / 50);
+}
+
 TEST(PoseAgreement, SharpnessOfDistancesIsTheShareOfNearOnes) {
   const std::vector<double> mm = {0.1, -0.9, 1.1, 7.9, 8.1, -50};
   EXPECT_DOUBLE_EQ(sharpness_of(mm, 2), 0.5);

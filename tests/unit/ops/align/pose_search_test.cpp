@@ -113,6 +113,31 @@ TEST_F(PoseSearch, FindsHalfOfAHead) {
   EXPECT_LT(error_of(found(moved_points(map, true), false), map), 0.5);
 }
 
+TEST_F(PoseSearch, SettlesByPointsThatHaveACounterpart) {
+  std::mt19937 random(9);
+  const Affine map = random_map(random, 1);
+  const std::vector<Point3> facing = moved_points(map, false);
+  // A plane across the head that it does not have, as a cut has: it draws the pose aside.
+  std::vector<Point3> points = facing;
+  std::uniform_real_distribution<double> place(-20, 20);
+  for (int i = 0; i < 3000; ++i) points.push_back(map({place(random), 47, 30 + place(random)}));
+  FoundPose off;
+  const auto back = inverse(map);
+  ASSERT_TRUE(back);
+  off.map = *back;
+  off.map.offset[0] += 0.9;
+  off.map.offset[2] -= 0.8;
+  const PointSpread spread = spread_of(points_);
+  const FoundPose pose =
+      settled_pose(off, points, facing,
+                   {coarse_, fine_, spread.middle, spread.axes, spread.radius_mm, 1.14}, false);
+  EXPECT_GT(error_of(off, map), 1);
+  EXPECT_LT(error_of(pose, map), 0.1);
+  EXPECT_GT(pose.iterations, 0);
+  EXPECT_LT(pose.overlap, 0.9);
+  EXPECT_GT(pose.overlap, 0.5);
+}
+
 TEST_F(PoseSearch, FindsTheScaleAsWell) {
   std::mt19937 random(7);
   const Affine map = random_map(random, 1.3);

@@ -1,9 +1,12 @@
 #include "octavo/tasks/structure/align.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <utility>
 
+#include "octavo/core/vectors.h"
 #include "octavo/tasks/affine_file.h"
 #include "support/task_files.h"
 
@@ -104,7 +107,7 @@ TEST_F(Align, FindsNoBallInACrowdOfSurfaces) {
 }
 
 /// A body of five ellipsoids that nothing turns onto itself or its mirror image.
-bool is_in_lumps(const Index3& p, bool is_mirrored = false) {
+bool is_in_lumps(const Point3& from_middle) {
   struct Lump {
     Point3 middle;
     Point3 radius;
@@ -114,9 +117,6 @@ bool is_in_lumps(const Index3& p, bool is_mirrored = false) {
                              {{-10, 2, 9}, {5, 7, 6}},
                              {{0, -12, -4}, {4, 9, 5}},
                              {{-14, -6, -6}, {6, 3, 4}}};
-  const double x = static_cast<double>(p.x) - 23.5;
-  const Point3 from_middle = {is_mirrored ? -x : x, static_cast<double>(p.y) - 23,
-                              static_cast<double>(p.z) - 16};
   for (const Lump& lump : kLumps) {
     double sum = 0;
     for (std::size_t a = 0; a < 3; ++a) {
@@ -126,6 +126,47 @@ bool is_in_lumps(const Index3& p, bool is_mirrored = false) {
     if (sum <= 1) return true;
   }
   return false;
+}
+
+bool is_in_lumps(const Index3& p, bool is_mirrored = false) {
+  const double x = static_cast<double>(p.x) - 23.5;
+  return is_in_lumps(Point3{is_mirrored ? -x : x, static_cast<double>(p.y) - 23,
+                            static_cast<double>(p.z) - 16});
+}
+
+TEST_F(Align, LaysAWholeOntoItsHalfWithinHalfAVoxel) {
+  geometry_ = {{0, 0, 0}, {1, 1, 1}};
+  options_.fixed = write("half.8vo", solid([](const Index3& p) {
+    return p.x > 21 && is_in_lumps(p);
+  }));
+  // Turned by 0.6 about z, and by 0.4 about x; around the middle of a larger grid.
+  const std::array<Point3, 3> axes = {{{std::cos(0.6), std::sin(0.6), 0},
+                                       {-std::sin(0.6) * std::cos(0.4),
+                                        std::cos(0.6) * std::cos(0.4), std::sin(0.4)},
+                                       {std::sin(0.6) * std::sin(0.4),
+                                        -std::cos(0.6) * std::sin(0.4), std::cos(0.4)}}};
+  const auto from_turned = [&](const Point3& p) {
+    const Point3 d = {p[0] - 30.3, p[1] - 30.2, p[2] - 25.6};
+    Point3 own{};
+    for (std::size_t i = 0; i < 3; ++i) own[i] = dot(axes[i], d);
+    return own;
+  };
+  DenseMask whole{{60, 60, 52}, std::vector<std::uint8_t>(60 * 60 * 52)};
+  for_each_voxel(whole.size, [&](const Index3& p) {
+    const Point3 place = {static_cast<double>(p.x), static_cast<double>(p.y),
+                          static_cast<double>(p.z)};
+    whole.at(p) = is_in_lumps(from_turned(place)) ? 1 : 0;
+  });
+  options_.moving = write("whole.8vo", whole);
+  const AlignResult result = align(options_, context_);
+  ASSERT_TRUE(result.is_found) << result.why_none;
+  double largest = 0;
+  for (const Point3& p : {Point3{10, 30, 20}, {50, 30, 20}, {30, 10, 40}, {30, 50, 30}}) {
+    const Point3 own = from_turned(p);
+    const Point3 apart = difference(result.pose.map(p), {own[0] + 23.5, own[1] + 23, own[2] + 16});
+    largest = std::max(largest, std::sqrt(dot(apart, apart)));
+  }
+  EXPECT_LT(largest, 0.5);
 }
 
 TEST_F(Align, FindsNoPoseOfHalvesThatShareNothing) {
