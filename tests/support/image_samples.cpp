@@ -50,6 +50,15 @@ void write_tiff(const std::string& path, const TiffSample& s) {
                    static_cast<double>(s.y_resolution > 0 ? s.y_resolution : s.resolution));
       TIFFSetField(tiff, TIFFTAG_RESOLUTIONUNIT, s.resolution_unit);
     }
+    if (s.depth > 1) TIFFSetField(tiff, TIFFTAG_IMAGEDEPTH, s.depth);
+    for (const TiffTag& tag : s.tags) {
+      std::string name = "tag";
+      const TIFFFieldInfo info = {tag.tag, TIFF_VARIABLE2, TIFF_VARIABLE2,
+                                  static_cast<TIFFDataType>(tag.type), FIELD_CUSTOM, 1, 1,
+                                  name.data()};
+      TIFFMergeFieldInfo(tiff, &info, 1);
+      TIFFSetField(tiff, tag.tag, tag.count, tag.values.data());
+    }
     if (!s.orientations.empty()) TIFFSetField(tiff, TIFFTAG_ORIENTATION, s.orientations[number]);
     if (!s.palettes.empty() && s.palettes[number]) {
       std::vector<std::uint16_t> colors(256);

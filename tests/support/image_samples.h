@@ -8,6 +8,14 @@
 namespace octavo::testing {
 
 /// A single-page TIFF part: voxels of 8 or 16 bits.
+/// A tag that libtiff does not know; of `count` values.
+struct TiffTag {
+  std::uint32_t tag = 0;
+  int type = 1;       ///< as TIFF counts: 1 bytes, 5 rationals (floats in `values`)
+  std::uint32_t count = 0;
+  std::string values; ///< native bytes
+};
+
 struct TiffSample {
   std::uint32_t width = 4;
   std::uint32_t height = 3;
@@ -25,6 +33,8 @@ struct TiffSample {
   std::uint16_t resolution_unit = 1;  ///< 1 none, 2 inch, 3 cm
   std::vector<std::uint16_t> orientations;  ///< of the pages; empty: not written
   std::vector<bool> palettes;               ///< pages that have one; empty: none
+  std::vector<TiffTag> tags;      ///< of each page
+  std::uint32_t depth = 1;        ///< ImageDepth
   std::vector<std::string> pages; ///< native bytes
 };
 void write_tiff(const std::string& path, const TiffSample& sample);

@@ -109,6 +109,7 @@ void read_imagej(std::string_view text, double x_resolution, double y_resolution
                  TiffDescription& result) {
   auto fields = imagej_fields(text);
   result.is_imagej = true;
+  result.program = "ImageJ";
   result.order = "CZT";
   result.channels = count_of(fields["channels"]);
   result.frames = count_of(fields["frames"]);

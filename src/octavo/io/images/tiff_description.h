@@ -27,11 +27,13 @@ struct OmePages {
 struct TiffDescription {
   bool is_imagej = false;
   bool is_ome = false;
+  std::string program;       ///< whose description it is, for messages; empty: nobody's
+  bool counts_samples = false; ///< the samples of a page are channels, too
   std::int64_t channels = 0;
   std::int64_t frames = 0;   ///< points in time
-  std::int64_t slices = 0;   ///< OME: planes of one channel and time
+  std::int64_t slices = 0;   ///< planes of one channel and time; ImageJ's are not kept
   std::string order;         ///< of pages: "CZT" where channels change fastest; OME has others
-  std::int64_t images = 0;   ///< ImageJ: pages in all
+  std::int64_t images = 0;   ///< planes in all, with those that have no page; OME: 0
   std::optional<Rescale> rescale;  ///< ImageJ: a calibration that is a straight line; or our note
   std::string value_unit;          ///< of calibrated values; empty where none is known
   bool has_other_function = false; ///< ImageJ: a calibration that is no straight line

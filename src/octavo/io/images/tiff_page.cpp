@@ -18,6 +18,8 @@ namespace octavo {
 
 namespace {
 
+constexpr std::uint32_t kZeissTag = 34412;       // CZ_LSMINFO
+constexpr std::uint32_t kMetaMorphTag = 33629;   // UIC2, a value of which is a plane
 constexpr std::uint64_t kMaxBlockBytes = std::uint64_t{1} << 30;
 
 /// libtiff's error hook: keeps the first message.
@@ -150,12 +152,23 @@ TiffPage TiffFile::page() {
   const auto subfile = tag_or<std::uint32_t>(handle_, TIFFTAG_SUBFILETYPE, 0);
   page.is_reduced = (subfile & FILETYPE_REDUCEDIMAGE) != 0;
   page.orientation = tag_or<std::uint16_t>(handle_, TIFFTAG_ORIENTATION, ORIENTATION_TOPLEFT);
-  if (page.samples == 1 && compression == COMPRESSION_NONE && TIFFIsTiled(handle_) == 0 &&
-      TIFFNumberOfStrips(handle_) == 1) {
-    page.is_contiguous = true;
-    page.data_offset = TIFFGetStrileOffset(handle_, 0);
+  if (tag_or<std::uint32_t>(handle_, TIFFTAG_IMAGEDEPTH, 1) > 1) {
+    reject("a page of several planes (ImageDepth) is not read; save it with a page for each plane");
   }
+  page.is_contiguous = page.samples == 1 && compression == COMPRESSION_NONE &&
+                       TIFFIsTiled(handle_) == 0 && has_strips_in_a_row();
+  if (page.is_contiguous) page.data_offset = TIFFGetStrileOffset(handle_, 0);
   return page;
+}
+
+bool TiffFile::has_strips_in_a_row() const {
+  const std::uint32_t strips = TIFFNumberOfStrips(handle_);
+  for (std::uint32_t i = 1; i < strips; ++i) {
+    const std::uint64_t end =
+        TIFFGetStrileOffset(handle_, i - 1) + TIFFGetStrileByteCount(handle_, i - 1);
+    if (TIFFGetStrileOffset(handle_, i) != end) return false;
+  }
+  return strips > 0;
 }
 
 void TiffFile::require_whole_directory(std::uint64_t offset) const {
@@ -301,6 +314,28 @@ std::string TiffFile::image_description() {
   const char* text = nullptr;
   if (TIFFGetField(handle_, TIFFTAG_IMAGEDESCRIPTION, &text) != 1 || text == nullptr) return {};
   return text;
+}
+
+std::vector<std::byte> TiffFile::lsm_record() {
+  std::uint32_t count = 0;
+  const std::byte* bytes = nullptr;
+  const TIFFField* field = TIFFFindField(handle_, kZeissTag, TIFF_BYTE);
+  if (field == nullptr || TIFFFieldReadCount(field) != TIFF_VARIABLE2 ||
+      TIFFGetField(handle_, kZeissTag, &count, &bytes) != 1 || bytes == nullptr) {
+    return {};
+  }
+  return {bytes, bytes + count};
+}
+
+std::int64_t TiffFile::metamorph_planes() {
+  std::uint32_t count = 0;
+  const void* values = nullptr;
+  const TIFFField* field = TIFFFindField(handle_, kMetaMorphTag, TIFF_ANY);
+  if (field == nullptr || TIFFFieldReadCount(field) != TIFF_VARIABLE2 ||
+      TIFFGetField(handle_, kMetaMorphTag, &count, &values) != 1) {
+    return 0;
+  }
+  return count;
 }
 
 void TiffFile::note_identity(SourceIdentity& identity) {

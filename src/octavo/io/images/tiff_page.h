@@ -6,6 +6,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "octavo/io/source/source_file.h"
 #include "octavo/io/source/source_identity.h"
@@ -28,7 +29,7 @@ struct TiffPage {
   bool has_palette = false;       ///< values are numbers of colors
   bool is_reduced = false;        ///< a thumbnail of another page
   bool is_lossy = false;          ///< the compression changes values (JPEG)
-  bool is_contiguous = false;     ///< uncompressed, one run of bytes
+  bool is_contiguous = false;     ///< uncompressed, one run of bytes, of one sample
   std::uint64_t data_offset = 0;  ///< of that run
   int orientation = 1;            ///< 1: first row at the top, first column at the left
 };
@@ -57,6 +58,10 @@ class TiffFile {
 
   /// ImageDescription of the current page, or nothing.
   std::string image_description();
+  /// The record of a Zeiss LSM file, as it stands in the current page; empty where there is none.
+  std::vector<std::byte> lsm_record();
+  /// Planes of a MetaMorph stack, by the current page; 0 where it is none.
+  std::int64_t metamorph_planes();
   /// Adds the texts of the current page and the names of tags that are not of the picture.
   void note_identity(SourceIdentity& identity);
   /// Pixels per unit along x and y of the current page; 0 when the tag is absent.
@@ -71,6 +76,8 @@ class TiffFile {
   /// libtiff takes a directory that is cut before its link for the last one, and the pages behind
   /// it are lost. Throws Error{source_rejected} for such a directory.
   void require_whole_directory(std::uint64_t offset) const;
+  /// Whether each strip begins where the one before it ends.
+  bool has_strips_in_a_row() const;
   void read_strips(const TiffPage& page, std::int64_t sample, std::span<std::byte> plane);
   /// Some programs fill the last strip with rows behind the page. libtiff, where it inflates with
   /// libdeflate, then leaves the end of the strip unset without a word; so all rows are asked for

@@ -8,6 +8,7 @@
 #include "octavo/core/checked.h"
 #include "octavo/core/text.h"
 #include "octavo/io/images/ome_description.h"
+#include "octavo/io/images/page_notes.h"
 #include "octavo/io/images/tiff_description.h"
 #include "octavo/io/images/tiff_page.h"
 #include "octavo/io/images/tiff_page_order.h"
@@ -138,10 +139,23 @@ void require_same_meaning(TiffStack& stack, const TiffDescription& text, const s
   if (first.x_mm && !text.x_mm) ++stack.silent_files;
 }
 
-/// What the first page of a file says of all its pages.
-void take_description(TiffStack& stack, TiffFile& file, std::size_t index, bool is_spacing_given) {
-  const TiffDescription text = parse_tiff_description(file.image_description(),
-                                                      file.x_resolution(), file.y_resolution());
+/// What programs write into the first page of a file of all its planes.
+TiffDescription description_of(TiffFile& file, const TiffPage& first, const std::string& path) {
+  const std::string words = file.image_description();
+  TiffDescription text =
+      parse_tiff_description(words, file.x_resolution(), file.y_resolution());
+  if (!text.program.empty()) return text;
+  read_shaped_description(words, first, path, text);
+  if (text.program.empty()) read_lsm_record(file.lsm_record(), text);
+  if (text.program.empty()) read_metamorph_planes(file.metamorph_planes(), text);
+  return text;
+}
+
+/// Takes what the first page of a file says of all its pages; returns how many planes it tells of,
+/// 0 where it does not.
+std::int64_t take_description(TiffStack& stack, TiffFile& file, const TiffPage& page,
+                              std::size_t index, bool is_spacing_given) {
+  const TiffDescription text = description_of(file, page, stack.files[index]);
   const bool has_tags = file.x_resolution() > 0 && file.y_resolution() > 0;
   const double x_mm = has_tags ? file.resolution_unit_mm() / file.x_resolution() : 0;
   const double y_mm = has_tags ? file.resolution_unit_mm() / file.y_resolution() : 0;
@@ -151,13 +165,24 @@ void take_description(TiffStack& stack, TiffFile& file, std::size_t index, bool 
     stack.is_big_endian = file.is_big_endian();
     stack.tag_x_mm = x_mm;
     stack.tag_y_mm = y_mm;
-    return;
+    return text.images;
   }
   require_same_meaning(stack, text, stack.files[index], is_spacing_given);
   if (stack.odd_resolution.empty() &&
       (differ(x_mm, stack.tag_x_mm) || differ(y_mm, stack.tag_y_mm))) {
     stack.odd_resolution = base_name(stack.files[index]);
   }
+  return text.images;
+}
+
+/// Whether planes without a page may follow that of the one page of a file: huge stacks of ImageJ,
+/// truncated ones of tifffile and those of MetaMorph are written so.
+bool may_hold(const TiffPage& page, std::int64_t planes, const std::string& path) {
+  if (!page.is_contiguous) return false;
+  const auto bytes = static_cast<std::uint64_t>(page.width * page.height) *
+                     bytes_per_value(page.type);
+  const std::uint64_t volume = checked_mul(bytes, static_cast<std::uint64_t>(planes), "volume");
+  return SourceFile(path).size() >= checked_add(page.data_offset, volume, "file length");
 }
 
 TiffStack examine(std::vector<std::string> files, bool is_spacing_given) {
@@ -165,12 +190,13 @@ TiffStack examine(std::vector<std::string> files, bool is_spacing_given) {
   stack.files = std::move(files);
   for (std::size_t i = 0; i < stack.files.size(); ++i) {
     TiffFile file(stack.files[i]);
-    take_description(stack, file, i, is_spacing_given);
+    std::int64_t planes = 0;
     std::size_t page_count = 0;
     std::int64_t number = -1;
     do {
       ++number;
       const TiffPage page = file.page();
+      if (number == 0) planes = take_description(stack, file, page, i, is_spacing_given);
       file.note_identity(stack.identity);
       if (page.is_reduced && !stack.planes.empty()) {
         ++stack.reduced_pages;
@@ -180,10 +206,14 @@ TiffStack examine(std::vector<std::string> files, bool is_spacing_given) {
       stack.planes.push_back({i, number, page});
       require_alike(stack, stack.planes.back(), stack.planes.size() - 1);
     } while (file.next_page());
-    if (stack.files.size() > 1 && page_count > 1) {
+    if (stack.files.size() == 1) continue;
+    const bool has_more = page_count == 1 && planes > 1 &&
+                          may_hold(stack.planes.back().page, planes, stack.files[i]);
+    if (page_count > 1 || has_more) {
       throw Error(ErrorKind::source_rejected,
-                  "it has " + std::to_string(page_count) + " pages; the files of a stack must have "
-                  "one page each; give this file alone",
+                  "it has " + (has_more ? std::to_string(planes) + " planes"
+                                        : std::to_string(page_count) + " pages") +
+                      "; the files of a stack must have one page each; give this file alone",
                   stack.files[i]);
     }
   }
@@ -194,10 +224,6 @@ TiffStack examine(std::vector<std::string> files, bool is_spacing_given) {
   throw Error(ErrorKind::source_rejected, why, stack.files.front());
 }
 
-std::string program_of(const TiffStack& stack) {
-  return stack.description.is_ome ? "OME" : "ImageJ";
-}
-
 /// How many pages a channel and a point in time have. Channels stand in the samples of a page or in
 /// pages of their own, never in both.
 PageCounts count_pages(const TiffStack& stack) {
@@ -206,11 +232,10 @@ PageCounts count_pages(const TiffStack& stack) {
   PageCounts counts;
   counts.channels = std::max<std::int64_t>(text.channels, 1);
   counts.times = std::max<std::int64_t>(text.frames, 1);
-  // OME counts the samples of a page as channels.
-  if (text.is_ome && counts.channels % samples == 0) counts.channels /= samples;
+  if (text.counts_samples && counts.channels % samples == 0) counts.channels /= samples;
   if (samples > 1 && counts.channels > 1) {
     reject_stack(stack,
-                 "its " + program_of(stack) + " description says " +
+                 "its " + text.program + " description says " +
                      std::to_string(text.channels) + " channels in pages of " +
                      std::to_string(samples) + " samples each; save one channel as its own file");
   }
@@ -224,12 +249,12 @@ PageCounts count_pages(const TiffStack& stack) {
   const bool fits = parts <= pages && pages % parts == 0 && counts.slices == pages / parts;
   if (fits && (is_one_file || parts == 1)) return counts;
   reject_stack(stack,
-               "its " + program_of(stack) + " description says " +
+               "its " + text.program + " description says " +
                    std::to_string(counts.channels) + " channels of " +
                    std::to_string(counts.slices) + " slices at " + std::to_string(counts.times) +
                    " points in time, found are " + std::to_string(pages) + " pages in " +
                    std::to_string(stack.files.size()) +
-                   (is_one_file ? " file; it is cut, or part of a set of files"
+                   (is_one_file ? " file; it is cut, part of a set, or several volumes"
                                 : " files; save one channel and time as its own stack"));
 }
 
@@ -288,25 +313,26 @@ void keep_pages(TiffStack& stack, const PageCounts& counts, const ComponentChoic
   stack.planes = std::move(kept);
 }
 
-/// ImageJ writes stacks of 4 GB and more as one page, the other planes following without tags.
-void unfold_huge_imagej(TiffStack& stack) {
-  const auto images = static_cast<std::uint64_t>(stack.description.images);
-  if (stack.files.size() != 1 || images <= stack.planes.size()) return;
+/// Gives planes that follow the one page of a file without tags their places.
+void unfold_planes(TiffStack& stack) {
+  const std::int64_t images = stack.description.images;
+  if (stack.files.size() != 1 || images <= static_cast<std::int64_t>(stack.planes.size())) return;
   const TiffPage first = stack.planes.front().page;
+  if (stack.planes.size() != 1 || !may_hold(first, images, stack.files.front())) {
+    reject_stack(stack, "its " + stack.description.program + " description says " +
+                            std::to_string(images) + " images, " +
+                            std::to_string(stack.planes.size()) + " pages found" +
+                            (first.is_contiguous || stack.planes.size() > 1
+                                 ? "; the file is cut"
+                                 : ", and planes behind compressed pages, or those of several "
+                                   "samples, are not read; save it with a page for each plane"));
+  }
   const std::uint64_t plane = static_cast<std::uint64_t>(first.width * first.height) *
                               bytes_per_value(first.type);
-  const std::uint64_t needed =
-      checked_add(first.data_offset, checked_mul(plane, images, "volume"), "file length");
-  const std::uint64_t found = SourceFile(stack.files.front()).size();
-  if (stack.planes.size() != 1 || !first.is_contiguous || found < needed) {
-    throw Error(ErrorKind::source_rejected,
-                "its ImageJ description says " + std::to_string(images) + " images, " +
-                    std::to_string(stack.planes.size()) + " pages found; the file is cut",
-                stack.files.front());
-  }
-  for (std::uint64_t z = 1; z < images; ++z) {
+  for (std::int64_t z = 1; z < images; ++z) {
     stack.planes.push_back(stack.planes.front());
-    stack.planes.back().page.data_offset = first.data_offset + z * plane;
+    stack.planes.back().page.data_offset =
+        first.data_offset + static_cast<std::uint64_t>(z) * plane;
     stack.planes.back().page.directory_offset = 0;
   }
 }
@@ -388,7 +414,7 @@ void take_spacing(const TiffStack& stack, SourceFacts& facts) {
   }
   const std::string no_distance = " mm but no distance of planes";
   if (!text.unknown_unit.empty()) {
-    facts.warnings.push_back("its " + program_of(stack) + " description counts lengths in \"" +
+    facts.warnings.push_back("its " + text.program + " description counts lengths in \"" +
                              escaped(text.unknown_unit) + "\", which is no unit known here (" +
                              kUnitsRead + ")");
   } else if (text.x_mm && text.y_mm) {
@@ -450,7 +476,7 @@ std::unique_ptr<PlaneSource> open_tiff_source(const std::vector<std::string>& fi
   if (options.excerpt) {
     counts.slices = static_cast<std::int64_t>(stack.planes.size());
   } else {
-    unfold_huge_imagej(stack);
+    unfold_planes(stack);
     prove_order_of_files(stack);
     counts = count_pages(stack);
     order_pages(stack, counts);

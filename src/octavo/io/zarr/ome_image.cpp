@@ -188,8 +188,8 @@ void take_ome_facts(const OmeImage& image, std::size_t level, SourceFacts& facts
   facts.spacing_known = has_units && dataset.has_scale;
   facts.description.geometry.origin_mm = facts.spacing_known ? place : Point3{};
   if (!facts.spacing_known && dataset.has_scale && !image.own.is_there()) {
-    facts.warnings.emplace_back("its axes have no unit of length: its scale and its place are "
-                                "left out", "spacing_mm");
+    facts.warnings.emplace_back("its axes have no unit of length that is known here: its scale and "
+                                "place are left out", "spacing_mm");
   }
   if (image.is_labels) facts.description.kind = VolumeKind::labels;
   facts.noted.labels = image.labels;

@@ -238,6 +238,102 @@ TEST(TiffSource, AFileLargerThanItsTagsSayIsUnfoldedAsImageJWroteIt) {
   EXPECT_EQ(voxels_of(*open_source({folder.file("a.tif")}, {})), bytes.substr(start, 36));
 }
 
+/// A file whose description or tags tell of three planes, of which the first alone has a page.
+TiffSample three_planes_on_a_page() {
+  TiffSample sample;
+  sample.pages = {std::string(12, '\x5a')};
+  sample.rows_per_strip = 2;
+  return sample;
+}
+
+/// The bytes of a.tif from its first voxel on, with room for three planes.
+std::string grown_to_three_planes(const TempFolder& folder, const TiffSample& sample) {
+  write_tiff(folder.file("a.tif"), sample);
+  std::string bytes = read_file(folder.file("a.tif"));
+  const std::size_t start = bytes.find(sample.pages[0]);
+  if (bytes.size() < start + 36) bytes.resize(start + 36, '\x11');
+  write_file(folder.file("a.tif"), bytes);
+  return bytes.substr(start, 36);
+}
+
+TEST(TiffSource, PlanesThatTifffileTruncatedAreUnfolded) {
+  const TempFolder folder;
+  TiffSample sample = three_planes_on_a_page();
+  sample.description = R"({"shape": [3, 3, 4], "truncated": true})";
+  const std::string voxels = grown_to_three_planes(folder, sample);
+  EXPECT_EQ(voxels_of(*open_source({folder.file("a.tif")}, {})), voxels);
+  sample.pages = {counted(12, 0)};
+  write_file(folder.file("b.tif"), read_file(folder.file("a.tif")));
+  EXPECT_TRUE(contains(source_error({folder.path()}), "has 3 planes"));
+}
+
+TEST(TiffSource, PlanesOfAMetaMorphStackAreUnfolded) {
+  const TempFolder folder;
+  TiffSample sample = three_planes_on_a_page();
+  const float ones[3] = {1, 1, 1};
+  sample.tags = {{33629, TIFF_RATIONAL, 3,
+                  std::string(reinterpret_cast<const char*>(ones), sizeof ones)}};
+  const std::string voxels = grown_to_three_planes(folder, sample);
+  EXPECT_EQ(voxels_of(*open_source({folder.file("a.tif")}, {})), voxels);
+}
+
+TEST(TiffSource, AxesOfTifffileAreTimesAndChannels) {
+  const TempFolder folder;
+  TiffSample sample;
+  for (int page = 0; page < 6; ++page) sample.pages.push_back(counted(12, page));
+  const auto pages = [&](std::initializer_list<std::size_t> numbers) {
+    std::string bytes;
+    for (const std::size_t number : numbers) bytes += sample.pages[number];
+    return bytes;
+  };
+  const auto write = [&](const std::string& description) {
+    sample.description = description;
+    write_tiff(folder.file("a.tif"), sample);
+  };
+  SourceOptions options;
+  write(R"({"shape": [2, 3, 3, 4], "axes": "TZYX"})");
+  EXPECT_TRUE(contains(source_error({folder.file("a.tif")}), "2 points in time"));
+  options.time = 1;
+  EXPECT_EQ(voxels_of(*open_source({folder.file("a.tif")}, options)), pages({3, 4, 5}));
+  write(R"({"shape": [2, 3, 3, 4]})");
+  EXPECT_EQ(voxels_of(*open_source({folder.file("a.tif")}, options)), pages({3, 4, 5}));
+  options = {};
+  options.channel = "1";
+  write(R"({"shape": [3, 2, 3, 4], "axes": "ZCYX"})");
+  EXPECT_EQ(voxels_of(*open_source({folder.file("a.tif")}, options)), pages({1, 3, 5}));
+  write(R"({"shape": [6, 1, 3, 4], "axes": "IZYX"})");
+  EXPECT_EQ(voxels_of(*open_source({folder.file("a.tif")}, {})), pages({0, 1, 2, 3, 4, 5}));
+  write(R"({"shape": [4, 3, 4]})");
+  EXPECT_TRUE(contains(source_error({folder.file("a.tif")}), "found are 6 pages"));
+}
+
+TEST(TiffSource, ZeissRecordsTellTimesAndSizes) {
+  const TempFolder folder;
+  TiffSample sample;
+  for (int page = 0; page < 6; ++page) sample.pages.push_back(counted(12, page));
+  const std::int32_t counts[10] = {0x0400494C, 64, 4, 3, 3, 1, 2, 1, 0, 0};
+  const double meters[3] = {2e-6, 3e-6, 5e-6};
+  std::string record(reinterpret_cast<const char*>(counts), sizeof counts);
+  record.append(reinterpret_cast<const char*>(meters), sizeof meters);
+  sample.tags = {{34412, TIFF_BYTE, 64, record}};
+  write_tiff(folder.file("a.lsm"), sample);
+  EXPECT_TRUE(contains(source_error({folder.file("a.lsm")}), "2 points in time"));
+  SourceOptions options;
+  options.time = 1;
+  const auto source = open_source({folder.file("a.lsm")}, options);
+  EXPECT_EQ(voxels_of(*source), sample.pages[3] + sample.pages[4] + sample.pages[5]);
+  EXPECT_EQ(source->description().geometry.spacing_mm, (Point3{2e-3, 3e-3, 5e-3}));
+}
+
+TEST(TiffSource, PagesOfSeveralPlanesAreRejected) {
+  const TempFolder folder;
+  TiffSample sample;
+  sample.depth = 2;
+  sample.pages = {counted(12, 0)};
+  write_tiff(folder.file("a.tif"), sample);
+  EXPECT_TRUE(contains(source_error({folder.file("a.tif")}), "ImageDepth"));
+}
+
 TEST(TiffSource, EveryTruncationIsRejected) {
   const TempFolder folder;
   TiffSample sample;
