@@ -125,7 +125,7 @@ RayBricks::RayBricks(const SampleSource& source, const Options& options)
   capacity_ = static_cast<std::size_t>(
       std::min({bricks, addressed, (options.memory_bytes - of_tables) / with_ends}));
   // Pages that no brick comes to are never touched.
-  samples_.reset(new std::uint8_t[capacity_ * slot_bytes + kReadBeyond]);
+  samples_ = make_large_pages(capacity_ * slot_bytes + kReadBeyond);
   if (look_source_ != nullptr) {
     looks_.reset(new std::uint16_t[capacity_ * static_cast<std::size_t>(slot_samples_) +
                                    kReadBeyond]);

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "octavo/core/box.h"
+#include "octavo/render/rays/large_pages.h"
 #include "octavo/render/rays/look_source.h"
 #include "octavo/render/rays/ray_job.h"
 #include "octavo/render/rays/sample_source.h"
@@ -75,6 +76,9 @@ class RayBricks {
   /// Throws what the source throws; then none of them is in memory
   void load(std::span<const std::int32_t> bricks);
 
+  /// Memory of fields of the pictures of this volume, which follow each other.
+  const std::shared_ptr<KeptPages>& field_pages() const { return field_pages_; }
+
   /// Bricks loaded so far; one that had to go and came back counts again.
   std::int64_t loaded_count() const { return loaded_count_; }
 
@@ -123,7 +127,7 @@ class RayBricks {
   bool is_wide_;
   PooledScale scale_;
   std::size_t capacity_ = 0;
-  std::unique_ptr<std::uint8_t[]> samples_;
+  LargePages samples_;
   std::vector<std::int32_t> slots_;      // by brick
   std::vector<float> brick_bounds_;      // by brick
   std::vector<std::int32_t> occupants_;  // by slot
@@ -138,6 +142,7 @@ class RayBricks {
   std::vector<LookSet> cube_sets_;  // by slot and cube, where there are looks
   LookBoundOf bound_of_;
   std::int64_t loaded_count_ = 0;
+  std::shared_ptr<KeptPages> field_pages_ = std::make_shared<KeptPages>();
 };
 
 }  // namespace octavo

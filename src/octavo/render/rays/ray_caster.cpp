@@ -172,6 +172,7 @@ RayField cast_rays(RayBricks& bricks, RayFrame frame, std::span<const RayRegion>
     if (frame.chosen[i] != 0) field.numbers.push_back(i);
   }
   if (frame.chosen != nullptr && field.numbers.empty()) return field;
+  field.tiles = RayTiles(KeptAllocator<RayTile>(bricks.field_pages()));
   field.tiles.resize(frame.chosen != nullptr ? field.numbers.size() : tile_count);
   for (std::size_t i = 0; i < field.tiles.size(); ++i) {
     start_tile(field.tiles[i], frame, field, field.number_of(i));

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "octavo/core/progress.h"
+#include "octavo/render/rays/large_pages.h"
 #include "octavo/render/rays/ray_bricks.h"
 #include "octavo/render/rays/ray_job.h"
 #include "octavo/render/rays/ray_layers.h"
@@ -21,11 +22,13 @@
 
 namespace octavo {
 
+using RayTiles = std::vector<RayTile, KeptAllocator<RayTile>>;
+
 /// What the rays of a picture have gathered.
 struct RayField {
   std::int64_t width = 0;
   std::int64_t height = 0;
-  std::vector<RayTile> tiles;  ///< row by row, as far as they have rays that are cast
+  RayTiles tiles;  ///< row by row, as far as they have rays that are cast
   std::vector<std::size_t> numbers;  ///< of the tiles in the picture; none: all are there
   std::vector<TileLayers> layers;  ///< of the frame's meshes, by tile; none without meshes
   /// Taken. Rays that go together in vectors take samples that some of them would skip and leave

@@ -80,7 +80,7 @@ HWY_INLINE void composite(const RayFrame& f, const PacketLines& lines, RayMask s
 }
 
 /// Samples that lie inside a surface, with the ones before them outside.
-template <bool kIsWide>
+template <bool kIsWide, bool kHasCuts>
 class PacketHits {
  public:
   /// lanes  with a hit; others look at a sample that is there
@@ -128,6 +128,8 @@ class PacketHits {
   }
 
  private:
+  HWY_INLINE const RayCuts* cuts() const { return kHasCuts ? f_.cuts : nullptr; }
+
   /// The corners of places that lie less than a step from hits.
   /// cuts  of values; none: of gradients
   HWY_INLINE Corners near_corners(Reals k, const RayCuts* cuts) const {
@@ -155,11 +157,11 @@ class PacketHits {
 
   /// How far values are above the isovalue.
   HWY_INLINE Reals excess_at(Reals k) const {
-    return hn::Sub(value_of(near_corners(k, f_.cuts)), real(f_.isovalue));
+    return hn::Sub(value_of(near_corners(k, cuts())), real(f_.isovalue));
   }
 
   HWY_INLINE RayMask is_inside(Reals k) const {
-    const Corners corner = near_corners(k, f_.cuts);
+    const Corners corner = near_corners(k, cuts());
     return seen_of(f_, hn::Ge(value_of(corner), real(f_.isovalue)), corner);
   }
 

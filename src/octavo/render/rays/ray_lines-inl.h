@@ -17,14 +17,13 @@ namespace octavo {
 namespace HWY_NAMESPACE {
 
 /// Moves places to where their values come from.
-HWY_INLINE void keep_places(const RayCuts* cuts, Reals* place) {
-  if (cuts == nullptr) return;
+HWY_NOINLINE void keep_out_of_cuts(const RayCuts& cuts, Reals* place) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const Reals from_first = hn::Max(place[axis], real(cuts->first[axis]));
-    place[axis] = hn::Min(from_first, real(cuts->last[axis]));
+    const Reals from_first = hn::Max(place[axis], real(cuts.first[axis]));
+    place[axis] = hn::Min(from_first, real(cuts.last[axis]));
   }
-  for (std::size_t i = 0; i < cuts->hole_count; ++i) {
-    const RayCuts::Hole& hole = cuts->holes[i];
+  for (std::size_t i = 0; i < cuts.hole_count; ++i) {
+    const RayCuts::Hole& hole = cuts.holes[i];
     Reals nearest = real(kRayDone);
     Reals moved[3] = {place[0], place[1], place[2]};
     const auto move_to = [&](std::size_t axis, float side, Reals way) HWY_ATTR {
@@ -47,6 +46,14 @@ HWY_INLINE void keep_places(const RayCuts* cuts, Reals* place) {
       place[axis] = hn::IfThenElse(is_beside, moved[axis], place[axis]);
     }
   }
+}
+
+/// The same where there are cuts.
+HWY_INLINE void keep_places(const RayCuts* cuts, Reals* place) {
+  if (cuts == nullptr) return;
+  Reals kept[3] = {place[0], place[1], place[2]};
+  keep_out_of_cuts(*cuts, kept);
+  for (std::size_t axis = 0; axis < 3; ++axis) place[axis] = kept[axis];
 }
 
 /// The rays of some neighbors, and where each enters and leaves what is drawn, in steps.

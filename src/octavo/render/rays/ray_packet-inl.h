@@ -33,7 +33,7 @@ namespace octavo {
 namespace HWY_NAMESPACE {
 
 /// The rays of as many neighbors as a vector has lanes.
-template <RayMode kMode, bool kIsWide>
+template <RayMode kMode, bool kIsWide, bool kHasCuts>
 class Packet {
  public:
   HWY_INLINE Packet(const RayFrame& frame, RayTile& tile, std::size_t first)
@@ -71,9 +71,7 @@ class Packet {
     done_before_ = hn::Lt(kept, hn::Zero(kRays));
     Wholes waits_for = whole(-1);
     RayMask active = before_end();
-    if (!hn::AllFalse(kRays, active)) {
-      course_ = PacketCourse(f_, lines_, kMode == RayMode::iso);
-    }
+    if (!hn::AllFalse(kRays, active)) course_ = PacketCourse(f_, lines_, kMode == RayMode::iso);
     while (!hn::AllFalse(kRays, active)) {
       if constexpr (kMode != RayMode::mean) {
         go_together(active);
@@ -110,7 +108,7 @@ class Packet {
     }
     // All lanes find their places together.
     if (kMode == RayMode::iso && !hn::AllFalse(kRays, hits_)) {
-      PacketHits<kIsWide>(f_, lines_, hits_, hit_k_, hit_base_).light(sums_);
+      PacketHits<kIsWide, kHasCuts>(f_, lines_, hits_, hit_k_, hit_base_).light(sums_);
     }
     keep(waits_for);
     return taken_;
@@ -118,6 +116,8 @@ class Packet {
 
  private:
   using Rows = BrickRows<kIsWide>;
+
+  HWY_INLINE const RayCuts* cuts() const { return kHasCuts ? f_.cuts : nullptr; }
 
   /// The cubes around places.
   struct PacketCubes {
@@ -265,14 +265,14 @@ class Packet {
     if constexpr (kMode == RayMode::mean) {
       const Reals length = hn::Sub(hn::Min(next, lines_.leave), k_);
       const Reals at = hn::Add(k_, hn::Mul(real(0.5f), length));
-      const Corners middle = corners_at(at, taking, base_, f_.cuts);
+      const Corners middle = corners_at(at, taking, base_, cuts());
       const Reals value = value_of(middle);
       const RayMask seen = seen_of(f_, taking, middle);
       sums_.red = hn::IfThenElse(seen, hn::Add(sums_.red, hn::Mul(value, length)), sums_.red);
       sums_.gathered = hn::IfThenElse(seen, hn::Add(sums_.gathered, length), sums_.gathered);
       return next;
     }
-    const Corners corner = corners_at(k_, taking, base_, f_.cuts);
+    const Corners corner = corners_at(k_, taking, base_, cuts());
     return add_samples(taking, {k_, value_of(corner), base_}, corner, next);
   }
 
@@ -302,7 +302,7 @@ class Packet {
   }
 
   HWY_INLINE Wholes entries_at(Reals k, RayMask lanes, Wholes base) const {
-    return entries_of(f_.table, value_of(corners_at(k, lanes, base, f_.cuts)));
+    return entries_of(f_.table, value_of(corners_at(k, lanes, base, cuts())));
   }
 
   /// Where parts begin of which it is not known what lies before them.
@@ -486,7 +486,7 @@ class Packet {
     count(lanes);
     const Wholes base = base_of(brick);
     Corners corner{};
-    if (f_.bricks.looks != nullptr) corner = corners_at(at, lanes, base, f_.cuts);
+    if (f_.bricks.looks != nullptr) corner = corners_at(at, lanes, base, cuts());
     const Reals value = hn::Mul(common_value(brick, k, at, lanes), real(f_.sign));
     add_samples(lanes, {at, value, base}, corner, at);
     rays.front_k = hn::IfThenElse(lanes, at, rays.front_k);
@@ -506,11 +506,11 @@ class Packet {
       const RayMask beside = hn::And(lanes, hn::Ne(at, real(k)));
       if (hn::AllFalse(kRays, beside) && course_.find_block(brick, k, low)) {
         return value_at(block_at(f_.bricks, course_.block_begin(brick, low)),
-                        block_corners(lines_, f_.cuts, k, low));
+                        block_corners(lines_, cuts(), k, low));
       }
     }
 #endif
-    return value_at(Rows{f_.bricks}, corners_at(at, lanes, base_of(brick), f_.cuts));
+    return value_at(Rows{f_.bricks}, corners_at(at, lanes, base_of(brick), cuts()));
   }
 
   HWY_INLINE Gradients common_gradients(const CommonBrick& brick, float k, Reals at,
@@ -576,7 +576,7 @@ class Packet {
   PacketSums sums_;
 };
 
-template <RayMode kMode, bool kIsWide>
+template <RayMode kMode, bool kIsWide, bool kHasCuts>
 std::int64_t follow_packets(const RayFrame& frame, RayTile& tile) {
   std::int64_t taken = 0;
   for (std::size_t first = 0; first < kTileRays; first += hn::Lanes(kRays)) {
@@ -588,7 +588,7 @@ std::int64_t follow_packets(const RayFrame& frame, RayTile& tile) {
       hn::Store(whole(-1), kWhole, tile.waits_for.data() + first);
       continue;
     }
-    taken += Packet<kMode, kIsWide>(frame, tile, first).follow();
+    taken += Packet<kMode, kIsWide, kHasCuts>(frame, tile, first).follow();
   }
   return taken;
 }

@@ -31,7 +31,11 @@ std::int64_t follow_rays(const RayFrame& frame, RayTile& tile) {
 
 std::int64_t follow_rays(const RayFrame& frame, RayTile& tile) {
   return with_ray_mode(frame, [&](auto mode, auto is_wide) HWY_ATTR {
-    return follow_packets<decltype(mode)::value, decltype(is_wide)::value>(frame, tile);
+    // Where nothing is cut no code for it stands between the rest.
+    constexpr RayMode kMode = decltype(mode)::value;
+    constexpr bool kIsWide = decltype(is_wide)::value;
+    return frame.cuts != nullptr ? follow_packets<kMode, kIsWide, true>(frame, tile)
+                                 : follow_packets<kMode, kIsWide, false>(frame, tile);
   });
 }
 
