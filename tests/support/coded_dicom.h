@@ -4,6 +4,7 @@
 #include <gdcmImageChangeTransferSyntax.h>
 #include <gdcmImageReader.h>
 #include <gdcmImageWriter.h>
+#include <gdcmSequenceOfFragments.h>
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -14,6 +15,22 @@
 #include "support/source_files.h"
 
 namespace octavo::testing {
+
+/// The picture of a file in a transfer syntax.
+inline std::string coded_picture_of(const std::string& path,
+                                    gdcm::TransferSyntax::TSType syntax) {
+  gdcm::ImageReader reader;
+  reader.SetFileName(path.c_str());
+  EXPECT_TRUE(reader.Read());
+  gdcm::ImageChangeTransferSyntax change;
+  change.SetTransferSyntax(syntax);
+  change.SetInput(reader.GetImage());
+  EXPECT_TRUE(change.Change());
+  const gdcm::SequenceOfFragments* all =
+      change.GetOutput().GetDataElement().GetSequenceOfFragments();
+  const gdcm::ByteValue* first = all->GetFragment(0).GetByteValue();
+  return {first->GetPointer(), first->GetLength()};
+}
 
 /// The bytes of `sample` as a slice of 32 x 32 voxels in a transfer syntax.
 inline std::string coded_slice(const TempFolder& folder, DicomSample sample,

@@ -8,9 +8,8 @@
 
 #include "octavo/core/error.h"
 #include "octavo/core/unset_bytes.h"
-#include "octavo/io/dicom/dicom_library.h"
+#include "octavo/io/dicom/dicom_coded.h"
 #include "octavo/io/dicom/dicom_palette.h"
-#include "octavo/io/dicom/jpeg2000_size.h"
 #include "octavo/io/source/alternating_values.h"
 #include "octavo/io/source/byte_order.h"
 #include "octavo/io/source/described_source.h"
@@ -19,79 +18,6 @@
 namespace octavo {
 
 namespace {
-
-constexpr const char* kJpeg2000 = "1.2.840.10008.1.2.4.9";  // and a digit more
-
-/// The fragments of one frame: all of a single frame, one each, or those between two table entries.
-std::vector<ByteRun> fragments_of(const DicomLayout& layout, std::int64_t frame) {
-  const std::vector<ByteRun>& all = layout.pixels.fragments;
-  const auto index = static_cast<std::size_t>(frame);
-  if (layout.frames == 1) return all;
-  if (all.size() == static_cast<std::size_t>(layout.frames)) return {all[index]};
-  const std::vector<std::uint64_t>& table = layout.pixels.frame_offsets;
-  // Table entries count from the item tag of the first fragment, 8 bytes before its value.
-  const std::uint64_t base = all.front().offset - 8;
-  const std::uint64_t from = base + table[index];
-  const std::uint64_t to = index + 1 < table.size() ? base + table[index + 1]
-                                                    : std::numeric_limits<std::uint64_t>::max();
-  std::vector<ByteRun> result;
-  for (const ByteRun& run : all) {
-    if (run.offset - 8 >= from && run.offset - 8 < to) result.push_back(run);
-  }
-  return result;
-}
-
-/// Rejects a picture of another size than the header says: the decoder would fill too few voxels.
-void require_claimed_size(const DicomLayout& layout, std::span<const std::byte> picture) {
-  if (!layout.transfer_syntax.starts_with(kJpeg2000)) return;
-  const std::optional<PictureSize> found = jpeg2000_size(picture);
-  if (!found || (found->columns == layout.stored_columns() && found->rows == layout.stored_rows()))
-    return;
-  reject(layout, "the compressed picture has " + std::to_string(found->columns) + " x " +
-                     std::to_string(found->rows) + " voxels, the header says " +
-                     std::to_string(layout.stored_columns()) + " x " +
-                     std::to_string(layout.stored_rows()));
-}
-
-CodedPicture coded_picture(const DicomLayout& layout, const std::vector<ByteRun>& fragments) {
-  CodedPicture picture;
-  picture.columns = layout.stored_columns();
-  picture.rows = layout.stored_rows();
-  picture.bits_allocated = layout.bits_allocated;
-  picture.bits_stored = layout.bits_stored;
-  picture.high_bit = layout.high_bit;
-  picture.is_signed = layout.is_signed;
-  picture.transfer_syntax = layout.transfer_syntax;
-  const SourceFile file(layout.path);
-  for (const ByteRun& run : fragments) {
-    std::vector<std::byte> bytes(static_cast<std::size_t>(run.length));
-    file.read_exactly(run.offset, bytes);
-    if (&run == &fragments.front()) require_claimed_size(layout, bytes);
-    picture.fragments.push_back(std::move(bytes));
-  }
-  return picture;
-}
-
-void decode_frame(const DicomSlice& slice, std::span<std::byte> plane) {
-  const DicomLayout& layout = *slice.layout;
-  constexpr std::size_t kMostBytes = std::numeric_limits<std::uint32_t>::max();
-  if (plane.size() > kMostBytes) {
-    reject(layout, "a compressed picture of " + std::to_string(plane.size()) +
-                       " bytes is not read; GDCM reads " + std::to_string(kMostBytes) +
-                       " at most");
-  }
-  const CodedPicture picture = coded_picture(layout, fragments_of(layout, slice.frame));
-  std::size_t found = 0;
-  const bool is_decoded = dicom_library().decode(picture, plane, found);
-  if (found != plane.size()) {
-    reject(layout, "the compressed picture holds " + std::to_string(found) +
-                       " bytes, the header says " + std::to_string(plane.size()));
-  }
-  if (!is_decoded) {
-    reject(layout, "its compressed picture (transfer syntax " + escaped(layout.transfer_syntax) +
-                       ") cannot be decoded: it is damaged, or of a kind that GDCM does not read");
-  }
-}
 
 std::string segment_text(const DicomLayout& layout, std::int64_t number) {
   for (const DicomSegment& segment : layout.segments) {
@@ -221,9 +147,10 @@ VoxelType integer_type(const DicomLayout& layout) {
 }
 
 void clean_unused_bits(const DicomLayout& layout, std::span<std::byte> plane) {
-  // Decoders put the stored bits at the bottom; native values keep them below the high bit.
-  const std::int64_t high =
-      layout.pixels.is_encapsulated ? layout.bits_stored - 1 : layout.high_bit;
+  // Decoders put the stored bits at the bottom; native values keep them below the high bit, also
+  // in run lengths.
+  const bool is_decoded = layout.pixels.is_encapsulated && !has_run_lengths(layout);
+  const std::int64_t high = is_decoded ? layout.bits_stored - 1 : layout.high_bit;
   const int shift_up = static_cast<int>(layout.bits_allocated - 1 - high);
   const int shift_down = static_cast<int>(layout.bits_allocated - layout.bits_stored);
   if (shift_up == 0 && shift_down == 0) return;
@@ -246,12 +173,13 @@ void read_doubles(const DicomSlice& slice, std::span<std::byte> plane) {
 void read_stored(const DicomSlice& slice, std::span<std::byte> plane) {
   const DicomLayout& layout = *slice.layout;
   if (layout.pixels.is_float && layout.bits_allocated == 64) return read_doubles(slice, plane);
+  bool are_clean = layout.pixels.is_float;
   if (layout.pixels.is_encapsulated) {
-    decode_frame(slice, plane);
+    are_clean = read_coded_frame(slice, plane);
   } else {
     read_native(slice, plane);
   }
-  if (!layout.pixels.is_float) clean_unused_bits(layout, plane);
+  if (!are_clean) clean_unused_bits(layout, plane);
 }
 
 /// One tile out of a mosaic.

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "octavo/io/dicom/dicom_attributes.h"
+#include "octavo/io/dicom/dicom_coded.h"
 #include "octavo/io/dicom/dicom_extent.h"
 #include "octavo/io/dicom/dicom_identity.h"
 #include "octavo/io/dicom/dicom_palette.h"
@@ -79,6 +80,24 @@ void check_slices(const std::vector<DicomSlice>& slices, std::vector<Warning>& w
                      escaped(base_name(example->path)) + ": " +
                      std::to_string(surplus_bytes(*example)) +
                      " bytes more); what is behind the picture is left out");
+}
+
+/// Says where the numbers of compressed pictures are wider than the header has them.
+void warn_of_more_bits(const std::vector<DicomSlice>& slices, std::vector<Warning>& warnings) {
+  const DicomLayout* asked = nullptr;
+  for (const DicomSlice& slice : slices) {
+    const DicomLayout& layout = *slice.layout;
+    if (&layout == asked) continue;
+    asked = &layout;
+    const std::optional<PictureHead> head = first_picture_head(layout);
+    if (!head || !has_more_bits(layout, *head)) continue;
+    warnings.push_back("compressed pictures hold numbers of " + std::to_string(head->bits) +
+                       " bits, Bits Stored (0028,0101) says " +
+                       std::to_string(layout.bits_stored) + " (as in " +
+                       escaped(base_name(layout.path)) +
+                       "): all bits are kept; compare the values with those of their origin");
+    return;
+  }
 }
 
 MetadataFacts noted_facts(const DicomStack& stack, const SourceOptions& options, bool was_lossy) {
@@ -189,6 +208,7 @@ std::unique_ptr<PlaneSource> open_dicom_source(const std::vector<std::string>& f
     components.channel_names = color_names(components.channels);
   }
   check_slices(slices, warnings);
+  warn_of_more_bits(slices, warnings);
   if (options.on_gap == GapPolicy::ignore) {
     throw Error(ErrorKind::invalid_argument,
                 "DICOM slices say where they lie: gaps between them are not ignored", source)

@@ -1,9 +1,7 @@
 // What headers of DICOM files say about stored voxels and their meaning, and what cannot be taken.
-#include <gdcmImageChangeTransferSyntax.h>
-#include <gdcmImageReader.h>
-#include <gdcmSequenceOfFragments.h>
 #include <gtest/gtest.h>
 
+#include "support/coded_dicom.h"
 #include "support/dicom_elements.h"
 #include "support/source_files.h"
 
@@ -157,27 +155,13 @@ TEST(SourceDicomExtent, OfMoreCompressedPicturesIsRejected) {
   }
 }
 
-/// The picture of a file as JPEG-LS without loss.
-std::string jpeg_ls_of(const std::string& path) {
-  gdcm::ImageReader reader;
-  reader.SetFileName(path.c_str());
-  EXPECT_TRUE(reader.Read());
-  gdcm::ImageChangeTransferSyntax change;
-  change.SetTransferSyntax(gdcm::TransferSyntax::JPEGLSLossless);
-  change.SetInput(reader.GetImage());
-  EXPECT_TRUE(change.Change());
-  const gdcm::SequenceOfFragments* all =
-      change.GetOutput().GetDataElement().GetSequenceOfFragments();
-  const gdcm::ByteValue* first = all->GetFragment(0).GetByteValue();
-  return {first->GetPointer(), first->GetLength()};
-}
-
 TEST(SourceDicomExtent, OfOnePictureInSeveralFragmentsIsNoFault) {
   const TempFolder folder;
   DicomElements elements = ct_elements(5, 3, 8);
   elements.set(kPixelData, "OB", counted(15));
   elements.write(folder.file("a.dcm"), kExplicitLittle);
-  const std::string coded = jpeg_ls_of(folder.file("a.dcm"));
+  const std::string coded =
+      coded_picture_of(folder.file("a.dcm"), gdcm::TransferSyntax::JPEGLSLossless);
   // A table of the fragments instead of the frames is not what tells.
   for (const bool has_table : {false, true}) {
     elements.set_fragments({coded.substr(0, 16), coded.substr(16)}, has_table);

@@ -1,0 +1,222 @@
+#include "octavo/io/dicom/dicom_coded.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "octavo/core/unset_bytes.h"
+#include "octavo/io/dicom/dicom_library.h"
+#include "octavo/io/source/source_file.h"
+
+namespace octavo {
+
+namespace {
+
+constexpr const char* kRunLengthSyntax = "1.2.840.10008.1.2.5";
+/// Of the first picture: a head may stand behind a profile of colors.
+constexpr std::size_t kHeadBytes = std::size_t{1} << 16;
+
+/// The fragments of one frame: all of a single frame, one each, or those between two table entries.
+std::vector<ByteRun> fragments_of(const DicomLayout& layout, std::int64_t frame) {
+  const std::vector<ByteRun>& all = layout.pixels.fragments;
+  const auto index = static_cast<std::size_t>(frame);
+  if (layout.frames == 1) return all;
+  if (all.size() == static_cast<std::size_t>(layout.frames)) return {all[index]};
+  const std::vector<std::uint64_t>& table = layout.pixels.frame_offsets;
+  // Table entries count from the item tag of the first fragment, 8 bytes before its value.
+  const std::uint64_t base = all.front().offset - 8;
+  const std::uint64_t from = base + table[index];
+  const std::uint64_t to = index + 1 < table.size() ? base + table[index + 1]
+                                                    : std::numeric_limits<std::uint64_t>::max();
+  std::vector<ByteRun> result;
+  for (const ByteRun& run : all) {
+    if (run.offset - 8 >= from && run.offset - 8 < to) result.push_back(run);
+  }
+  return result;
+}
+
+/// The first bytes of a picture, over the ends of fragments.
+std::optional<PictureHead> head_of(const DicomLayout& layout, const SourceFile& file,
+                                   const std::vector<ByteRun>& fragments) {
+  if (has_run_lengths(layout)) return std::nullopt;
+  std::vector<std::byte> start;
+  for (const ByteRun& run : fragments) {
+    const std::size_t had = start.size();
+    start.resize(had + static_cast<std::size_t>(
+                           std::min<std::uint64_t>(run.length, kHeadBytes - had)));
+    file.read_exactly(run.offset, std::span(start).subspan(had));
+  }
+  return picture_head(start);
+}
+
+std::string size_of(std::int64_t columns, std::int64_t rows) {
+  return std::to_string(columns) + " x " + std::to_string(rows);
+}
+
+/// Rejects a picture that does not fit the header: the decoder would fill too few voxels.
+void require_claimed(const DicomLayout& layout, const PictureHead& head) {
+  if (head.columns != layout.stored_columns() || head.rows != layout.stored_rows()) {
+    reject(layout, "the compressed picture has " + size_of(head.columns, head.rows) +
+                       " voxels, the header says " +
+                       size_of(layout.stored_columns(), layout.stored_rows()));
+  }
+  if (head.samples != layout.samples) {
+    reject(layout, "the compressed picture has " + std::to_string(head.samples) +
+                       " samples per pixel, the header says " + std::to_string(layout.samples));
+  }
+  if (head.bits > layout.bits_allocated) {
+    reject(layout, "the numbers of the compressed picture have " + std::to_string(head.bits) +
+                       " bits, Bits Allocated (0028,0100) says " +
+                       std::to_string(layout.bits_allocated) +
+                       "; correct it in the file, or export the series again");
+  }
+}
+
+/// Bits that a decoder takes for a number.
+std::int64_t width_of(std::int64_t bits) { return bits <= 8 ? 8 : bits <= 16 ? 16 : 32; }
+
+CodedPicture coded_picture(const DicomLayout& layout, const std::optional<PictureHead>& head) {
+  CodedPicture picture;
+  picture.columns = layout.stored_columns();
+  picture.rows = layout.stored_rows();
+  picture.bits_allocated = head ? width_of(head->bits) : layout.bits_allocated;
+  picture.bits_stored = head ? head->bits : layout.bits_stored;
+  if (has_run_lengths(layout)) picture.bits_stored = layout.bits_allocated;
+  picture.high_bit = picture.bits_stored - 1;
+  picture.is_signed = layout.is_signed;
+  picture.transfer_syntax = layout.transfer_syntax;
+  return picture;
+}
+
+void decode(const DicomLayout& layout, const CodedPicture& picture, std::span<std::byte> plane) {
+  std::size_t found = 0;
+  const bool is_decoded = dicom_library().decode(picture, plane, found);
+  if (found != plane.size()) {
+    reject(layout, "the compressed picture holds " + std::to_string(found) +
+                       " bytes, the header says " + std::to_string(plane.size()));
+  }
+  if (is_decoded) return;
+  reject(layout, "its compressed picture (transfer syntax " + escaped(layout.transfer_syntax) +
+                     ") cannot be decoded: it is damaged, or of a kind that GDCM does not read");
+}
+
+bool is_plain_jpeg(const DicomLayout& layout) {
+  const std::string& uid = layout.transfer_syntax;
+  return uid.starts_with("1.2.840.10008.1.2.4.5") || uid.starts_with("1.2.840.10008.1.2.4.6") ||
+         uid.starts_with("1.2.840.10008.1.2.4.7");
+}
+
+/// What the bits of a decoded number mean.
+class DecodedBits {
+ public:
+  DecodedBits(const DicomLayout& layout, const PictureHead& head)
+      : mask_((std::uint64_t{1} << head.bits) - 1),
+        stored_(layout.bits_stored),
+        whole_(is_plain_jpeg(layout) ? std::max(head.bits, layout.bits_stored) : head.bits),
+        is_signed_(layout.is_signed),
+        is_sure_(head.is_signed) {}
+
+  std::int64_t value(std::uint64_t raw) const {
+    const std::uint64_t bits = raw & mask_;
+    if (!is_signed_) return static_cast<std::int64_t>(bits);
+    // Without a sign of its own a number may have its sign where the header puts it, and nothing
+    // above it.
+    const bool is_short = !is_sure_ && stored_ < whole_ && bits >> stored_ == 0;
+    const std::uint64_t sign = std::uint64_t{1} << ((is_short ? stored_ : whole_) - 1);
+    return static_cast<std::int64_t>((bits ^ sign) - sign);
+  }
+
+ private:
+  std::uint64_t mask_;
+  std::int64_t stored_;
+  std::int64_t whole_;
+  bool is_signed_;
+  bool is_sure_;
+};
+
+template <class From, class To>
+void settle_values(const DecodedBits& meaning, std::span<const std::byte> decoded,
+                   std::span<std::byte> plane) {
+  const std::size_t count = plane.size() / sizeof(To);
+  for (std::size_t i = 0; i < count; ++i) {
+    From raw;
+    std::memcpy(&raw, decoded.data() + i * sizeof raw, sizeof raw);
+    const auto value = static_cast<To>(meaning.value(raw));
+    std::memcpy(plane.data() + i * sizeof value, &value, sizeof value);
+  }
+}
+
+template <class From>
+void settle_from(const DicomLayout& layout, const PictureHead& head,
+                 std::span<const std::byte> decoded, std::span<std::byte> plane) {
+  const DecodedBits meaning(layout, head);
+  switch (layout.bits_allocated) {
+    case 8: return settle_values<From, std::uint8_t>(meaning, decoded, plane);
+    case 16: return settle_values<From, std::uint16_t>(meaning, decoded, plane);
+    default: return settle_values<From, std::uint32_t>(meaning, decoded, plane);
+  }
+}
+
+}  // namespace
+
+bool has_run_lengths(const DicomLayout& layout) {
+  return layout.transfer_syntax == kRunLengthSyntax;
+}
+
+std::optional<PictureHead> first_picture_head(const DicomLayout& layout) {
+  if (!layout.pixels.is_encapsulated || layout.pixels.fragments.empty()) return std::nullopt;
+  return head_of(layout, SourceFile(layout.path), fragments_of(layout, 0));
+}
+
+bool has_more_bits(const DicomLayout& layout, const PictureHead& head) {
+  const std::int64_t needed = layout.bits_stored;
+  const std::int64_t usual = needed <= 8 ? 8 : needed <= 12 ? 12 : 16;
+  return head.bits <= layout.bits_allocated && head.bits > (is_plain_jpeg(layout) ? usual : needed);
+}
+
+bool read_coded_frame(const DicomSlice& slice, std::span<std::byte> plane) {
+  const DicomLayout& layout = *slice.layout;
+  constexpr std::size_t kMostBytes = std::numeric_limits<std::uint32_t>::max();
+  if (plane.size() > kMostBytes) {
+    reject(layout, "a compressed picture of " + std::to_string(plane.size()) +
+                       " bytes is not read; GDCM reads " + std::to_string(kMostBytes) +
+                       " at most");
+  }
+  const SourceFile file(layout.path);
+  const std::vector<ByteRun> fragments = fragments_of(layout, slice.frame);
+  const std::optional<PictureHead> head = head_of(layout, file, fragments);
+  if (head) require_claimed(layout, *head);
+  CodedPicture picture = coded_picture(layout, head);
+  for (const ByteRun& run : fragments) {
+    std::vector<std::byte> bytes(static_cast<std::size_t>(run.length));
+    file.read_exactly(run.offset, bytes);
+    picture.fragments.push_back(std::move(bytes));
+  }
+  if (!head) {
+    decode(layout, picture, plane);
+    return false;
+  }
+  picture.is_signed = head->is_signed || (layout.is_signed && !picture.transfer_syntax.starts_with(
+                                                                  "1.2.840.10008.1.2.4.9"));
+  const auto ratio = static_cast<std::size_t>(layout.bits_allocated / picture.bits_allocated);
+  UnsetBytes narrow;
+  std::span<std::byte> decoded = plane;
+  if (ratio > 1) {
+    narrow = UnsetBytes(plane.size() / ratio);
+    decoded = narrow.bytes();
+  }
+  decode(layout, picture, decoded);
+  if (head->bits == layout.bits_allocated && layout.bits_stored == head->bits) return true;
+  switch (picture.bits_allocated) {
+    case 8: settle_from<std::uint8_t>(layout, *head, decoded, plane); break;
+    case 16: settle_from<std::uint16_t>(layout, *head, decoded, plane); break;
+    default: settle_from<std::uint32_t>(layout, *head, decoded, plane); break;
+  }
+  return true;
+}
+
+}  // namespace octavo

@@ -1,0 +1,141 @@
+#include "octavo/io/dicom/dicom_coded.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "support/coded_dicom.h"
+#include "support/dicom_elements.h"
+#include "support/source_files.h"
+
+namespace octavo::testing {
+namespace {
+
+using Syntax = gdcm::TransferSyntax;
+
+constexpr std::uint32_t kPixelTag = 0x7fe00010;
+constexpr std::uint32_t kStoredTag = 0x00280101;
+constexpr std::uint32_t kHighTag = 0x00280102;
+constexpr std::uint32_t kSignTag = 0x00280103;
+constexpr std::uint16_t kSide = 16;
+
+struct Coding {
+  const char* uid;
+  Syntax::TSType type;
+};
+constexpr Coding kCodings[] = {{kJpegLs, Syntax::JPEGLSLossless},
+                               {kJpeg2000, Syntax::JPEG2000Lossless},
+                               {"1.2.840.10008.1.2.4.70", Syntax::JPEGLosslessProcess14_1}};
+
+template <class T>
+std::vector<T> ramp(int step) {
+  std::vector<T> values;
+  for (int i = 0; i < kSide * kSide; ++i) values.push_back(static_cast<T>(i * i * step));
+  return values;
+}
+
+class SourceDicomCoded : public ::testing::Test {
+ protected:
+  /// The picture of values of their whole width.
+  template <class T>
+  std::string picture_of(const std::vector<T>& values, Syntax::TSType syntax) {
+    constexpr auto bits = static_cast<std::uint16_t>(8 * sizeof(T));
+    DicomElements elements = ct_elements(kSide, kSide, bits);
+    elements.set(kPixelTag, bits > 8 ? "OW" : "OB", bytes_of(values));
+    elements.write(path(), kExplicitLittle);
+    return coded_picture_of(path(), syntax);
+  }
+
+  std::unique_ptr<PlaneSource> open(DicomElements elements, const std::string& picture,
+                                    const char* syntax) {
+    elements.set_fragments({picture}, true);
+    elements.write(path(), syntax);
+    return open_source({path()}, {});
+  }
+
+  static DicomElements header(std::uint16_t bits, std::uint16_t stored, std::uint16_t high) {
+    DicomElements elements = ct_elements(kSide, kSide, bits);
+    elements.set_number(kStoredTag, stored);
+    elements.set_number(kHighTag, high);
+    return elements;
+  }
+
+  std::string path() const { return folder_.file("a.dcm"); }
+
+  TempFolder folder_;
+};
+
+TEST_F(SourceDicomCoded, NarrowPicturesFillWideVoxels) {
+  const auto values = ramp<std::uint8_t>(3);
+  const std::vector<std::uint16_t> wide(values.begin(), values.end());
+  const std::vector<std::uint32_t> wider(values.begin(), values.end());
+  for (const Coding& coding : kCodings) {
+    const std::string picture = picture_of(values, coding.type);
+    for (const std::uint16_t stored : std::vector<std::uint16_t>{8, 12, 16}) {
+      const auto source = open(header(16, stored, stored - 1), picture, coding.uid);
+      EXPECT_EQ(voxels_of(*source), bytes_of(wide)) << coding.uid << " " << stored;
+      for (const Warning& warning : source->warnings()) {
+        EXPECT_FALSE(contains(warning, "Bits Stored"));
+      }
+    }
+    EXPECT_EQ(voxels_of(*open(header(32, 32, 31), picture, coding.uid)), bytes_of(wider));
+  }
+}
+
+TEST_F(SourceDicomCoded, NumbersWiderThanTheHeaderSaysAreKeptWithAWarning) {
+  const auto values = ramp<std::uint16_t>(1);
+  for (const Coding& coding : kCodings) {
+    const std::string picture = picture_of(values, coding.type);
+    for (const std::uint16_t high : std::vector<std::uint16_t>{11, 15}) {
+      const auto source = open(header(16, 12, high), picture, coding.uid);
+      EXPECT_EQ(voxels_of(*source), bytes_of(values)) << coding.uid;
+      const bool is_told = std::ranges::any_of(source->warnings(), [](const Warning& warning) {
+        return contains(warning, "16 bits, Bits Stored (0028,0101) says 12 (as in a.dcm)");
+      });
+      EXPECT_TRUE(is_told) << coding.uid;
+    }
+  }
+}
+
+TEST_F(SourceDicomCoded, SignedNumbersHaveTheirSignWhereTheyEnd) {
+  std::vector<std::int16_t> values;
+  for (int i = 0; i < kSide * kSide; ++i) values.push_back(static_cast<std::int16_t>(i * 9 - 1024));
+  std::vector<std::int16_t> cut = values;
+  for (std::int16_t& value : cut) value = static_cast<std::int16_t>(value & 0xfff);
+  DicomElements elements = header(16, 12, 11);
+  elements.set_number(kSignTag, 1);
+  for (const Coding& coding : kCodings) {
+    if (coding.type == Syntax::JPEG2000Lossless) continue;
+    for (const auto& kind : {values, cut}) {
+      const std::vector<std::uint16_t> raw(kind.begin(), kind.end());
+      const auto source = open(elements, picture_of(raw, coding.type), coding.uid);
+      EXPECT_EQ(voxels_of(*source), bytes_of(values)) << coding.uid;
+    }
+  }
+}
+
+TEST_F(SourceDicomCoded, WhatContradictsTheHeaderIsRejected) {
+  const auto values = ramp<std::uint16_t>(2);
+  for (const Coding& coding : kCodings) {
+    const std::string picture = picture_of(values, coding.type);
+    DicomElements elements = ct_elements(kSide, kSide, 8);
+    elements.set_fragments({picture}, true);
+    elements.write(path(), coding.uid);
+    expect_rejected(path(), {"16 bits", "Bits Allocated (0028,0100) says 8"});
+    elements = ct_elements(kSide, kSide + 4, 16);
+    elements.set_fragments({picture}, true);
+    elements.write(path(), coding.uid);
+    expect_rejected(path(), {"16 x 16 voxels", "says 16 x 20"});
+  }
+}
+
+TEST_F(SourceDicomCoded, RunLengthsKeepTheirBitsBelowTheHighBit) {
+  std::vector<std::uint16_t> values = ramp<std::uint16_t>(1);
+  const std::string picture = picture_of(values, Syntax::RLELossless);
+  for (std::uint16_t& value : values) value = static_cast<std::uint16_t>(value >> 4);
+  const auto source = open(header(16, 12, 15), picture, kRunLengths);
+  EXPECT_EQ(voxels_of(*source), bytes_of(values));
+}
+
+}  // namespace
+}  // namespace octavo::testing
