@@ -77,6 +77,8 @@ void write_segmentation(const std::string& path, const SegmentationSample& s) {
   }
   const std::uint16_t bits = s.fractions.empty() ? 1 : 8;
   std::string more = s.fractions.empty() ? "" : element(0x62, 0x0e, "US", u16(200));
+  const std::string spacing =
+      s.spacing.empty() ? "" : element(0x18, 0x88, "DS", s.spacing);
   if (!s.overlap.empty()) more += element(0x62, 0x13, "CS", s.overlap);
   write_part_10(
       path,
@@ -91,7 +93,7 @@ void write_segmentation(const std::string& path, const SegmentationSample& s) {
           element(0x62, 0x01, "CS", s.type) + element(0x62, 0x02, "SQ", segments) + more +
           sequence(0x5200, 0x9229,
                    sequence(0x20, 0x9116, element(0x20, 0x37, "DS", "1\\0\\0\\0\\1\\0")) +
-                       sequence(0x28, 0x9110, element(0x28, 0x30, "DS", "0.5\\0.5"))) +
+                       sequence(0x28, 0x9110, spacing + element(0x28, 0x30, "DS", "0.5\\0.5"))) +
           element(0x5200, 0x9230, "SQ", frames) +
           element(0x7fe0, 0x10, "OB", s.fractions.empty() ? packed : s.fractions));
 }

@@ -41,6 +41,7 @@ struct SegmentationSample {
   std::vector<bool> voxels;             ///< of all frames, one behind the other
   std::string fractions;                ///< instead of them 8 bits each, of at most 200
   std::string overlap;                  ///< "YES", "NO" or nothing
+  std::string spacing;                  ///< Spacing Between Slices
 };
 void write_segmentation(const std::string& path, const SegmentationSample& sample);
 

@@ -111,10 +111,13 @@ std::string find_uneven_step(const std::vector<DicomSlice>& slices, const SliceP
 }
 
 std::optional<double> grid_step_mm(const SlicePlaces& places) {
-  const double smallest = sorted_steps(places).front();
+  return grid_step_near_mm(places, sorted_steps(places).front());
+}
+
+std::optional<double> grid_step_near_mm(const SlicePlaces& places, double stated_mm) {
   std::int64_t count = 0;
   for (std::size_t i = 1; i < places.count(); ++i) {
-    const std::int64_t steps = grid_steps(places, i, smallest);
+    const std::int64_t steps = grid_steps(places, i, stated_mm);
     if (steps == 0) return std::nullopt;
     count += steps;
   }

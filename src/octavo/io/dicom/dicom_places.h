@@ -50,6 +50,10 @@ std::string find_uneven_step(const std::vector<DicomSlice>& slices, const SliceP
 /// not. Requires no two slices at one height.
 std::optional<double> grid_step_mm(const SlicePlaces& places);
 
+/// The step of the even grid of about `stated_mm` on which all slices lie; nothing when they do
+/// not. Requires no two slices at one height.
+std::optional<double> grid_step_near_mm(const SlicePlaces& places, double stated_mm);
+
 /// The smallest step that a tenth of all steps share, and at least two; the usual step where there
 /// is none such. Requires at least two slices.
 double smallest_regular_step_mm(const SlicePlaces& places);

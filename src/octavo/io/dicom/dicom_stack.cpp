@@ -17,6 +17,8 @@ constexpr double kMaxTiltDegrees = 45;
 /// few positions far away must not make a volume without end.
 constexpr double kMaxCanvasGrowth = 8;
 constexpr double kMaxPlaneGrowth = 64;
+/// Planes that a segmentation may leave out, however few it holds.
+constexpr double kMaxEmptyPlanes = 4096;
 constexpr double kAirHounsfield = -1000;
 /// Of a step: less than this behind the last plane is not worth a word.
 constexpr double kNoticeableRest = 0.05;
@@ -40,17 +42,41 @@ std::string count_text(std::size_t count, const char* noun) {
 
 double rounded(double value, double steps) { return std::round(value * steps) / steps; }
 
-/// Planes that an even grid through all slices lacks; nothing when there is no such grid.
-std::optional<double> missing_planes(const SlicePlaces& places) {
-  const std::optional<double> step = grid_step_mm(places);
+/// Some programs write the gap between slices as their spacing, which is none of contiguous ones.
+bool states_gap(const DicomSlice& slice, double step_mm) {
+  const std::optional<double> spacing = slice.spacing_mm;
+  const std::optional<double> thickness = slice.thickness_mm;
+  return spacing && thickness && *spacing != *thickness &&
+         std::abs(*spacing + *thickness - step_mm) <= tolerance_mm(step_mm);
+}
+
+/// The step of a segmentation whose empty planes are left out, where its frames lie on a grid of
+/// the spacing that it states.
+std::optional<double> stated_step_mm(const DicomStack& stack, const SlicePlaces& places) {
+  const DicomSlice& first = stack.slices.front();
+  if (!stack.leaves_out_empty || !first.spacing_mm || !(*first.spacing_mm > 0)) return std::nullopt;
+  if (states_gap(first, places.step_mm(1))) return std::nullopt;
+  return grid_step_near_mm(places, *first.spacing_mm);
+}
+
+/// The step of an even grid through all slices; nothing when there is no such grid.
+std::optional<double> even_step_mm(const DicomStack& stack, const SlicePlaces& places) {
+  const std::optional<double> stated = stated_step_mm(stack, places);
+  return stated ? stated : grid_step_mm(places);
+}
+
+/// Planes that this grid lacks.
+std::optional<double> missing_planes(const DicomStack& stack, const SlicePlaces& places) {
+  const std::optional<double> step = even_step_mm(stack, places);
   if (!step) return std::nullopt;
   return std::round(places.height_mm.back() / *step) + 1 - static_cast<double>(places.count());
 }
 
 /// More planes than there are slices are not made up, but may well be left empty.
 bool is_fillable(const DicomStack& stack, double missing) {
-  return missing <= (stack.leaves_out_empty ? kMaxPlaneGrowth : 1) *
-                        static_cast<double>(stack.slices.size());
+  const auto count = static_cast<double>(stack.slices.size());
+  return missing <= (stack.leaves_out_empty ? std::max(kMaxPlaneGrowth * count, kMaxEmptyPlanes)
+                                            : count);
 }
 
 /// Rejects uneven steps and tilt where no option says what to do about them.
@@ -68,8 +94,8 @@ void require_even(const DicomStack& stack, const SlicePlaces& places,
     hints.push_back({"untilt", ""});
   }
   if (const std::string uneven = find_uneven_step(stack.slices, places);
-      !uneven.empty() && options.on_gap == GapPolicy::error) {
-    const std::optional<double> missing = missing_planes(places);
+      !uneven.empty() && options.on_gap == GapPolicy::error && !stated_step_mm(stack, places)) {
+    const std::optional<double> missing = missing_planes(stack, places);
     const bool can_fill = missing && is_fillable(stack, *missing);
     faults += (faults.empty() ? "" : "; also ") + uneven;
     hints.push_back({"on_gap", can_fill ? "fill" : "resample"});
@@ -104,9 +130,7 @@ std::int64_t number_step(const std::vector<DicomSlice>& slices) {
 void tell_of_thinning(DicomStack& stack, double step_mm) {
   const std::optional<double> spacing = stack.slices.front().spacing_mm;
   const std::optional<double> thickness = stack.slices.front().thickness_mm;
-  // Some programs write the gap between slices there, which is none of contiguous slices.
-  const bool is_gap = spacing && thickness && *spacing != *thickness &&
-                      std::abs(*spacing + *thickness - step_mm) <= tolerance_mm(step_mm);
+  const bool is_gap = states_gap(stack.slices.front(), step_mm);
   const std::int64_t by_spacing = is_gap ? 0 : whole_times(step_mm, spacing);
   const std::int64_t by_thickness = whole_times(step_mm, thickness);
   const bool is_numbered_so = by_thickness >= 2 && number_step(stack.slices) == by_thickness;
@@ -127,8 +151,8 @@ double take_slices(DicomStack& stack, const SlicePlaces& places) {
 
 /// Planes between the slices of a grid with gaps.
 double fill_gaps(DicomStack& stack, const SlicePlaces& places) {
-  const std::optional<double> step = grid_step_mm(places);
-  const std::optional<double> missing = missing_planes(places);
+  const std::optional<double> step = even_step_mm(stack, places);
+  const std::optional<double> missing = missing_planes(stack, places);
   if (!step || !missing) {
     reject(stack,
            find_uneven_step(stack.slices, places) +
@@ -136,8 +160,9 @@ double fill_gaps(DicomStack& stack, const SlicePlaces& places) {
            {{"on_gap", "resample"}});
   }
   if (!is_fillable(stack, *missing)) {
+    const std::string uneven = find_uneven_step(stack.slices, places);
     reject(stack,
-           find_uneven_step(stack.slices, places) + "; " + precise_text(*missing) +
+           uneven + (uneven.empty() ? "" : "; ") + precise_text(*missing) +
                " planes would be made from " + count_text(places.count(), "slice") +
                ": too many to be called filling; find the missing slices",
            {{"on_gap", "resample"}});
@@ -184,7 +209,8 @@ void tell_of_gaps(DicomStack& stack, double step_mm) {
   std::string text;
   if (stack.gaps.policy == GapPolicy::fill) {
     text = count_text(made, "missing plane") +
-           (stack.leaves_out_empty ? " left empty" : " interpolated between the neighbors") +
+           (stack.leaves_out_empty ? " left empty, a step of " + mm_text(step_mm)
+                                   : " interpolated between the neighbors") +
            "; " + count_text(kept, "plane") + " as in the slices";
   } else {
     text = "uneven slices resampled to a step of " + mm_text(step_mm) + ": " +
@@ -307,13 +333,14 @@ std::int64_t DicomStack::made_plane_count() const {
 void plan_planes(DicomStack& stack, const SlicePlaces& places, const SourceOptions& options) {
   require_even(stack, places, options);
   double& step = stack.geometry.spacing_mm[2];
-  if (find_uneven_step(stack.slices, places).empty()) {
+  const bool lacks_none = missing_planes(stack, places).value_or(0) == 0;
+  if (find_uneven_step(stack.slices, places).empty() && lacks_none) {
     step = take_slices(stack, places);
     if (!stack.leaves_out_empty) tell_of_thinning(stack, step);
   } else {
     // What a segmentation leaves out is empty, not something between its neighbors.
     const bool fills = options.on_gap == GapPolicy::fill ||
-                       (stack.leaves_out_empty && grid_step_mm(places).has_value());
+                       (stack.leaves_out_empty && even_step_mm(stack, places).has_value());
     stack.gaps.policy = fills ? GapPolicy::fill : GapPolicy::resample;
     step = fills ? fill_gaps(stack, places) : resample_heights(stack, places);
     tell_of_gaps(stack, step);

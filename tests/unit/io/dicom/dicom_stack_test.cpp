@@ -356,6 +356,27 @@ TEST(SourceDicomSegmentation, PlanesWithoutAFrameAreEmptyWhenFilled) {
   }
 }
 
+TEST(SourceDicomSegmentation, FramesLeftOutAtEvenDistancesAreEmptyPlanes) {
+  const TempFolder folder;
+  SegmentationSample sample = segmentation({0, 4, 8});
+  sample.spacing = "2";
+  write_segmentation(folder.file("seg.dcm"), sample);
+  const std::string empty(15, '\0');
+  const auto source = open_source({folder.file("seg.dcm")}, {});
+  EXPECT_DOUBLE_EQ(source->description().geometry.spacing_mm[2], 2);
+  EXPECT_EQ(voxels_of(*source), labels_of(sample, 0) + empty + labels_of(sample, 1) + empty +
+                                    labels_of(sample, 2));
+  EXPECT_TRUE(contains(source->warnings().front(), "2 missing planes left empty"));
+  sample = segmentation({0, 4, 12});
+  sample.spacing = "2";
+  write_segmentation(folder.file("seg.dcm"), sample);
+  EXPECT_EQ(open_source({folder.file("seg.dcm")}, {})->description().size, (Size3{5, 3, 7}));
+  // No whole number of steps, and a gap in place of the spacing.
+  sample.spacing = "3";
+  write_segmentation(folder.file("seg.dcm"), sample);
+  EXPECT_TRUE(contains(source_error({folder.file("seg.dcm")}), "[on_gap=fill]"));
+}
+
 TEST(SourceDicomSegmentation, ATiltedOneKeepsItsLabels) {
   const TempFolder folder;
   SegmentationSample sample = segmentation({0, 2, 4});
