@@ -18,7 +18,7 @@ namespace {
 
 constexpr const char* kRunLengthSyntax = "1.2.840.10008.1.2.5";
 /// Of the first picture: a head may stand behind a profile of colors.
-constexpr std::size_t kHeadBytes = std::size_t{1} << 16;
+constexpr std::size_t kPictureHeadBytes = std::size_t{1} << 16;
 
 /// The fragments of one frame: all of a single frame, one each, or those between two table entries.
 std::vector<ByteRun> fragments_of(const DicomLayout& layout, std::int64_t frame) {
@@ -47,7 +47,7 @@ std::optional<PictureHead> head_of(const DicomLayout& layout, const SourceFile& 
   for (const ByteRun& run : fragments) {
     const std::size_t had = start.size();
     start.resize(had + static_cast<std::size_t>(
-                           std::min<std::uint64_t>(run.length, kHeadBytes - had)));
+                           std::min<std::uint64_t>(run.length, kPictureHeadBytes - had)));
     file.read_exactly(run.offset, std::span(start).subspan(had));
   }
   return picture_head(start);

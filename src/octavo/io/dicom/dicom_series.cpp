@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <utility>
 
 #include "octavo/core/error.h"
@@ -75,23 +76,64 @@ void require_alike(const DicomSlice& a, const DicomSlice& b) {
                 " beyond the digits shown");
 }
 
-/// Positions in different frames of reference do not stand in one space. Where about every slice
-/// names one of its own, as some programs that remove names from scans make them do, that says
-/// nothing.
-void require_one_space(const std::vector<DicomSlice>& slices) {
+struct SharedName {
+  const char* what;
+  std::string DicomLayout::*of;
+  bool is_shown;  ///< else it may name somebody
+};
+
+/// Two slices of different names, the first and the last in their order; none where all agree, or
+/// where about every slice has a name of its own, as some programs that remove names from scans
+/// make them do: that says nothing. A blank name is none.
+std::optional<std::pair<const DicomSlice*, const DicomSlice*>> find_two(
+    const std::vector<DicomSlice>& slices, const SharedName& name) {
   std::map<std::string, const DicomSlice*> found;
   std::size_t naming = 0;
   for (const DicomSlice& slice : slices) {
-    const std::string& frame = slice.layout->frame_of_reference;
-    if (frame.empty()) continue;
+    const std::string& own = (*slice.layout).*name.of;
+    if (own.empty()) continue;
     ++naming;
-    found.try_emplace(frame, &slice);
+    found.try_emplace(own, &slice);
   }
-  if (found.size() < 2 || found.size() * 2 > naming + 1) return;
-  const DicomSlice& first = *found.begin()->second;
-  const DicomSlice& other = *found.rbegin()->second;
-  require_same(first, other, "the frame of reference", first.layout->frame_of_reference,
-               other.layout->frame_of_reference);
+  if (found.size() < 2 || found.size() * 2 > naming + 1) return std::nullopt;
+  return std::pair(found.begin()->second, found.rbegin()->second);
+}
+
+/// Positions in different frames of reference do not stand in one space, nor do those of different
+/// patients and studies.
+void require_one_space(const std::vector<DicomSlice>& slices) {
+  for (const SharedName& name :
+       {SharedName{"the frame of reference", &DicomLayout::frame_of_reference, true},
+        SharedName{"the Patient ID (0010,0020)", &DicomLayout::patient, false},
+        SharedName{"the Study Instance UID (0020,000d)", &DicomLayout::study, true}}) {
+    const auto two = find_two(slices, name);
+    if (!two) continue;
+    const auto& [first, other] = *two;
+    if (name.is_shown) {
+      require_same(*first, *other, name.what, (*first->layout).*name.of,
+                   (*other->layout).*name.of);
+    }
+    reject(*other, std::string(name.what) + " differs between " + other->name() + " and " +
+                       first->name() + "; the slices of a volume must agree");
+  }
+}
+
+/// Slices of several volumes may be mixed though no two lie at one place.
+void tell_of_mixture(DicomStack& stack) {
+  for (const SharedName& name :
+       {SharedName{"Convolution Kernel (0018,1210)", &DicomLayout::kernel, true},
+        SharedName{"Patient Position (0018,5100)", &DicomLayout::patient_position, true},
+        SharedName{"Echo Time (0018,0081)", &DicomLayout::echo, true}}) {
+    const auto two = find_two(stack.slices, name);
+    if (!two) continue;
+    const auto& [first, other] = *two;
+    stack.warnings.push_back(std::string(name.what) + " is " +
+                             escaped((*first->layout).*name.of) + " in " + first->name() +
+                             " and " + escaped((*other->layout).*name.of) + " in " +
+                             other->name() +
+                             ": slices of several volumes may be mixed; build each of them from "
+                             "its own files");
+  }
 }
 
 std::string pair_text(const DicomSlice& a, const DicomSlice& b) {
@@ -274,6 +316,7 @@ DicomStack prove_stack(std::vector<DicomSlice> slices, const SourceOptions& opti
     return stack;
   }
   require_one_space(stack.slices);
+  tell_of_mixture(stack);
   const auto lacking = std::find_if_not(stack.slices.begin(), stack.slices.end(), has_geometry);
   if (lacking == stack.slices.end()) {
     place_stack(stack, options);

@@ -79,6 +79,14 @@ DicomLayout read_layout(const DicomFile& file) {
   layout.sop_class = data.text(0x00080016);
   layout.series = data.text(0x0020000e);
   layout.series_description = data.text(0x0008103e);
+  layout.study = data.text(0x0020000d);
+  layout.patient = data.text(0x00100020);
+  layout.patient_position = data.text(0x00185100);
+  layout.kernel = data.text(0x00181210);
+  if (const std::optional<double> echo_ms = data.decimal(0x00180081)) {
+    // What is measured anew for every slice differs a little.
+    layout.echo = precise_text(std::round(*echo_ms * 10) / 10) + " ms";
+  }
   layout.modality = data.text(0x00080060);
   layout.image_type = data.text(0x00080008);
   layout.photometric = data.text(0x00280004);

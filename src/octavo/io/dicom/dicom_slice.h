@@ -38,6 +38,11 @@ struct DicomLayout {
   std::string sop_class;
   std::string series;
   std::string series_description;
+  std::string study;
+  std::string patient;           ///< Patient ID
+  std::string patient_position;  ///< "HFS": how the patient lies
+  std::string kernel;            ///< Convolution Kernel
+  std::string echo;              ///< Echo Time to a tenth
   std::string modality;
   std::string image_type;
   std::string photometric;

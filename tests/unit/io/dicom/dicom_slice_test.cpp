@@ -362,5 +362,49 @@ TEST(SourceDicomValues, OfSlicesWithAFrameOfReferenceEachAreTaken) {
   EXPECT_EQ(open_source({folder.path()}, {})->description().size.z, 3);
 }
 
+/// Four slices of which every second has another value.
+void write_alternating(const TempFolder& folder, std::uint32_t tag, const std::string& vr,
+                       const std::vector<std::string>& values) {
+  for (int z = 0; z < 4; ++z) {
+    DicomElements elements = ct_elements(5, 3, 8, 2 * z);
+    elements.set(tag, vr, values[static_cast<std::size_t>(z) % values.size()]);
+    elements.write(folder.file("s" + std::to_string(z)), kExplicitLittle);
+  }
+}
+
+TEST(SourceDicomMixture, OfPatientsAndStudiesIsRejected) {
+  const TempFolder folder;
+  write_alternating(folder, 0x00100020, "LO", {"A17", "B18"});
+  const Error error = source_error({folder.path()});
+  EXPECT_EQ(error.kind(), ErrorKind::source_rejected);
+  expect_words(error.what(), {"Patient ID (0010,0020)", "s0", "s1"});
+  EXPECT_FALSE(contains(error, "A17") || contains(error, "B18"));
+  write_alternating(folder, 0x0020000d, "UI", {"1.2.3", "1.2.4"});
+  expect_words(source_error({folder.path()}).what(), {"Study Instance UID", "1.2.3", "1.2.4"});
+  write_alternating(folder, 0x0020000d, "UI", {"1.2.3", "1.2.4", "1.2.5", "1.2.6"});
+  EXPECT_EQ(open_source({folder.path()}, {})->description().size.z, 4);
+}
+
+TEST(SourceDicomMixture, OfKernelsPositionsAndEchoesBringsAWarning) {
+  struct Row {
+    std::uint32_t tag;
+    const char* vr;
+    std::vector<std::string> values;
+    const char* word;
+  };
+  const TempFolder folder;
+  for (const Row& row : std::vector<Row>{
+           {0x00181210, "SH", {"B30", "B70"}, "Convolution Kernel (0018,1210) is B30 in s0"},
+           {0x00185100, "CS", {"HFS", "FFS"}, "Patient Position (0018,5100)"},
+           {0x00180081, "DS", {"10", "20"}, "10 ms in s0 and 20 ms in s1"}}) {
+    write_alternating(folder, row.tag, row.vr, row.values);
+    const auto source = open_source({folder.path()}, {});
+    ASSERT_EQ(source->warnings().size(), 1U) << row.word;
+    EXPECT_TRUE(contains(source->warnings().front(), row.word));
+  }
+  write_alternating(folder, 0x00180081, "DS", {"10", "10.02"});
+  EXPECT_TRUE(open_source({folder.path()}, {})->warnings().empty());
+}
+
 }  // namespace
 }  // namespace octavo::testing
