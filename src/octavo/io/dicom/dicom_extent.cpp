@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <optional>
 #include <string_view>
+#include <vector>
 
 #include "octavo/core/checked.h"
 #include "octavo/core/error.h"
@@ -70,15 +72,16 @@ bool starts_picture(const SourceFile& file, const ByteRun& fragment, bool is_run
          text.substr(1) == "\0\0\0\x40\0\0\0"sv;
 }
 
-/// Compressed pictures as the fragments show them.
-std::uint64_t compressed_pictures(const DicomLayout& layout) {
-  const std::vector<ByteRun>& fragments = layout.pixels.fragments;
+/// The fragments that start a compressed picture.
+std::vector<ByteRun> picture_starts(const DicomLayout& layout) {
   const bool is_run_lengths = layout.transfer_syntax == kRunLengths;
   const SourceFile file(layout.path);
-  return static_cast<std::uint64_t>(
-      std::count_if(fragments.begin(), fragments.end(), [&](const ByteRun& fragment) {
-        return starts_picture(file, fragment, is_run_lengths);
-      }));
+  std::vector<ByteRun> starts;
+  std::ranges::copy_if(layout.pixels.fragments, std::back_inserter(starts),
+                       [&](const ByteRun& fragment) {
+                         return starts_picture(file, fragment, is_run_lengths);
+                       });
+  return starts;
 }
 
 /// How many bytes of voxels a compressed byte can stand for, at most. JPEG 2000 has no such bound:
@@ -117,14 +120,14 @@ void check_compressed(const DicomLayout& layout) {
   const bool one_each = pixels.fragments.size() == frames;
   const bool has_table = pixels.frame_offsets.size() == frames;
   if (pixels.fragments.size() > frames) {
-    const std::uint64_t pictures = compressed_pictures(layout);
+    const std::uint64_t pictures = picture_starts(layout).size();
     if (pictures > frames) reject_more(layout, pictures);
   }
   if (pixels.fragments.empty() || (frames > 1 && !one_each && !has_table)) {
     reject(layout,
            std::to_string(layout.frames) + " frames, " + std::to_string(pixels.fragments.size()) +
-               " compressed fragments and no table that tells which is whose; the file is cut "
-               "or damaged");
+               " compressed fragments, and neither a table nor the starts of as many pictures tell "
+               "which is whose; the file is cut or damaged");
   }
   check_holdable(layout);
 }
@@ -137,6 +140,18 @@ void check_dicom_pixels(const DicomLayout& layout) {
   } else {
     check_native(layout);
   }
+}
+
+void find_frame_starts(DicomLayout& layout) {
+  DicomPixels& pixels = layout.pixels;
+  const auto frames = static_cast<std::size_t>(layout.frames);
+  if (frames < 2 || pixels.fragments.size() <= frames || pixels.frame_offsets.size() == frames)
+    return;
+  const std::vector<ByteRun> starts = picture_starts(layout);
+  const std::uint64_t first = pixels.fragments.front().offset;
+  if (starts.size() != frames || starts.front().offset != first) return;
+  pixels.frame_offsets.clear();
+  for (const ByteRun& start : starts) pixels.frame_offsets.push_back(start.offset - first);
 }
 
 std::uint64_t surplus_bytes(const DicomLayout& layout) {

@@ -16,4 +16,9 @@ void check_dicom_pixels(const DicomLayout& layout);
 /// Requires check_dicom_pixels to have passed.
 std::uint64_t surplus_bytes(const DicomLayout& layout);
 
+/// Makes a table of the frames of compressed pixel data that lack one, where each is of several
+/// fragments and the marks at the start of its picture tell which of them is its first.
+/// Throws Error{io}
+void find_frame_starts(DicomLayout& layout);
+
 }  // namespace octavo

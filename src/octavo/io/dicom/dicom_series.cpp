@@ -238,16 +238,49 @@ bool has_geometry(const DicomSlice& slice) {
   return slice.position_mm && slice.orientation && slice.pixel_mm;
 }
 
+/// Rejects files of one number, between which nothing decides, and warns where one may be missing.
+void check_numbers(DicomStack& stack) {
+  std::optional<double> usual;
+  for (std::size_t i = 1; i < stack.slices.size(); ++i) {
+    const DicomSlice& below = stack.slices[i - 1];
+    const DicomSlice& slice = stack.slices[i];
+    if (below.layout == slice.layout) continue;
+    const double step = *slice.instance_number - *below.instance_number;
+    const std::string number = precise_text(*slice.instance_number);
+    if (step == 0) {
+      reject(slice, below.name() + " and " + slice.name() +
+                        " have one Instance Number (0020,0013), " + number +
+                        ", and no positions: nothing tells their order; remove one of them");
+    }
+    if (usual.value_or(step) != step) {
+      stack.warnings.push_back("Instance Number (0020,0013) goes from " +
+                               precise_text(*below.instance_number) + " in " + below.name() +
+                               " to " + number + " in " + slice.name() +
+                               ", elsewhere by " + precise_text(*usual) +
+                               ": a slice may be missing");
+      return;
+    }
+    usual = step;
+  }
+}
+
 /// Without positions the order is that of the instance numbers, or of the frames of one file.
-void order_by_number(std::vector<DicomSlice>& slices) {
+void order_by_number(DicomStack& stack) {
+  std::vector<DicomSlice>& slices = stack.slices;
   for (const DicomSlice& slice : slices) {
     if (slice.instance_number || slice.layout == slices.front().layout) continue;
     reject(slice,
            "no geometry: neither a position nor an instance number tells its place in the stack");
   }
+  const bool is_one_file = slices.front().layout == slices.back().layout;
+  if (!is_one_file && !slices.front().instance_number) {
+    reject(slices.front(),
+           "no geometry: neither a position nor an instance number tells its place in the stack");
+  }
   std::stable_sort(slices.begin(), slices.end(), [](const DicomSlice& a, const DicomSlice& b) {
     return a.instance_number.value_or(0) < b.instance_number.value_or(0);
   });
+  if (!is_one_file) check_numbers(stack);
 }
 
 /// Slices of a stack that was proven before, in their order.
@@ -329,7 +362,7 @@ DicomStack prove_stack(std::vector<DicomSlice> slices, const SourceOptions& opti
                 lacking->layout->path)
         .with_field("spacing_mm");
   }
-  order_by_number(stack.slices);
+  order_by_number(stack);
   for (std::size_t i = 0; i < stack.slices.size(); ++i) stack.planes.push_back({i});
   stack.warnings.push_back(
       "positions are not in the files: slices taken in the order of their numbers");

@@ -6,6 +6,7 @@
 
 #include "octavo/core/error.h"
 #include "octavo/core/text.h"
+#include "octavo/io/dicom/dicom_extent.h"
 #include "octavo/io/dicom/dicom_mosaic.h"
 #include "octavo/io/dicom/dicom_tags.h"
 #include "octavo/io/source/described_source.h"
@@ -121,6 +122,7 @@ DicomLayout read_layout(const DicomFile& file) {
     reject(file.path, "a picture of " + size_text(layout.columns, layout.rows) +
                           " voxels, a DICOM picture has at most 65535 x 65535: it is damaged");
   }
+  find_frame_starts(layout);
   return layout;
 }
 
@@ -165,11 +167,13 @@ void take_dose_planes(const DicomSet& data, std::vector<DicomSlice>& slices) {
   const std::array<double, 6>& v = *slices.front().orientation;
   const Point3 normal = {v[1] * v[5] - v[2] * v[4], v[2] * v[3] - v[0] * v[5],
                          v[0] * v[4] - v[1] * v[3]};
-  // Old files list heights of the patient instead: the first is that of the position.
+  // Others list heights of the patient instead: the first is that of the position.
   const bool are_heights = offsets.front() != 0;
-  if (are_heights && (offsets.front() != first[2] || normal != Point3{0, 0, 1})) return;
+  const bool is_level = normal[0] == 0 && normal[1] == 0 && std::abs(normal[2]) == 1;
+  if (are_heights && (offsets.front() != first[2] || !is_level)) return;
   for (std::size_t i = 0; i < slices.size(); ++i) {
-    const double along = offsets[i] - offsets.front();
+    const double up = are_heights ? normal[2] : 1;
+    const double along = up * (offsets[i] - offsets.front());
     slices[i].position_mm = {first[0] + normal[0] * along, first[1] + normal[1] * along,
                              first[2] + normal[2] * along};
   }

@@ -1,6 +1,8 @@
 // What headers of DICOM files say about stored voxels and their meaning, and what cannot be taken.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "support/coded_dicom.h"
 #include "support/dicom_elements.h"
 #include "support/source_files.h"
@@ -170,6 +172,31 @@ TEST(SourceDicomExtent, OfOnePictureInSeveralFragmentsIsNoFault) {
   }
 }
 
+TEST(SourceDicomExtent, OfFramesInSeveralFragmentsWithoutATableIsRead) {
+  const TempFolder folder;
+  DicomElements elements = ct_elements(5, 3, 8);
+  std::vector<std::string> fragments;
+  std::string expected;
+  for (const std::string& values : {counted(15), std::string(15, '\7'), counted(15)}) {
+    elements.set(kPixelData, "OB", values);
+    elements.write(folder.file("a.dcm"), kExplicitLittle);
+    const std::string coded =
+        coded_picture_of(folder.file("a.dcm"), gdcm::TransferSyntax::JPEGLSLossless);
+    fragments.insert(fragments.end(), {coded.substr(0, 16), coded.substr(16)});
+    expected += values;
+  }
+  elements.set(kFrames, "IS", "3");
+  // A table of the fragments is none of the frames.
+  for (const bool has_table : {false, true}) {
+    elements.set_fragments(fragments, has_table);
+    elements.write(folder.file("a.dcm"), kJpegLs);
+    EXPECT_EQ(voxels_of(*open_source({folder.file("a.dcm")}, with_spacing(1, 1, 1))), expected);
+  }
+  elements.set(kFrames, "IS", "4");
+  expect_error(elements, {"4 frames, 6 compressed fragments", "starts of as many pictures"},
+               kJpegLs);
+}
+
 TEST(SourceDicomExtent, OfANumberOfFramesThatIsNoneIsRejected) {
   for (const char* text : {"1A", "1.5", "2\\3", "0", "-1"}) {
     DicomElements elements = ct_elements(5, 3, 8);
@@ -304,6 +331,19 @@ TEST(SourceDicomDose, IsScaledAndPlacedAsItsGridSays) {
   }
 }
 
+TEST(SourceDicomDose, SeenFromBelowIsPlacedByHeights) {
+  const TempFolder folder;
+  DicomElements elements = dose_elements();
+  elements.set(0x00200037, "DS", "1\\0\\0\\0\\-1\\0");
+  elements.set(kDoseOffsets, "DS", "10\\12.5\\15");
+  elements.write(folder.file("a.dcm"), kExplicitLittle);
+  const auto source = open_source({folder.file("a.dcm")}, {});
+  EXPECT_EQ(source->description().geometry.origin_mm, (Point3{0, 0, 15}));
+  EXPECT_EQ(source->description().geometry.direction[8], -1);
+  const std::string all = counted(45);
+  EXPECT_EQ(voxels_of(*source), all.substr(30) + all.substr(15, 15) + all.substr(0, 15));
+}
+
 TEST(SourceDicomDose, OfManyPlanesIsPlacedByItsLongList) {
   const TempFolder folder;
   DicomElements elements = dose_elements();
@@ -404,6 +444,29 @@ TEST(SourceDicomMixture, OfKernelsPositionsAndEchoesBringsAWarning) {
   }
   write_alternating(folder, 0x00180081, "DS", {"10", "10.02"});
   EXPECT_TRUE(open_source({folder.path()}, {})->warnings().empty());
+}
+
+TEST(SourceDicomNumbers, WithoutPositionsAreOneEachAndEven) {
+  const TempFolder folder;
+  const auto write = [&](const std::vector<int>& numbers) {
+    for (std::size_t z = 0; z < numbers.size(); ++z) {
+      DicomElements elements = ct_elements(5, 3, 8);
+      elements.remove(0x00200032);
+      elements.set(0x00200013, "IS", std::to_string(numbers[z]));
+      elements.write(folder.file("s" + std::to_string(z)), kExplicitLittle);
+    }
+  };
+  write({1, 2, 2, 3});
+  expect_words(source_error({folder.path()}, with_spacing(1, 1, 1)).what(),
+               {"s1 and s2", "Instance Number (0020,0013), 2"});
+  write({1, 2, 3, 5});
+  const auto told = open_source({folder.path()}, with_spacing(1, 1, 1));
+  const bool is_told = std::ranges::any_of(told->warnings(), [](const Warning& warning) {
+    return contains(warning, "from 3 in s2 to 5 in s3");
+  });
+  EXPECT_TRUE(is_told);
+  write({2, 4, 6, 8});
+  EXPECT_EQ(open_source({folder.path()}, with_spacing(1, 1, 1))->warnings().size(), 1U);
 }
 
 }  // namespace
