@@ -8,6 +8,7 @@
 #include "octavo/core/text.h"
 #include "octavo/io/dicom/dicom_extent.h"
 #include "octavo/io/dicom/dicom_mosaic.h"
+#include "octavo/io/dicom/dicom_nuclear.h"
 #include "octavo/io/dicom/dicom_tags.h"
 #include "octavo/io/source/described_source.h"
 #include "octavo/io/source/source_file.h"
@@ -250,6 +251,7 @@ std::vector<DicomSlice> read_dicom_slices(const std::string& path) {
   }
   if (is_mosaic(*layout)) return unfold_mosaic(file, slices.front());
   if (layout->modality == "RTDOSE" && layout->frames > 1) take_dose_planes(file.data, slices);
+  if (layout->modality == "NM" && layout->frames > 1) take_nuclear_slices(file.data, slices);
   return slices;
 }
 
