@@ -77,8 +77,8 @@ void write_segmentation(const std::string& path, const SegmentationSample& s) {
   }
   const std::uint16_t bits = s.fractions.empty() ? 1 : 8;
   std::string more = s.fractions.empty() ? "" : element(0x62, 0x0e, "US", u16(200));
-  const std::string spacing =
-      s.spacing.empty() ? "" : element(0x18, 0x88, "DS", s.spacing);
+  std::string spacing = s.thickness.empty() ? "" : element(0x18, 0x50, "DS", s.thickness);
+  if (!s.spacing.empty()) spacing += element(0x18, 0x88, "DS", s.spacing);
   if (!s.overlap.empty()) more += element(0x62, 0x13, "CS", s.overlap);
   write_part_10(
       path,

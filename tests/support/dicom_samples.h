@@ -42,6 +42,7 @@ struct SegmentationSample {
   std::string fractions;                ///< instead of them 8 bits each, of at most 200
   std::string overlap;                  ///< "YES", "NO" or nothing
   std::string spacing;                  ///< Spacing Between Slices
+  std::string thickness;
 };
 void write_segmentation(const std::string& path, const SegmentationSample& sample);
 

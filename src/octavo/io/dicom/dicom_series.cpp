@@ -68,12 +68,18 @@ void require_alike(const DicomSlice& a, const DicomSlice& b) {
   require_same(a, b, "the unit of PET values", name_or(x.pet_units), name_or(y.pet_units));
   const Rescale& in_a = a.values.rescale;
   const Rescale& in_b = b.values.rescale;
-  require_same(a, b, "the rescale",
-               precise_text(in_a.slope) + " x + " + precise_text(in_a.intercept),
-               precise_text(in_b.slope) + " x + " + precise_text(in_b.intercept));
   if (in_a == in_b) return;
-  reject(b, "the rescale differs between " + b.name() + " and " + a.name() +
-                " beyond the digits shown");
+  const auto text = [](const Rescale& rescale) {
+    return precise_text(rescale.slope) + " x + " + precise_text(rescale.intercept);
+  };
+  const bool is_shown = text(in_a) != text(in_b);
+  reject(b, "the rescale " +
+                (is_shown ? "is " + text(in_b) + " in " + b.name() + " and " + text(in_a) + " in " +
+                                a.name()
+                          : "differs between " + b.name() + " and " + a.name() +
+                                " beyond the digits shown") +
+                "; a volume has one: write the series as real values (float32) to NIfTI, NRRD or "
+                "MetaImage, and build that");
 }
 
 struct SharedName {

@@ -143,6 +143,18 @@ void tell_of_thinning(DicomStack& stack, double step_mm) {
       ": others may be missing between them; complete the series, or check these lengths");
 }
 
+/// Says where even planes of a segmentation may be those that are left when empty ones are not
+/// stored, and no spacing tells.
+void tell_of_omission(DicomStack& stack, double step_mm) {
+  const DicomSlice& first = stack.slices.front();
+  const std::int64_t times = whole_times(step_mm, first.thickness_mm);
+  if (first.spacing_mm || times == 0) return;
+  stack.warnings.push_back("the planes lie " + mm_text(step_mm) + " apart, " +
+                           std::to_string(times) +
+                           " times their Slice Thickness (0018,0050), and Spacing Between Slices "
+                           "(0018,0088) is not there: empty planes between them may not be stored");
+}
+
 /// One plane on each slice.
 double take_slices(DicomStack& stack, const SlicePlaces& places) {
   for (std::size_t i = 0; i < places.count(); ++i) stack.planes.push_back({i});
@@ -336,7 +348,8 @@ void plan_planes(DicomStack& stack, const SlicePlaces& places, const SourceOptio
   const bool lacks_none = missing_planes(stack, places).value_or(0) == 0;
   if (find_uneven_step(stack.slices, places).empty() && lacks_none) {
     step = take_slices(stack, places);
-    if (!stack.leaves_out_empty) tell_of_thinning(stack, step);
+    if (stack.leaves_out_empty) tell_of_omission(stack, step);
+    else tell_of_thinning(stack, step);
   } else {
     // What a segmentation leaves out is empty, not something between its neighbors.
     const bool fills = options.on_gap == GapPolicy::fill ||

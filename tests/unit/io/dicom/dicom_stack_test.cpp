@@ -371,10 +371,22 @@ TEST(SourceDicomSegmentation, FramesLeftOutAtEvenDistancesAreEmptyPlanes) {
   sample.spacing = "2";
   write_segmentation(folder.file("seg.dcm"), sample);
   EXPECT_EQ(open_source({folder.file("seg.dcm")}, {})->description().size, (Size3{5, 3, 7}));
-  // No whole number of steps, and a gap in place of the spacing.
+  // No whole number of steps.
   sample.spacing = "3";
   write_segmentation(folder.file("seg.dcm"), sample);
   EXPECT_TRUE(contains(source_error({folder.file("seg.dcm")}), "[on_gap=fill]"));
+}
+
+TEST(SourceDicomSegmentation, ThickGapsWithoutASpacingBringAWarning) {
+  const TempFolder folder;
+  SegmentationSample sample = segmentation({0, 8});
+  sample.thickness = "2";
+  write_segmentation(folder.file("seg.dcm"), sample);
+  EXPECT_TRUE(contains(open_source({folder.file("seg.dcm")}, {})->warnings().front(),
+                       "8 mm apart, 4 times their Slice Thickness"));
+  sample.thickness = "8";
+  write_segmentation(folder.file("seg.dcm"), sample);
+  EXPECT_TRUE(open_source({folder.file("seg.dcm")}, {})->warnings().empty());
 }
 
 TEST(SourceDicomSegmentation, ATiltedOneKeepsItsLabels) {
