@@ -32,7 +32,7 @@ struct SurfaceShape {
 /// Measures the surface. Uses the threads of the calling task arena; does not depend on them.
 /// region  only faces between two of its voxels count; null: all of the volume
 /// Throws  Error{cancelled}
-/// Memory  150 bytes for each voxel of a plane, per thread
+/// Memory  210 bytes for each voxel of a plane, per thread
 SurfaceShape surface_shape(const MaskTree& mask, const MaskTree* region, const Point3& spacing_mm,
                            Progress& progress);
 

@@ -168,6 +168,48 @@ TEST(SurfaceShape, OfBallsOfAFewLongVoxelsIsTheirArea) {
   }
 }
 
+TEST(SurfaceShape, OfThinWallsThatCrossIsThatOfTheirFaces) {
+  for (const std::int64_t thick : {2, 3}) {
+    const auto is_wall = [&](double x, double y, double) {
+      return static_cast<std::int64_t>(x) % 16 < thick || static_cast<std::int64_t>(y) % 16 < thick;
+    };
+    const auto is_cell = [](double x, double y, double z) {
+      return std::min({x, y, z}) > 10 && std::max({x, y, z}) < 42;
+    };
+    const SurfaceShape shape = shape_of({52, 52, 52}, {1, 1, 1}, is_wall, is_cell);
+    // Four sides of the cells between walls, of which there are two by two.
+    const double faces = 4 * 4.0 * static_cast<double>(16 - thick) * 32;
+    EXPECT_NEAR(shape.area_mm2 / faces, 1, 0.05) << thick;
+  }
+}
+
+/// The sum of waves of one length in directions that are spread over a sphere: thin, irregular.
+double wave_sum(const Point3& place, double length) {
+  constexpr int kWaves = 16;
+  double sum = 0;
+  for (int i = 0; i < kWaves; ++i) {
+    const double z = 1 - (2 * i + 1.0) / kWaves;
+    const double turn = 2.399963 * i;
+    const Point3 along = {std::sqrt(1 - z * z) * std::cos(turn),
+                          std::sqrt(1 - z * z) * std::sin(turn), z};
+    sum += std::sin(2 * std::numbers::pi / length * dot(place, along) + 1.7 * i * i);
+  }
+  return sum;
+}
+
+TEST(SurfaceShape, OfThinIrregularStructuresIsThatOfFinerVoxels) {
+  constexpr double kLength = 6;
+  const auto is_in = [](double x, double y, double z) {
+    return wave_sum({x, y, z}, kLength) > 1;
+  };
+  const auto is_near = [](double x, double y, double z) {
+    return std::min({x, y, z}) > 5 && std::max({x, y, z}) < 21;
+  };
+  const SurfaceShape coarse = shape_of({26, 26, 26}, {1, 1, 1}, is_in, is_near);
+  const SurfaceShape fine = shape_of({78, 78, 78}, {1. / 3, 1. / 3, 1. / 3}, is_in, is_near);
+  EXPECT_NEAR(coarse.area_mm2 / fine.area_mm2, 1, 0.05);
+}
+
 TEST(SurfaceShape, OfAGyroidIsThatOfItsUnitCells) {
   constexpr double kWave = 2 * std::numbers::pi / 30;
   const SurfaceShape shape = shape_of({60, 60, 60}, {1, 1, 1}, [](double x, double y, double z) {
