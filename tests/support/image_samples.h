@@ -7,7 +7,6 @@
 
 namespace octavo::testing {
 
-/// A single-page TIFF part: voxels of 8 or 16 bits.
 /// A tag that libtiff does not know; of `count` values.
 struct TiffTag {
   std::uint32_t tag = 0;
@@ -16,6 +15,7 @@ struct TiffTag {
   std::string values; ///< native bytes
 };
 
+/// A single-page TIFF part: voxels of 8 or 16 bits.
 struct TiffSample {
   std::uint32_t width = 4;
   std::uint32_t height = 3;

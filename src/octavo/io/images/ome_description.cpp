@@ -159,7 +159,6 @@ void read_ome_description(std::string_view text, TiffDescription& result) {
   const std::size_t start = find_element(text, "Pixels");
   if (start == std::string_view::npos) return;
   const std::string_view pixels = tag_at(text, start);
-  result.is_ome = true;
   result.program = "OME";
   result.counts_samples = true;
   result.channels = std::max<std::int64_t>(count_of(pixels, "SizeC").value_or(0), 0);

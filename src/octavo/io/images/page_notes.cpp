@@ -29,9 +29,10 @@ struct PlaneAxis {
 /// Axes of an array, the last one fastest; empty where the text is none of tifffile's.
 std::vector<PlaneAxis> axes_of(const std::string& text) {
   std::vector<PlaneAxis> axes;
-  if (!text.starts_with("{\"shape\":")) return axes;
+  if (!text.starts_with('{')) return axes;
   try {
     const JsonObject members = json_members(text);
+    if (members.json_of("shape").empty()) return axes;
     for (const std::string_view item : json_items(members.json_of("shape"))) {
       JsonReader size(item);
       size.next();
@@ -84,6 +85,8 @@ void read_shaped_description(const std::string& text, const TiffPage& page,
   std::vector<PlaneAxis> axes = axes_of(text);
   if (axes.empty() || !take_page_axes(axes, page)) return;
   std::erase_if(axes, [](const PlaneAxis& axis) { return axis.size == 1; });
+  // Pages that were written one by one have such a text each.
+  if (axes.empty()) return;
 
   // Names of axes that have none, from the fastest on
   std::string order;
@@ -137,7 +140,7 @@ void read_lsm_record(std::span<const std::byte> record, TiffDescription& result)
 }
 
 void read_metamorph_planes(std::int64_t planes, TiffDescription& result) {
-  if (planes < 1) return;
+  if (planes < 2) return;
   result.program = "MetaMorph";
   result.order = "CZT";
   result.images = planes;

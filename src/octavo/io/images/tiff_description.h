@@ -1,4 +1,4 @@
-// What microscopy programs write into a TIFF's description: ImageJ's lines and OME's XML.
+// What microscopy programs write of a TIFF: ImageJ's lines, OME's XML and the notes of others.
 #pragma once
 
 #include <array>
@@ -26,7 +26,6 @@ struct OmePages {
 /// Counts are 0 and spacings absent where the description is silent.
 struct TiffDescription {
   bool is_imagej = false;
-  bool is_ome = false;
   std::string program;       ///< whose description it is, for messages; empty: nobody's
   bool counts_samples = false; ///< the samples of a page are channels, too
   std::int64_t channels = 0;

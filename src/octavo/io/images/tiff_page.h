@@ -76,7 +76,7 @@ class TiffFile {
   /// libtiff takes a directory that is cut before its link for the last one, and the pages behind
   /// it are lost. Throws Error{source_rejected} for such a directory.
   void require_whole_directory(std::uint64_t offset) const;
-  /// Whether each strip begins where the one before it ends.
+  /// Whether strips hold their rows and no more, each where the one before it ends.
   bool has_strips_in_a_row() const;
   void read_strips(const TiffPage& page, std::int64_t sample, std::span<std::byte> plane);
   /// Some programs fill the last strip with rows behind the page. libtiff, where it inflates with

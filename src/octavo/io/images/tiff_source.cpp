@@ -20,6 +20,8 @@ namespace octavo {
 
 namespace {
 
+constexpr std::int64_t kMostPlanes = 1 << 24;  // that a text alone tells of: each takes memory
+
 /// Where one plane stands.
 struct TiffPlane {
   std::size_t file = 0;
@@ -175,13 +177,18 @@ std::int64_t take_description(TiffStack& stack, TiffFile& file, const TiffPage& 
   return text.images;
 }
 
+std::uint64_t plane_bytes(const TiffPage& page) {
+  return checked_mul(checked_mul(static_cast<std::uint64_t>(page.width),
+                                 static_cast<std::uint64_t>(page.height), "plane"),
+                     bytes_per_value(page.type), "plane");
+}
+
 /// Whether planes without a page may follow that of the one page of a file: huge stacks of ImageJ,
 /// truncated ones of tifffile and those of MetaMorph are written so.
 bool may_hold(const TiffPage& page, std::int64_t planes, const std::string& path) {
-  if (!page.is_contiguous) return false;
-  const auto bytes = static_cast<std::uint64_t>(page.width * page.height) *
-                     bytes_per_value(page.type);
-  const std::uint64_t volume = checked_mul(bytes, static_cast<std::uint64_t>(planes), "volume");
+  if (!page.is_contiguous || planes > kMostPlanes) return false;
+  const std::uint64_t volume =
+      checked_mul(plane_bytes(page), static_cast<std::uint64_t>(planes), "volume");
   return SourceFile(path).size() >= checked_add(page.data_offset, volume, "file length");
 }
 
@@ -324,11 +331,10 @@ void unfold_planes(TiffStack& stack) {
                             std::to_string(stack.planes.size()) + " pages found" +
                             (first.is_contiguous || stack.planes.size() > 1
                                  ? "; the file is cut"
-                                 : ", and planes behind compressed pages, or those of several "
-                                   "samples, are not read; save it with a page for each plane"));
+                                 : ", and planes behind a page that is not one plain run of "
+                                   "bytes are not read; save it with a page for each plane"));
   }
-  const std::uint64_t plane = static_cast<std::uint64_t>(first.width * first.height) *
-                              bytes_per_value(first.type);
+  const std::uint64_t plane = plane_bytes(first);
   for (std::int64_t z = 1; z < images; ++z) {
     stack.planes.push_back(stack.planes.front());
     stack.planes.back().page.data_offset =

@@ -16,10 +16,12 @@ std::optional<double> unit_in_mm(std::string_view unit) {
       {"microns", 1e-3}, {"micrometer", 1e-3}, {"micrometre", 1e-3},
       // The micro sign and the Greek letter in UTF-8, escaped, and in Latin-1.
       {"\\u00b5m", 1e-3}, {"\xc2\xb5m", 1e-3}, {"\xce\xbcm", 1e-3}, {"\xb5m", 1e-3},
-      {"inch", 25.4},    {"in", 25.4},       {"inches", 25.4},  {"foot", 304.8},
-      {"yard", 914.4},   {"mile", 1609344},  {"kilometer", 1e6}, {"kilometre", 1e6},
-      {"decimeter", 100}, {"decimetre", 100}, {"angstrom", 1e-7}, {"picometer", 1e-9},
-      {"picometre", 1e-9}, {"femtometer", 1e-12}, {"femtometre", 1e-12}};
+      {"inch", 25.4},    {"in", 25.4},       {"inches", 25.4},
+      {"ft", 304.8},     {"foot", 304.8},   {"yd", 914.4},      {"yard", 914.4},
+      {"mile", 1609344}, {"km", 1e6},       {"kilometer", 1e6}, {"kilometre", 1e6},
+      {"dm", 100},       {"decimeter", 100}, {"decimetre", 100}, {"angstrom", 1e-7},
+      {"pm", 1e-9},      {"picometer", 1e-9}, {"picometre", 1e-9}, {"fm", 1e-12},
+      {"femtometer", 1e-12}, {"femtometre", 1e-12}};
   const auto found = kUnits.find(lower_case(std::string(unit)));
   return found == kUnits.end() ? std::nullopt : std::optional(found->second);
 }

@@ -11,6 +11,7 @@ namespace octavo {
 std::optional<double> unit_in_mm(std::string_view unit);
 
 /// The units above, for messages.
-inline constexpr const char* kUnitsRead = "nm, um, mm, cm, m and inch";
+inline constexpr const char* kUnitsRead =
+    "nm, um, mm, cm, m, inch and those of OME from femtometer to mile";
 
 }  // namespace octavo

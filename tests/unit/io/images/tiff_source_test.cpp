@@ -223,21 +223,6 @@ TEST(TiffSource, AnOddPlaneIsNamedWithBothSizesOrTypes) {
   EXPECT_TRUE(contains(error, "uint16") && contains(error, "uint8")) << error.what();
 }
 
-TEST(TiffSource, AFileLargerThanItsTagsSayIsUnfoldedAsImageJWroteIt) {
-  const TempFolder folder;
-  TiffSample sample;
-  sample.description = "ImageJ=1.53t\nimages=3\nslices=3\n";
-  sample.pages = {std::string(12, '\x5a')};
-  write_tiff(folder.file("a.tif"), sample);
-  // ImageJ puts the tags before the voxels; here the file grows until the planes fit behind the
-  // first one.
-  std::string bytes = read_file(folder.file("a.tif"));
-  const std::size_t start = bytes.find(sample.pages[0]);
-  if (bytes.size() < start + 36) bytes.resize(start + 36, '\x11');
-  write_file(folder.file("a.tif"), bytes);
-  EXPECT_EQ(voxels_of(*open_source({folder.file("a.tif")}, {})), bytes.substr(start, 36));
-}
-
 /// A file whose description or tags tell of three planes, of which the first alone has a page.
 TiffSample three_planes_on_a_page() {
   TiffSample sample;
@@ -256,15 +241,38 @@ std::string grown_to_three_planes(const TempFolder& folder, const TiffSample& sa
   return bytes.substr(start, 36);
 }
 
+TEST(TiffSource, AFileLargerThanItsTagsSayIsUnfoldedAsImageJWroteIt) {
+  const TempFolder folder;
+  TiffSample sample = three_planes_on_a_page();
+  sample.description = "ImageJ=1.53t\nimages=3\nslices=3\n";
+  const std::string voxels = grown_to_three_planes(folder, sample);
+  EXPECT_EQ(voxels_of(*open_source({folder.file("a.tif")}, {})), voxels);
+}
+
 TEST(TiffSource, PlanesThatTifffileTruncatedAreUnfolded) {
   const TempFolder folder;
   TiffSample sample = three_planes_on_a_page();
   sample.description = R"({"shape": [3, 3, 4], "truncated": true})";
   const std::string voxels = grown_to_three_planes(folder, sample);
   EXPECT_EQ(voxels_of(*open_source({folder.file("a.tif")}, {})), voxels);
-  sample.pages = {counted(12, 0)};
   write_file(folder.file("b.tif"), read_file(folder.file("a.tif")));
   EXPECT_TRUE(contains(source_error({folder.path()}), "has 3 planes"));
+}
+
+TEST(TiffSource, StripsWithMoreThanTheirRowsAreNotUnfolded) {
+  const TempFolder folder;
+  TiffSample sample = three_planes_on_a_page();
+  sample.description = R"({"shape": [3, 3, 4], "truncated": true})";
+  grown_to_three_planes(folder, sample);
+  // The byte count of the last strip, of one row of 4 bytes, says 8: a row behind the page.
+  std::string bytes = read_file(folder.file("a.tif"));
+  const std::string counts("\x08\0\0\0\x04\0\0\0", 8);
+  const std::string short_counts("\x08\0\x04\0", 4);
+  const std::size_t at = std::min(bytes.find(counts), bytes.find(short_counts));
+  ASSERT_NE(at, std::string::npos);
+  bytes[at + (bytes.compare(at, 8, counts) == 0 ? 4 : 2)] = 8;
+  write_file(folder.file("b.tif"), bytes);
+  EXPECT_TRUE(contains(source_error({folder.file("b.tif")}), "3 images, 1 pages"));
 }
 
 TEST(TiffSource, PlanesOfAMetaMorphStackAreUnfolded) {
@@ -275,6 +283,10 @@ TEST(TiffSource, PlanesOfAMetaMorphStackAreUnfolded) {
                   std::string(reinterpret_cast<const char*>(ones), sizeof ones)}};
   const std::string voxels = grown_to_three_planes(folder, sample);
   EXPECT_EQ(voxels_of(*open_source({folder.file("a.tif")}, {})), voxels);
+  sample.tags[0] = {33629, TIFF_RATIONAL, 1, sample.tags[0].values.substr(0, 4)};
+  sample.pages = {counted(12, 0), counted(12, 1)};
+  write_tiff(folder.file("pages.tif"), sample);
+  EXPECT_EQ(open_source({folder.file("pages.tif")}, {})->description().size.z, 2);
 }
 
 TEST(TiffSource, AxesOfTifffileAreTimesAndChannels) {
@@ -302,6 +314,10 @@ TEST(TiffSource, AxesOfTifffileAreTimesAndChannels) {
   write(R"({"shape": [3, 2, 3, 4], "axes": "ZCYX"})");
   EXPECT_EQ(voxels_of(*open_source({folder.file("a.tif")}, options)), pages({1, 3, 5}));
   write(R"({"shape": [6, 1, 3, 4], "axes": "IZYX"})");
+  EXPECT_EQ(voxels_of(*open_source({folder.file("a.tif")}, {})), pages({0, 1, 2, 3, 4, 5}));
+  write(R"({"axes": "ZCYX", "shape": [3, 2, 3, 4]})");
+  EXPECT_EQ(voxels_of(*open_source({folder.file("a.tif")}, options)), pages({1, 3, 5}));
+  write(R"({"shape": [3, 4]})");
   EXPECT_EQ(voxels_of(*open_source({folder.file("a.tif")}, {})), pages({0, 1, 2, 3, 4, 5}));
   write(R"({"shape": [4, 3, 4]})");
   EXPECT_TRUE(contains(source_error({folder.file("a.tif")}), "found are 6 pages"));
