@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "octavo/core/error.h"
 #include "octavo/core/unset_bytes.h"
 #include "octavo/io/dicom/dicom_library.h"
 #include "octavo/io/source/source_file.h"
@@ -110,18 +111,23 @@ bool is_plain_jpeg(const DicomLayout& layout) {
          uid.starts_with("1.2.840.10008.1.2.4.7");
 }
 
-/// What the bits of a decoded number mean.
+/// What the bits of a decoded number mean. In JPEG, which knows 8, 12 and 16 bits alone, those
+/// beside the stored ones may hold anything, as in uncompressed pictures.
 class DecodedBits {
  public:
   DecodedBits(const DicomLayout& layout, const PictureHead& head)
-      : mask_((std::uint64_t{1} << head.bits) - 1),
-        stored_(layout.bits_stored),
-        whole_(is_plain_jpeg(layout) ? std::max(head.bits, layout.bits_stored) : head.bits),
+      : stored_(layout.bits_stored),
+        whole_(is_plain_jpeg(layout) ? layout.bits_stored : head.bits),
+        mask_((std::uint64_t{1} << whole_) - 1),
         is_signed_(layout.is_signed),
-        is_sure_(head.is_signed) {}
+        is_sure_(head.is_signed) {
+    if (is_plain_jpeg(layout) && head.bits == layout.bits_allocated) {
+      shift_ = layout.high_bit + 1 - layout.bits_stored;
+    }
+  }
 
   std::int64_t value(std::uint64_t raw) const {
-    const std::uint64_t bits = raw & mask_;
+    const std::uint64_t bits = raw >> shift_ & mask_;
     if (!is_signed_) return static_cast<std::int64_t>(bits);
     // Without a sign of its own a number may have its sign where the header puts it, and nothing
     // above it.
@@ -131,9 +137,10 @@ class DecodedBits {
   }
 
  private:
-  std::uint64_t mask_;
   std::int64_t stored_;
   std::int64_t whole_;
+  std::uint64_t mask_;
+  std::int64_t shift_ = 0;
   bool is_signed_;
   bool is_sure_;
 };
@@ -161,6 +168,18 @@ void settle_from(const DicomLayout& layout, const PictureHead& head,
   }
 }
 
+template <class T>
+bool exceeds(std::span<const std::byte> plane, std::int64_t lowest, std::int64_t highest) {
+  for (std::size_t at = 0; at + sizeof(T) <= plane.size(); at += sizeof(T)) {
+    T value;
+    std::memcpy(&value, plane.data() + at, sizeof value);
+    if (static_cast<std::int64_t>(value) < lowest || static_cast<std::int64_t>(value) > highest) {
+      return true;
+    }
+  }
+  return false;
+}
+
 }  // namespace
 
 bool has_run_lengths(const DicomLayout& layout) {
@@ -173,9 +192,28 @@ std::optional<PictureHead> first_picture_head(const DicomLayout& layout) {
 }
 
 bool has_more_bits(const DicomLayout& layout, const PictureHead& head) {
-  const std::int64_t needed = layout.bits_stored;
-  const std::int64_t usual = needed <= 8 ? 8 : needed <= 12 ? 12 : 16;
-  return head.bits <= layout.bits_allocated && head.bits > (is_plain_jpeg(layout) ? usual : needed);
+  return !is_plain_jpeg(layout) && head.bits > layout.bits_stored &&
+         head.bits <= layout.bits_allocated;
+}
+
+bool has_wide_number(const DicomSlice& slice) {
+  const DicomLayout& layout = *slice.layout;
+  const std::int64_t span = std::int64_t{1} << layout.bits_stored;
+  UnsetBytes plane(static_cast<std::size_t>(layout.frame_bytes()));
+  try {
+    if (!read_coded_frame(slice, plane.bytes())) return false;
+  } catch (const Error&) {
+    return false;  // reading it tells why
+  }
+  const std::span<const std::byte> bytes = plane.bytes();
+  if (layout.is_signed) {
+    return layout.bits_allocated == 8    ? exceeds<std::int8_t>(bytes, -span / 2, span / 2 - 1)
+           : layout.bits_allocated == 16 ? exceeds<std::int16_t>(bytes, -span / 2, span / 2 - 1)
+                                         : exceeds<std::int32_t>(bytes, -span / 2, span / 2 - 1);
+  }
+  return layout.bits_allocated == 8    ? exceeds<std::uint8_t>(bytes, 0, span - 1)
+         : layout.bits_allocated == 16 ? exceeds<std::uint16_t>(bytes, 0, span - 1)
+                                       : exceeds<std::uint32_t>(bytes, 0, span - 1);
 }
 
 bool read_coded_frame(const DicomSlice& slice, std::span<std::byte> plane) {

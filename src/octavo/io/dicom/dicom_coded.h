@@ -18,12 +18,16 @@ bool has_run_lengths(const DicomLayout& layout);
 /// Throws Error{io}
 std::optional<PictureHead> first_picture_head(const DicomLayout& layout);
 
-/// True where the numbers of the pictures fit the bits allocated, but have more than are stored and
-/// than a picture needs for those: JPEG knows 8, 12 and 16 alone.
+/// True where the numbers of JPEG-LS or JPEG 2000 pictures fit the bits allocated, but have more
+/// than are stored.
 bool has_more_bits(const DicomLayout& layout, const PictureHead& head);
 
+/// True where a number of the frame needs more bits than are stored; false where it cannot be
+/// decoded. Memory: one frame.
+bool has_wide_number(const DicomSlice& slice);
+
 /// Decodes a frame into values of Bits Allocated. Where the picture says how many bits its numbers
-/// have, these count: fewer are widened, more than Bits Stored are kept.
+/// have, these count: fewer are widened, more than Bits Stored are kept but in plain JPEG.
 /// Returns false where it does not say, so that unused bits may hold anything.
 /// Throws Error{source_rejected} where the picture is damaged, of another size than the header
 /// says, or of more bits than are allocated; Error{io}

@@ -82,18 +82,25 @@ void check_slices(const std::vector<DicomSlice>& slices, std::vector<Warning>& w
                      " bytes more); what is behind the picture is left out");
 }
 
-/// Says where the numbers of compressed pictures are wider than the header has them.
+/// Says where numbers of compressed pictures are wider than the header has them. Many programs
+/// write all pictures with 16 bits, so the numbers themselves are looked at, in the first, the
+/// middle and the last slice that may hold such.
 void warn_of_more_bits(const std::vector<DicomSlice>& slices, std::vector<Warning>& warnings) {
+  std::vector<const DicomSlice*> wide;
   const DicomLayout* asked = nullptr;
+  std::optional<PictureHead> head;
   for (const DicomSlice& slice : slices) {
-    const DicomLayout& layout = *slice.layout;
-    if (&layout == asked) continue;
-    asked = &layout;
-    const std::optional<PictureHead> head = first_picture_head(layout);
-    if (!head || !has_more_bits(layout, *head)) continue;
-    warnings.push_back("compressed pictures hold numbers of " + std::to_string(head->bits) +
-                       " bits, Bits Stored (0028,0101) says " +
-                       std::to_string(layout.bits_stored) + " (as in " +
+    if (slice.layout.get() != asked) head = first_picture_head(*slice.layout);
+    asked = slice.layout.get();
+    if (head && has_more_bits(*slice.layout, *head)) wide.push_back(&slice);
+  }
+  if (wide.empty()) return;
+  for (const DicomSlice* slice : {wide.front(), wide[wide.size() / 2], wide.back()}) {
+    if (!has_wide_number(*slice)) continue;
+    const DicomLayout& layout = *slice->layout;
+    warnings.push_back("compressed pictures hold numbers of more bits than Bits Stored "
+                       "(0028,0101) says, " + std::to_string(layout.bits_stored) + " of " +
+                       std::to_string(layout.bits_allocated) + " allocated (as in " +
                        escaped(base_name(layout.path)) +
                        "): all bits are kept; compare the values with those of their origin");
     return;
