@@ -32,14 +32,14 @@ struct PoreClusters {
   Size3 size;  ///< in blocks
   Point3 side_mm{};
   std::vector<std::int32_t> row_starts;   ///< of rows of blocks along x, and the end
-  std::vector<std::int32_t> along_x;      ///< place of its block, for each cluster
+  std::vector<std::int32_t> along_x;      ///< place of its block, for each cluster; may be let go
   std::vector<std::uint8_t> colors;       ///< whether the places along x, y and z sum up to odd
   std::vector<std::int64_t> link_starts;  ///< of each cluster, and the end
   std::vector<std::int32_t> links;        ///< neighbors
   std::vector<float> conductances;        ///< to these
   std::vector<float> ends;                ///< conductance to where concentrations are held
 
-  std::size_t count() const { return along_x.size(); }
+  std::size_t count() const { return colors.size(); }
   bool has_links() const { return !links.empty(); }
   std::int64_t row_count() const { return size.y * size.z; }
   PoreRow row(std::int64_t y, std::int64_t z) const {

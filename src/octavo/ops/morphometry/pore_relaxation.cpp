@@ -48,7 +48,7 @@ PoreRelaxation::PoreRelaxation(const PoreNetwork& network) : network_(network) {
       level.coarser = std::move(made.cluster_of);
       level.widths = made.widths;
     }
-    level.clusters.along_x = {};
+    level.clusters.along_x = {};  // places are for merging alone
     level.balance.resize(level.clusters.ends.size());
     level.concentration.resize(level.clusters.ends.size());
     levels_.push_back(std::move(level));
@@ -59,7 +59,7 @@ PoreRelaxation::PoreRelaxation(const PoreNetwork& network) : network_(network) {
 
 std::size_t PoreRelaxation::cluster_count() const {
   std::size_t count = 0;
-  for (const Level& level : levels_) count += level.balance.size();
+  for (const Level& level : levels_) count += level.clusters.count();
   return count;
 }
 

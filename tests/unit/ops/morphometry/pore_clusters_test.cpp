@@ -34,12 +34,12 @@ TEST(PoreClusters, OfACubeAreAGridOfTwiceTheSpacing) {
   const Size3 size = {6, 4, 8};
   const PoreNetwork network(pores_of(size, [](const Index3&) { return true; }), size, {1, 1, 1}, 2,
                             progress);
-  const MergedPores found = merged(network);
+  MergedPores found = merged(network);
   EXPECT_EQ(found.clusters.size, (Size3{3, 2, 4}));
   ASSERT_EQ(found.clusters.count(), 24U);
   // Faces of 4 over a distance of 2; ends as far away as before, seen from a center twice as far.
   const double face = 2;
-  const PoreClusters& clusters = found.clusters;
+  PoreClusters& clusters = found.clusters;
   for (std::int64_t z = 0; z < 4; ++z) {
     for (std::int64_t y = 0; y < 2; ++y) {
       const PoreRow row = clusters.row(y, z);
@@ -57,6 +57,9 @@ TEST(PoreClusters, OfACubeAreAGridOfTwiceTheSpacing) {
       }
     }
   }
+  // A relaxation lets the places go, and shares rows out by how many clusters there are.
+  clusters.along_x = {};
+  EXPECT_EQ(clusters.count(), 24U);
 }
 
 TEST(PoreClusters, KeepApartWhatAWallParts) {
@@ -81,7 +84,8 @@ TEST(PoreClusters, KeepApartWhatAWallParts) {
   found = merged(found.clusters, network);
   ASSERT_EQ(found.clusters.count(), 1U);
   EXPECT_FALSE(found.clusters.has_links());
-  // Two ends before, three pores wide behind, each 2 and halved four times... along z.
+  // Two pores before the one end, three behind the other: a conductance of 2 each, halved by each
+  // of the four merges along z.
   EXPECT_FLOAT_EQ(found.clusters.ends[0], (2 + 3) * 2.0F / 16);
 }
 
