@@ -89,9 +89,9 @@ RayRegion region_of(const Box& voxels) {
   return region;
 }
 
-KeptVoxels::KeptVoxels(const Box& kept, std::span<const Box> removed, const Size3& size)
-    : is_all_(kept == box_of(size) && removed.empty()) {
+KeptVoxels::KeptVoxels(const Box& kept, std::span<const Box> removed, const Size3& size) {
   for (const Box& box : removed) {
+    if (box.is_empty()) continue;
     RayCuts::Hole hole;
     for (int axis = 0; axis < 3; ++axis) {
       const auto i = static_cast<std::size_t>(axis);
@@ -109,6 +109,7 @@ KeptVoxels::KeptVoxels(const Box& kept, std::span<const Box> removed, const Size
   }
   cuts_.holes = holes_.data();
   cuts_.hole_count = holes_.size();
+  is_all_ = kept == box_of(size) && holes_.empty();
 }
 
 std::vector<Box> without_boxes(const Box& whole, std::span<const Box> removed) {

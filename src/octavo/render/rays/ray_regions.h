@@ -33,13 +33,16 @@ RayRegion region_of(const Box& voxels);
 /// What rays of the voxels of a box without others take no values from, boxes of a grid.
 class KeptVoxels {
  public:
+  /// removed  empty ones, as boxes of few voxels are on coarser levels, take nothing away
   KeptVoxels(const Box& kept, std::span<const Box> removed, const Size3& size);
+  KeptVoxels(const KeptVoxels&) = delete;
+  KeptVoxels& operator=(const KeptVoxels&) = delete;
 
   /// Valid as long as this; none where all of the grid is kept.
   const RayCuts* cuts() const { return is_all_ ? nullptr : &cuts_; }
 
  private:
-  bool is_all_;
+  bool is_all_ = false;
   std::vector<RayCuts::Hole> holes_;
   RayCuts cuts_;
 };

@@ -47,6 +47,18 @@ TEST(RayRegions, WhatIsLeftOfABoxIsEveryVoxelOnce) {
   }
 }
 
+TEST(RayRegions, EmptyBoxesTakeNothingAway) {
+  const Size3 size = {10, 9, 8};
+  const std::vector<Box> removed = {{{3, 0, 0}, {3, 9, 8}}, {{2, 4, 4}, {5, 4, 6}}};
+  EXPECT_EQ(KeptVoxels(box_of(size), removed, size).cuts(), nullptr);
+  const std::vector<Box> with_one = {removed[0], {{1, 2, 3}, {4, 5, 6}}, removed[1]};
+  const KeptVoxels kept(box_of(size), with_one, size);
+  ASSERT_NE(kept.cuts(), nullptr);
+  ASSERT_EQ(kept.cuts()->hole_count, 1U);
+  EXPECT_EQ(kept.cuts()->holes[0].before, (std::array<float, 3>{0, 1, 2}));
+  EXPECT_EQ(kept.cuts()->holes[0].behind, (std::array<float, 3>{4, 5, 6}));
+}
+
 /// Noise with one value wherever it is cut away.
 RayVolume<std::int16_t> filled_noise(const RaySetup& setup, std::int16_t value) {
   auto volume = noisy_ball(24);
