@@ -51,9 +51,12 @@ void check_options(const DistanceOptions& options, const OpenedMask& mask) {
               mask.path);
 }
 
-/// Throws where no distance is as long as an asked step, and so hardly one differs from 0.
+/// Throws where no distance is as long as an asked step: voxels would be -1, 0 and 1 alone.
+/// largest  compared as a float: distances are
 void require_short_step(const DistanceOptions& options, double largest) {
-  if (!options.step_mm || *options.step_mm <= largest) return;
+  if (!options.step_mm || static_cast<float>(*options.step_mm) <= static_cast<float>(largest)) {
+    return;
+  }
   throw Error(ErrorKind::invalid_argument,
               "a step of " + number_text(*options.step_mm) + " mm is longer than the largest " +
                   "distance, " + number_text(largest) + " mm")
@@ -150,7 +153,7 @@ DistanceResult distance(const DistanceOptions& options, const TaskContext& conte
     context.on_threads([&] { field->read(box.lo.z, box.hi.z, mm.data()); });
     store_distances(mm, volume, voxels, span);
     // A field with a limit alone does not know sooner how far it went.
-    if (box.hi.z < volume.size.z) return;
+    if (field->largest_mm() || box.hi.z < volume.size.z) return;
     require_short_step(options, std::max(span.largest, -span.smallest));
   };
   const auto source = make_computed_source(volume, fill, std::min<std::int64_t>(plan.slab, 16));

@@ -1,6 +1,7 @@
 #include "octavo/tasks/distance.h"
 
 #include <cmath>
+#include <filesystem>
 
 #include "support/task_files.h"
 
@@ -75,6 +76,21 @@ TEST_F(Distance, InStepsIsWithinHalfAStep) {
     const std::vector<double> in_steps = made();
     for (std::size_t i = 0; i < exact.size(); ++i) ASSERT_NEAR(in_steps[i], exact[i], half);
   }
+}
+
+TEST_F(Distance, WithALimitTakesStepsUpToTheLargestDistance) {
+  options_.is_in_steps = true;
+  options_.max_mm = 0.7;  // as a float less than as a double
+  options_.step_mm = 0.7;
+  const DistanceResult result = distance(options_, context_);
+  EXPECT_EQ(result.largest_mm, static_cast<double>(0.7f));
+  EXPECT_EQ(made()[place(0, 0, 0)], 0.7);
+  // Within the limit, and longer than any distance: known at the last planes alone.
+  options_.max_mm = 1000;
+  options_.step_mm = 500;
+  options_.output = {folder_.file("none.8vo"), false};
+  EXPECT_EQ(failure_of([&] { distance(options_, context_); }).field, "distance.step_mm");
+  EXPECT_FALSE(std::filesystem::exists(options_.output.path));
 }
 
 TEST_F(Distance, NeedsAMaskWithASurfaceAndGoodNumbers) {
