@@ -163,7 +163,7 @@ void add_morphometry(CLI::App& app, Context& context) {
   verb.add_flag("--tortuosity", options.has_tortuosity,
                 "Geodesic tortuosity of what is not in the mask, along x, y and z");
   verb.add_flag("--diffusion", options.has_diffusion,
-                "Effective diffusivity and diffusive tortuosity of it; takes far longer");
+                "Effective diffusivity and diffusive tortuosity of it");
   verb.add_off_flag("--no-thickness", options.has_thickness, "Leave out Tb.Th, Tb.Sp, Tb.N and EF");
   verb.add_flag("--slices", arguments.has_slices,
                 "Area and mean thickness of each slice, as CSV or in --json");

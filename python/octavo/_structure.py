@@ -84,7 +84,7 @@ class StructureTasks:
             Whether the geodesic tortuosity of what is not in the mask is measured, along x, y, z:
             from end to end of the region, but for axes on which it tapers.
         diffusion : bool
-            Whether its effective diffusivity and diffusive tortuosity are: takes far longer.
+            Whether its effective diffusivity and diffusive tortuosity are.
         thickness_map, spacing_map : True, str or os.PathLike, optional
             The local thickness of the mask, and of what is not in it: a path writes it to an .8vo
             file, True returns it as an array.

@@ -9,6 +9,18 @@ namespace octavo {
 
 namespace {
 
+constexpr std::uint64_t kBytesPerPore = 41;      // of the network, its vectors and relaxation
+constexpr std::uint64_t kMostGridBytes = 100;    // of coarser graphs, a pore
+constexpr std::uint64_t kNetworkVoxelBytes = 5;  // while it is put up
+
+/// Steps beside one for each plane along x, y and z, what conjugate gradients need without any
+/// help: the multigrid makes it a few dozen, so nothing that comes to rest is cut short.
+constexpr std::int64_t kMostRestSteps = 1000;
+constexpr std::int64_t kMostPlaneSteps = 1'000'000;
+/// The least that a step leaves of the flux as it is reckoned along the way: gains that are rounded
+/// never make it 0, which errors are shares of.
+constexpr double kMinimumFluxKept = 1e-3;
+
 /// Says how far an error has fallen, by its logarithm: conjugate gradients divide it by about the
 /// same at every step.
 class FallingError {
@@ -52,19 +64,19 @@ class RestingPores {
     start();
     flux_ = flux();
     const Size3& size = network_.size();
-    const int most =
-        1000 + static_cast<int>(std::min<std::int64_t>(size.x + size.y + size.z, 1'000'000));
+    const std::int64_t most =
+        kMostRestSteps + std::min(size.x + size.y + size.z, kMostPlaneSteps);
     double product = relax(0);
-    for (; steps_ < most; ++steps_) {
-      error_ = product / flux_;
-      if (!(error_ > kDiffusionError)) break;
+    error_ = product / flux_;
+    for (; steps_ < most && error_ > kDiffusionError; ++steps_) {
       falling_.reach(error_);
       const double along = change_along_way();
       const double step = product / along;
       move(step);
       // The energy falls by what the step is known to gain.
-      flux_ = std::max(flux_ - step * product, 1e-3 * flux_);
+      flux_ = std::max(flux_ - step * product, kMinimumFluxKept * flux_);
       product = relax(along);
+      error_ = product / flux_;
     }
     flux_ = flux();
     falling_.finish();
@@ -197,6 +209,10 @@ std::optional<PoreDiffusion> pore_diffusion(const std::vector<std::uint8_t>& por
   made.steps = rest.steps();
   made.error = rest.error();
   return made;
+}
+
+std::uint64_t pore_diffusion_bytes(std::uint64_t voxels, std::uint64_t pore_count) {
+  return kNetworkVoxelBytes * voxels + (kBytesPerPore + kMostGridBytes) * pore_count;
 }
 
 }  // namespace octavo

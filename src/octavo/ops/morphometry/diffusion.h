@@ -38,7 +38,9 @@ struct PoreDiffusion {
   double effective = 0;   ///< D_eff / D
   double tortuosity = 1;  ///< porosity * D / D_eff
   int steps = 0;          ///< of conjugate gradients
-  double error = 0;       ///< an estimate of the share by which D_eff is too large
+  /// An estimate of the share by which D_eff is too large; above kDiffusionError where the steps
+  /// ran out.
+  double error = 0;
 };
 
 /// What pore_diffusion announces of itself.
@@ -49,13 +51,17 @@ constexpr std::int64_t kDiffusionParts = 1000;
 /// counted_voxels  that the porosity is a share of, pores and others
 /// progress        advances by kDiffusionParts in all, as the logarithm of the error falls
 /// Uses the threads of the calling task arena; does not depend on them.
-/// Throws  Error{limit_exceeded} beyond 2^31 voxels of pores, Error{cancelled}
+/// Throws  Error{limit_exceeded} as PoreNetwork, Error{cancelled}
 /// Memory  41 bytes for each voxel of pores that lead through and 4 for each voxel, and for the
 ///         multigrid 10 to 25 more for each of these pores, in mazes one voxel wide 45, and up to
 ///         100 where voxels are long as well; while pores are looked for, 5 for each voxel and 8
-///         for each of pores
+///         for each of pores: never more than pore_diffusion_bytes
 std::optional<PoreDiffusion> pore_diffusion(const std::vector<std::uint8_t>& pores,
                                             const Size3& size, const Point3& spacing_mm, int axis,
                                             double counted_voxels, Progress& progress);
+
+/// What pore_diffusion takes at most, beside `pores`.
+/// pore_count  of these voxels, pores
+std::uint64_t pore_diffusion_bytes(std::uint64_t voxels, std::uint64_t pore_count);
 
 }  // namespace octavo

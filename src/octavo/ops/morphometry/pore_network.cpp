@@ -1,7 +1,5 @@
 #include "octavo/ops/morphometry/pore_network.h"
 
-#include <limits>
-
 namespace octavo {
 
 namespace {
@@ -67,7 +65,7 @@ PoreNetwork::PoreNetwork(const std::vector<std::uint8_t>& pores, const Size3& si
     for (std::size_t side = 0; side < 6; ++side) {
       if ((bits >> side & 1) != 0) sum += conductance_[side / 2];
     }
-    diagonal_[bits] = sum + end_conductance() * static_cast<double>((bits >> 6 & 1) + (bits >> 7));
+    diagonal_[bits] = sum + to_ends(static_cast<unsigned>(bits));
   }
   std::vector<std::uint8_t> reached(pores.size());
   {
@@ -85,8 +83,8 @@ void PoreNetwork::number(const std::vector<std::uint8_t>& reached) {
   no_numbers_.assign(static_cast<std::size_t>(size_.x), 0);
   row_starts_.assign(static_cast<std::size_t>(row_count()) + 1, 1);
   const auto count = std::count(reached.begin(), reached.end(), kFromFirst | kFromLast);
-  if (count >= std::numeric_limits<std::int32_t>::max() - 1) {
-    throw Error(ErrorKind::limit_exceeded, "2^31 voxels of pores or more");
+  if (count > kMostPores) {
+    throw Error(ErrorKind::limit_exceeded, "more than 2^31 - 2 voxels of pores that lead through");
   }
   along_x_.reserve(static_cast<std::size_t>(count) + 1);
   along_x_.push_back(0);
@@ -110,14 +108,14 @@ void PoreNetwork::look_around() {
       const auto i = static_cast<std::size_t>(pore);
       const std::int32_t x = along_x_[i];
       unsigned bits = 0;
-      if (pore > row.begin && along_x_[i - 1] == x - 1) bits |= 1;
-      if (pore + 1 < row.end && along_x_[i + 1] == x + 1) bits |= 2;
+      if (pore > row.begin && along_x_[i - 1] == x - 1) bits |= kPoreBefore;
+      if (pore + 1 < row.end && along_x_[i + 1] == x + 1) bits |= kPoreBehind;
       for (std::size_t side = 0; side < 4; ++side) {
-        if (beside[side][x] != 0) bits |= 4U << side;
+        if (beside[side][x] != 0) bits |= kFirstPoreAcross << side;
       }
       const std::int64_t place = along(pore, row);
-      if (place == 0) bits |= 64;
-      if (place + 1 == size_[axis_]) bits |= 128;
+      if (place == 0) bits |= kAtFirstPlane;
+      if (place + 1 == size_[axis_]) bits |= kAtLastPlane;
       faces_[i] = static_cast<std::uint8_t>(bits);
     }
   });

@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "octavo/core/box.h"
@@ -31,10 +32,13 @@ struct PoreRow {
   std::int32_t end = 0;
 };
 
+/// Their numbers, and the one behind them, are 32 bits wide.
+constexpr std::int64_t kMostPores = std::numeric_limits<std::int32_t>::max() - 1;
+
 class PoreNetwork {
  public:
   /// pores  [z][y][x], not 0 in pores
-  /// Throws  Error{limit_exceeded} from 2^31 - 1 pores that lead through on, Error{cancelled}
+  /// Throws  Error{limit_exceeded} beyond kMostPores that lead through, Error{cancelled}
   /// Memory  4 bytes a voxel, 5 a pore; at first 5 bytes a voxel and up to 8 a pore
   PoreNetwork(const std::vector<std::uint8_t>& pores, const Size3& size, const Point3& spacing_mm,
               int axis, const Progress& progress);
@@ -54,16 +58,14 @@ class PoreNetwork {
   std::int64_t along(std::int32_t pore, const PoreRow& row) const {
     return Index3{x_of(pore), row.y, row.z}[axis_];
   }
-  bool is_first(std::int32_t pore) const { return (faces(pore) & 64) != 0; }
-  bool is_last(std::int32_t pore) const { return (faces(pore) & 128) != 0; }
+  bool is_first(std::int32_t pore) const { return (faces(pore) & kAtFirstPlane) != 0; }
+  bool is_last(std::int32_t pore) const { return (faces(pore) & kAtLastPlane) != 0; }
   /// All conductances of a pore together.
   double diagonal(std::int32_t pore) const { return diagonal_[faces(pore)]; }
   /// From the center of an outermost pore to where its concentration is held.
   double end_conductance() const { return 2 * conductance_[static_cast<std::size_t>(axis_)]; }
   /// To both ends together, 0 inside.
-  double to_ends(std::int32_t pore) const {
-    return end_conductance() * static_cast<double>((faces(pore) >> 6 & 1) + (faces(pore) >> 7));
-  }
+  double to_ends(std::int32_t pore) const { return to_ends(unsigned{faces(pore)}); }
 
   /// Visits the neighbors of a pore: visit(side, neighbor, conductance), sides -x, +x, -y, ...
   template <class Visit>
@@ -124,6 +126,18 @@ class PoreNetwork {
   /// The numbers in the four rows beside one, by x.
   using RowsBeside = std::array<const std::int32_t*, 4>;
 
+  // Bits of faces_: the first six say on which sides, in the order of visit_links, a pore is.
+  static constexpr unsigned kPoreBefore = 1;       // along x
+  static constexpr unsigned kPoreBehind = 2;
+  static constexpr unsigned kFirstPoreAcross = 4;  // -y, then +y, -z and +z
+  static constexpr unsigned kAtFirstPlane = 64;
+  static constexpr unsigned kAtLastPlane = 128;
+
+  double to_ends(unsigned bits) const {
+    const int ends = ((bits & kAtFirstPlane) != 0 ? 1 : 0) + ((bits & kAtLastPlane) != 0 ? 1 : 0);
+    return ends * end_conductance();
+  }
+
   std::uint8_t faces(std::int32_t pore) const { return faces_[static_cast<std::size_t>(pore)]; }
 
   RowsBeside rows_beside(const PoreRow& row) const {
@@ -137,8 +151,12 @@ class PoreNetwork {
   std::array<std::int32_t, 6> neighbors_of(std::int32_t pore, const RowsBeside& beside) const {
     const std::int32_t x = along_x_[static_cast<std::size_t>(pore)];
     const std::uint8_t bits = faces(pore);
-    return {(bits & 1) != 0 ? pore - 1 : 0, (bits & 2) != 0 ? pore + 1 : 0, beside[0][x],
-            beside[1][x], beside[2][x], beside[3][x]};
+    return {(bits & kPoreBefore) != 0 ? pore - 1 : 0,
+            (bits & kPoreBehind) != 0 ? pore + 1 : 0,
+            beside[0][x],
+            beside[1][x],
+            beside[2][x],
+            beside[3][x]};
   }
 
   std::int64_t rows_at_once() const { return std::max<std::int64_t>(1, (1 << 15) / size_.x); }
@@ -164,7 +182,7 @@ class PoreNetwork {
   std::vector<std::int32_t> no_numbers_;  // of a row outside
   std::vector<std::int32_t> row_starts_;
   std::vector<std::int32_t> along_x_;  // of every pore
-  std::vector<std::uint8_t> faces_;    // bits: pores on six sides, the two ends
+  std::vector<std::uint8_t> faces_;    // bits, as above
   std::array<double, 256> diagonal_{};
 };
 

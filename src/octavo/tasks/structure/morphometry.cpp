@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "octavo/core/error.h"
+#include "octavo/core/text.h"
 #include "octavo/ops/mask/set_operations.h"
 #include "octavo/ops/measure/mask_moments.h"
 #include "octavo/planes/computed_source.h"
@@ -286,7 +287,7 @@ class MorphometryWork {
     return true;
   }
 
-  /// What is not in the mask, in the region: not 0 in the voxels of a box.
+  /// A byte for each voxel of a box: 1 where it is in the region and not in the mask, else 0.
   std::vector<std::uint8_t> pores_in(const Box& box) const {
     std::vector<std::uint8_t> pores(static_cast<std::size_t>(box.size().voxel_count()));
     fill_voxels(mask_.tree, box, pores.data());
@@ -308,8 +309,8 @@ class MorphometryWork {
     const auto voxels = static_cast<std::uint64_t>(size.voxel_count());
     const std::uint64_t others = std::min(
         voxels, static_cast<std::uint64_t>(size_.voxel_count()) - mask_.tree.voxel_count());
-    const std::uint64_t bytes =
-        std::max(8 * voxels, options_.has_diffusion ? 6 * voxels + 86 * others : 0);
+    const std::uint64_t bytes = std::max(
+        8 * voxels, options_.has_diffusion ? voxels + pore_diffusion_bytes(voxels, others) : 0);
     context_.require_memory(2 * mask_.tree.memory_bytes() + bytes, "ways through pores");
     const std::vector<std::uint8_t> pores = pores_in(box);
     result_.has_diffusion = options_.has_diffusion;
@@ -335,11 +336,20 @@ class MorphometryWork {
           result_.diffusions[a] =
               pore_diffusion(pores, size, spacing_, axis, counted, context_.watcher());
         });
+        warn_if_unrestful(result_.diffusions[a], along);
       }
     }
     if (without_ends.empty()) return;
     context_.warn(options_.region + ": has less than two thirds of its mean cross-section at an " +
                   "end along " + without_ends + ": pores are not measured along there");
+  }
+
+  void warn_if_unrestful(const std::optional<PoreDiffusion>& found,
+                         const std::string& along) const {
+    if (!found || found->error <= kDiffusionError) return;
+    context_.warn(mask_.path + ": diffusion" + along + " did not come to rest in " +
+                  std::to_string(found->steps) + " steps: its diffusivity is known to " +
+                  number_text(100 * found->error) + " % of itself alone");
   }
 
   void measure_densities() {

@@ -36,8 +36,8 @@ struct MorphometryOptions {
   Output spacing_map;    ///< of what is not in it
   /// Of what is not in the mask, along x, y and z; takes 6 bytes a voxel.
   bool has_tortuosity = false;
-  /// Of what is not in the mask, along x, y and z; takes 6 bytes a voxel, and 51 to 86 for each
-  /// that is not in the mask.
+  /// Of what is not in the mask, along x, y and z; takes a byte a voxel and what pore_diffusion
+  /// does; asks for as much as that may be.
   bool has_diffusion = false;
   Output histogram = {};  ///< a PNG of thickness and separation; no path: none is written
 };

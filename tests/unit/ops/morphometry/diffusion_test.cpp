@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "octavo/core/error.h"
+#include "octavo/ops/morphometry/pore_clusters.h"
 #include "support/dense_mask.h"
 #include "support/stopping_progress.h"
 
@@ -185,6 +186,32 @@ TEST(Diffusion, DoesNotDependOnThreads) {
   EXPECT_EQ(by[0]->effective, by[1]->effective);
   EXPECT_EQ(by[0]->steps, by[1]->steps);
   EXPECT_LT(by[0]->steps, 20);
+}
+
+TEST(Diffusion, TakesNoMoreMemoryThanItSays) {
+  // Graphs over pores of long voxels are the largest, above all in mazes one voxel wide.
+  std::mt19937 random(5);
+  const NoProgress progress;
+  const Size3 size = {41, 41, 41};
+  for (const unsigned percent : {35U, 50U, 101U}) {
+    std::vector<std::uint8_t> pores;
+    for_each_voxel(size, [&](const Index3& p) {
+      const std::int64_t odd = p.x % 2 + p.y % 2 + p.z % 2;
+      const bool is_maze = odd == 0 || (odd == 1 && random() % 100 < 60);
+      pores.push_back((percent > 100 ? is_maze : random() % 100 < percent) ? 1 : 0);
+    });
+    for (const Point3& spacing : {Point3{1, 1, 1}, {1, 1, 5}, {0.3, 1, 2}, {1, 30, 5}}) {
+      const PoreNetwork network(pores, size, spacing, 2, progress);
+      const std::uint64_t count = network.count();
+      ASSERT_GT(count, 1000U);
+      std::uint64_t bytes = 41 * count;
+      for (MergedPores made = merged(network);; made = merged(made.clusters, network)) {
+        bytes += 25 * made.clusters.count() + 8 * made.clusters.links.size();
+        if (!made.clusters.has_links()) break;
+      }
+      EXPECT_LT(bytes, pore_diffusion_bytes(0, count)) << percent << ' ' << spacing[1];
+    }
+  }
 }
 
 TEST(Diffusion, SpheresSlowItAsMaxwellSays) {
