@@ -25,10 +25,11 @@ constexpr VerbText kAlignText = {
     "tried. Half of a surface may be missing on either side. The matrix, mm and LPS, is what\n"
     "'octavo transform --affine' takes. With --scale the size is found as well.\n\n"
     "Surfaces agree where they are within a voxel of the coarser mask and face the same way: 30 %\n"
-    "of the first have to, and 60 % of what the second has around those. Of what comes within\n"
-    "four voxels 75 % has to be within half of one (its sharpness; below 85 % a warning says that\n"
-    "the pose is doubtful), and what each has for itself has to lie behind a cut, not all around;\n"
-    "where both have any, 75 % has to agree around and 85 % to be sharp.\n"
+    "of the first have to, and 60 % of what the second has around those, or 50 % where the pose\n"
+    "is sharp: of what comes within four voxels 75 % has to be within half of one (its sharpness;\n"
+    "from 85 % on it is sharp, below a warning says that the pose is doubtful), and what each has\n"
+    "for itself has to lie behind a cut, not all around; where both have any, 75 % has to agree\n"
+    "around and 85 % to be sharp.\n"
     "Otherwise there is no pose: the exit code is 1, and no matrix is written. Of meshes and\n"
     "points the sides do not count, and sharpness may be 10 % less; of lines of sight 60 % have\n"
     "to touch within a voxel, and no more is asked. docs/poses.md says what was measured of true\n"
@@ -43,6 +44,8 @@ constexpr VerbText kAlignText = {
 nlohmann::ordered_json report_json(const AlignOptions& options, const AlignResult& result) {
   const FoundPose& pose = result.pose;
   nlohmann::ordered_json matrix = nullptr;
+  nlohmann::ordered_json why_none = nullptr;
+  if (!result.is_found) why_none = result.why_none;
   if (result.is_found) {
     matrix = nlohmann::ordered_json::array();
     for (std::size_t row = 0; row < 3; ++row) {
@@ -53,6 +56,7 @@ nlohmann::ordered_json report_json(const AlignOptions& options, const AlignResul
   return {{"moving", options.moving},
           {"fixed", options.fixed},
           {"found", result.is_found},
+          {"why_none", why_none},
           {"matrix_mm", matrix},
           {"scale", pose.scale},
           {"agreement", result.agreement.forward},

@@ -137,6 +137,7 @@ nb::dict pose_facts(const AlignResult& result) {
   const FoundPose& pose = result.pose;
   nb::dict facts;
   facts["found"] = result.is_found;
+  facts["why_none"] = result.is_found ? nb::none() : nb::object(nb::cast(result.why_none));
   nb::list rows;
   for (std::size_t row = 0; row < 3; ++row) {
     const double* const linear = &pose.map.linear[3 * row];

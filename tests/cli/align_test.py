@@ -13,9 +13,9 @@ import unittest
 import cli_test
 
 SIZE = (48, 40, 36)
-KEYS = ["moving", "fixed", "found", "matrix_mm", "scale", "agreement", "agreement_around",
-        "sharpness", "parting", "doubtful", "overlap", "mean_mm", "p95_mm", "max_mm",
-        "iterations", "condition", "points", "level", "warnings"]
+KEYS = ["moving", "fixed", "found", "why_none", "matrix_mm", "scale", "agreement",
+        "agreement_around", "sharpness", "parting", "doubtful", "overlap", "mean_mm", "p95_mm",
+        "max_mm", "iterations", "condition", "points", "level", "warnings"]
 
 
 def is_in_bars(x, y, z):
@@ -47,6 +47,7 @@ class Align(cli_test.InFolder):
                                       "--json", "--progress", "none").stdout)
         self.assertEqual(list(made), KEYS)
         self.assertTrue(made["found"])
+        self.assertIsNone(made["why_none"])
         self.assertGreater(made["agreement"], 0.6)
         matrix = self.matrix()
         self.assertEqual(matrix[3], [0, 0, 0, 1])
@@ -73,12 +74,13 @@ class Align(cli_test.InFolder):
                    lambda x, y, z: (x - 20) ** 2 + (y - 18) ** 2 + (z - 17) ** 2 <= 100)
         shown = self.expect(1, "align", "ball.8vo", "walls.8vo", "-o", "pose.txt")
         self.assertIn("no pose; ", shown.stdout)
-        self.assertIn(" %, not ", shown.stdout)
+        self.assertRegex(shown.stdout, r" is \d+\.\d %, not \d+ % or more")
         self.assertFalse((self.folder / "pose.txt").exists())
         made = json.loads(self.expect(1, "align", "ball.8vo", "walls.8vo", "-o", "pose.txt",
                                       "--json", "--progress", "none").stdout)
         self.assertFalse(made["found"])
         self.assertIsNone(made["matrix_mm"])
+        self.assertIn("no pose; " + made["why_none"], shown.stdout)
         self.assertFalse((self.folder / "pose.txt").exists())
 
     def test_bad_masks_and_outputs_are_a_sentence(self):

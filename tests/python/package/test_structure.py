@@ -114,7 +114,7 @@ def test_a_pose_is_found_and_takes_the_mask_there(tmp_path):
     second = octavo.build(np.ascontiguousarray(moved), tmp_path / "b.8vo", kind="labels",
                           spacing=(1, 1, 1)).mask()
     made = first.align(second)
-    assert made["found"] and made["matrix_mm"].shape == (4, 4)
+    assert made["found"] and made["matrix_mm"].shape == (4, 4) and made["why_none"] is None
     there = first.transform(tmp_path / "t.8vo", affine=made["matrix_mm"], grid_of=second)
     assert there.mask().agreement(second)[0]["dice"] > 0.9
 

@@ -462,6 +462,7 @@ FoundPose settled_pose(const FoundPose& found, std::span<const Point3> points,
   const double voxel = target.voxel_mm;
   const PoseSolver by_facing({facing, {}}, pivot, target, has_scale);
   for (const double cut : {2.0, 1.0}) {
+    if (facing.empty()) break;
     by_facing.improve(pose, {target.fine, facing.size(), cut * voxel, 15, 1e-5});
   }
   const PoseSolver by_all({points, {}}, pivot, target, has_scale);

@@ -77,9 +77,10 @@ FoundPose find_pose(std::span<const SightLine> lines, const PoseTarget& target, 
                     Progress& progress);
 
 /// A pose moved on by those of its points alone that have a counterpart.
+/// found     its map, scale and iterations are what it begins with
 /// points    all of them: what is said of distances is of these
-/// facing    some of them
-/// Requires  points and facing
+/// facing    some of them; without any the pose stays, and is described
+/// Requires  points
 FoundPose settled_pose(const FoundPose& found, std::span<const Point3> points,
                        std::span<const Point3> facing, const PoseTarget& target, bool has_scale);
 

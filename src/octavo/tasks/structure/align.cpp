@@ -129,6 +129,9 @@ double clear_sharpness(const AlignResult& result) {
   return result.has_sides ? kClearSharpness : kClearSharpness - kPointBlur;
 }
 
+/// A share in percent with a decimal, rounded down: what is below a bound reads so.
+double percent_below(double share) { return std::floor(1000 * share + 1e-6) / 10; }
+
 /// What a pose lacks to be one; nothing where it lacks nothing.
 std::string lacking_words(const AlignResult& result) {
   const PoseAgreement& is = result.agreement;
@@ -142,7 +145,8 @@ std::string lacking_words(const AlignResult& result) {
     needed.backward = kClearBackward;
   }
   const auto words = [](const char* what, double share, double minimum) {
-    return fmt::format("{} {:.0f} %, not {:.0f} % or more", what, 100 * share, 100 * minimum);
+    return fmt::format("{} {:.1f} %, not {:.0f} % or more", what, percent_below(share),
+                       100 * minimum);
   };
   if (is.forward < needed.forward) {
     return words(result.has_lines ? "the share of lines that touch the surface is"
@@ -197,15 +201,18 @@ class MaskMaps {
   double edge_mm_;
 };
 
-/// Moves a pose of a mask on by what has a counterpart, and judges it.
+/// Moves a pose of a mask on by what has a counterpart, describes and judges it.
+/// result  of its pose the map, scale and iterations are taken
 void settle_pose(const MaskMaps& moving, const MaskMaps& fixed, bool has_scale,
                  AlignResult& result) {
   const PosedSurface moved = moving.surface();
   const PosedSurface onto = fixed.surface();
   for (int round = 0; round < kSettlingRounds; ++round) {
-    const std::vector<Point3> facing = facing_points(moved, onto, result.pose.map);
-    if (facing.size() < kFewestFacing) break;
+    std::vector<Point3> facing = facing_points(moved, onto, result.pose.map);
+    const bool is_last = facing.size() < kFewestFacing;
+    if (is_last) facing.clear();
     result.pose = settled_pose(result.pose, moved.points, facing, fixed.target(), has_scale);
+    if (is_last) break;
   }
   result.agreement = agreement_of(moved, onto, result.pose.map);
   result.why_none = lacking_words(result);
@@ -226,6 +233,7 @@ void find_mask_pose(const MaskMaps& moving, const MaskMaps& fixed, bool has_scal
         find_pose(fixed.surface().points, moving.target(), has_scale, context.watcher());
     const auto map = inverse(back.map);
     if (!map) return;
+    other.pose = {};
     other.pose.map = *map;
     other.pose.scale = 1 / back.scale;
     other.pose.iterations = back.iterations;
@@ -293,9 +301,10 @@ AlignResult align(const AlignOptions& options, const TaskContext& context) {
   if (!result.is_found) return result;
   result.is_doubtful = result.agreement.sharpness < clear_sharpness(result);
   if (result.is_doubtful) {
-    context.warn(fmt::format("{}: the pose is doubtful: of what comes near {} {:.0f} % is within "
+    context.warn(fmt::format("{}: the pose is doubtful: of what comes near {} {:.1f} % is within "
                              "half a voxel; of the same surface more than {:.0f} % would be",
-                             options.moving, options.fixed, 100 * result.agreement.sharpness,
+                             options.moving, options.fixed,
+                             percent_below(result.agreement.sharpness),
                              100 * clear_sharpness(result)));
   }
   PictureFiles pictures(context);

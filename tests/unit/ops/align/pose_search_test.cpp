@@ -138,6 +138,25 @@ TEST_F(PoseSearch, SettlesByPointsThatHaveACounterpart) {
   EXPECT_GT(pose.overlap, 0.5);
 }
 
+TEST_F(PoseSearch, DescribesAPoseThatNothingFaces) {
+  std::mt19937 random(9);
+  const Affine map = random_map(random, 1);
+  const auto back = inverse(map);
+  ASSERT_TRUE(back);
+  FoundPose known;
+  known.map = *back;
+  known.iterations = 3;
+  const PointSpread spread = spread_of(points_);
+  const FoundPose pose =
+      settled_pose(known, moved_points(map, false), {},
+                   {coarse_, fine_, spread.middle, spread.axes, spread.radius_mm, 1.14}, false);
+  EXPECT_LT(error_of(pose, map), 1e-6);
+  EXPECT_EQ(pose.iterations, 3);
+  EXPECT_GT(pose.overlap, 0.95);
+  EXPECT_GT(pose.p95_mm, pose.mean_mm);
+  EXPECT_GT(pose.condition, 1);
+}
+
 TEST_F(PoseSearch, FindsTheScaleAsWell) {
   std::mt19937 random(7);
   const Affine map = random_map(random, 1.3);

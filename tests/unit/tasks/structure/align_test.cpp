@@ -229,7 +229,7 @@ TEST_F(Align, SaysThatNothingHoldsABall) {
   options_.moving = write("ball.8vo", ball(12));
   options_.fixed = options_.moving;
   options_.matrix = {};
-  EXPECT_GT(align(options_, context_).pose.condition, 50);
+  EXPECT_GT(align(options_, context_).pose.condition, 90);
   options_.moving = write("lumps.8vo", solid([](const Index3& p) { return is_in_lumps(p); }));
   options_.fixed = options_.moving;
   const AlignResult held = align(options_, context_);
