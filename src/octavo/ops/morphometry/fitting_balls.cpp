@@ -18,6 +18,7 @@ namespace {
 constexpr std::int64_t kBallPlanes = 16;  // of a slab
 constexpr double kNear = 0.5;             // voxels behind it: says what form the surface has
 constexpr std::int64_t kKeyStride = 1 << 20;  // more than voxels of an axis, on both sides
+constexpr double kLongestOfCubes = 1.001;     // in shortest sides
 constexpr double kContact = 0.2;          // voxels behind the nearest site: touched as well
 
 // What is left where gaps are known, by the radius: behind planes, sites lie aside of the way; in
@@ -329,6 +330,14 @@ class BallFinder {
 };
 
 }  // namespace
+
+Point3 thickness_spacing(const Point3& spacing_mm) {
+  const auto [shortest, longest] = std::minmax({spacing_mm[0], spacing_mm[1], spacing_mm[2]});
+  if (longest >= kLongestOfCubes * shortest) return spacing_mm;
+  if (longest == shortest) return spacing_mm;
+  const double side = std::cbrt(spacing_mm[0] * spacing_mm[1] * spacing_mm[2]);
+  return {side, side, side};
+}
 
 std::vector<FittingBall> fitting_balls(const ThicknessClass& asked, const Point3& spacing_mm,
                                        const SiteField& field, Progress& progress) {

@@ -44,6 +44,11 @@ struct FittingBall {
   float reach_mm = 0;   ///< it covers voxels whose centers are nearer
 };
 
+/// The spacing that thickness is measured with: voxels whose sides differ by less than 1e-3, as by
+/// the digits that files round them to, are cubes of their volume. Of sites that are equally far
+/// away none may seem nearer.
+Point3 thickness_spacing(const Point3& spacing_mm);
+
 /// The balls around the ridges of a class, the largest first.
 /// field  of the mask, with this spacing
 /// Uses the threads of the calling task arena; does not depend on them.

@@ -63,7 +63,8 @@ class MorphometryWork {
         context_(context),
         mask_(open_mask(options.input, context)),
         size_(mask_.volume().size),
-        spacing_(mask_.volume().geometry.spacing_mm) {
+        spacing_(mask_.volume().geometry.spacing_mm),
+        thickness_spacing_(thickness_spacing(spacing_)) {
     require_known_spacing(mask_.volume(), mask_.path, "a measure in mm");
     if (!options.region.empty()) {
       OpenedMask region = open_mask(options.region, context);
@@ -185,8 +186,8 @@ class MorphometryWork {
     }
     std::unique_ptr<SiteField> sites;
     watched("distances", size_.z, "planes", [&] {
-      sites = make_site_field(inside_of(mask_.tree), spacing_, room_bytes(), local_storage(),
-                              scratch_folder(), context_.watcher());
+      sites = make_site_field(inside_of(mask_.tree), thickness_spacing_, room_bytes(),
+                              local_storage(), scratch_folder(), context_.watcher());
     });
     result_.thickness = thickness_of(false, options_.thickness_map, *sites);
     result_.spacing = thickness_of(true, options_.spacing_map, *sites);
@@ -197,14 +198,15 @@ class MorphometryWork {
     std::vector<FittingBall> balls;
     const char* const what = is_background ? "spacing" : "thickness";
     watched(is_background ? "balls outside" : "balls inside", size_.z, "planes", [&] {
-      balls = fitting_balls(asked, spacing_, sites, context_.watcher());
+      balls = fitting_balls(asked, thickness_spacing_, sites, context_.watcher());
     });
     if (!is_background) {
       watched("ellipsoids", ellipsoid_count(balls), "ellipsoids", [&] {
-        result_.ellipsoids = ellipsoid_factors(asked, spacing_, balls, context_.watcher());
+        result_.ellipsoids =
+            ellipsoid_factors(asked, thickness_spacing_, balls, context_.watcher());
       });
     }
-    const LocalThickness thickness(asked, spacing_, balls);
+    const LocalThickness thickness(asked, thickness_spacing_, balls);
     ThicknessSummary summary;
     // What is read of planes goes into the sums once, though a build may ask for it twice.
     std::int64_t added = 0;
@@ -406,6 +408,7 @@ class MorphometryWork {
   std::shared_ptr<const FileReader> grey_;
   Size3 size_;
   Point3 spacing_;
+  Point3 thickness_spacing_;
   MorphometryResult result_;
 };
 

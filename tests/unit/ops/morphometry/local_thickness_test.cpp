@@ -214,6 +214,27 @@ TEST(LocalThickness, IsThatOfTheLargestBallsLessWhatLiesBehindTheSurface) {
   EXPECT_LT(more[more.size() * 19 / 20], 0.5);
 }
 
+TEST(LocalThickness, OfSpacingsRoundedElsewhereIsTheSame) {
+  const DenseMask mask = solid({48, 48, 48}, [](const Index3& p) {
+    const double x = 0.31 * static_cast<double>(p.x);
+    const double y = 0.29 * static_cast<double>(p.y);
+    const double z = 0.33 * static_cast<double>(p.z);
+    return std::sin(x) * std::cos(y) + std::sin(y) * std::cos(z) + std::sin(z) * std::cos(x) > 0;
+  });
+  for (const bool is_background : {false, true}) {
+    const std::vector<float> cubes = measured(mask, {0.3, 0.3, 0.3}, is_background).mm;
+    for (const Point3& rounded :
+         {Point3{0.3, 0.3, 0.3 * (1 + 1e-7)}, Point3{0.3, 0.3 * (1 - 1e-6), 0.3}}) {
+      const auto mm = measured(mask, thickness_spacing(rounded), is_background).mm;
+      for (std::size_t i = 0; i < cubes.size(); ++i) ASSERT_NEAR(mm[i], cubes[i], 1e-5) << i;
+    }
+  }
+  EXPECT_EQ(thickness_spacing({0.3, 0.3, 0.301}), (Point3{0.3, 0.3, 0.301}));
+  const Point3 cube = thickness_spacing({2, 2.001, 2});
+  EXPECT_EQ(cube, (Point3{cube[0], cube[0], cube[0]}));
+  EXPECT_NEAR(cube[0] * cube[0] * cube[0], 2 * 2.001 * 2, 1e-12);
+}
+
 TEST(LocalThickness, BallsHoldNoCenterOfTheOtherClass) {
   const DenseMask mask = solid({24, 20, 18}, [](const Index3& p) {
     return (p.x * 7 + p.y * 3 + p.z * 5) % 61 != 0;
