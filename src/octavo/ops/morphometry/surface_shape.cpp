@@ -20,7 +20,7 @@ constexpr std::int64_t kShapeReach = 3;  // of an average, to each side
 // Along voxels that are long beside the others, an average that reached as far would take in all of
 // a structure.
 using ShapeWeights = std::array<std::uint16_t, 4>;
-enum ShapeField : std::size_t { kEven = 0, kPeaked = 1, kNear = 2, kShapeFields = 3 };
+enum ShapeField : std::size_t { kEven = 0, kPeaked = 1, kClosest = 2, kShapeFields = 3 };
 constexpr std::array<ShapeWeights, kShapeFields> kShapeWeights = {
     {{1, 1, 1, 1}, {6, 5, 5, 4}, {6, 4, 1, 0}}};
 constexpr ShapeWeights kLongWeights = {6, 5, 4, 0};
@@ -52,7 +52,7 @@ class ShapeSlab {
     const double shortest = std::min({spacing_[0], spacing_[1], spacing_[2]});
     for (std::size_t a = 0; a < 3; ++a) {
       face_mm2_[a] = volume / spacing_[a];
-      for (const ShapeField which : {kEven, kPeaked, kNear}) {
+      for (const ShapeField which : {kEven, kPeaked, kClosest}) {
         const ShapeWeights& own = spacing_[a] >= kLong * shortest ? kLongWeights
                                                                   : kShapeWeights[which];
         weights_[which][a] = own;
@@ -85,7 +85,7 @@ class ShapeSlab {
     const auto* const shown = inside.data() + (begin_ - lo) * plane_;
     inside_.assign(shown, shown + (shown_end_ - begin_) * plane_);
 
-    for (const ShapeField which : {kEven, kPeaked, kNear}) fill_field(inside, lo, which);
+    for (const ShapeField which : {kEven, kPeaked, kClosest}) fill_field(inside, lo, which);
   }
 
   /// Sums along rows, over rows of each plane, then over planes; beyond the border voxels repeat.
@@ -251,7 +251,7 @@ class ShapeSlab {
     };
     const double less_steep = share(steep, kNearSteepness);
     if (less_steep <= 0) return n;
-    const Point3 near = unit_or_face(face_gradient(kNear, p, q, axis), axis);
+    const Point3 near = unit_or_face(face_gradient(kClosest, p, q, axis), axis);
     const double turned = 1 - share(dot(n, near), {kNearTurn[0], kNearTurn[1]});
     const double all = less_steep * turned;
     return unit_or_face(sum(scaled(n, 1 - all), scaled(near, all)), axis);
