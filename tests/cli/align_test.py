@@ -120,8 +120,8 @@ class Align(cli_test.InFolder):
         (self.folder / "bad.csv").write_text("1,2,3\n4,5\n")
         self.expect_error(7, ["bad.csv", "line 2"], "align", "bad.csv", "bars.8vo", "-o", "a.txt",
                           "--picture", "a.png")
-        (self.folder / "few.csv").write_text("1,2,3\n4,5,6\n")
-        self.expect_error(2, ["few.csv", "12"], "align", "few.csv", "bars.8vo")
+        (self.folder / "few.csv").write_text("".join(f"{i},{i * i},3\n" for i in range(29)))
+        self.expect_error(2, ["few.csv", "30"], "align", "few.csv", "bars.8vo")
         self.expect_error(2, [".csv"], "align", "bars.docx", "bars.8vo")
         self.expect_error(2, [".png"], "align", "bars.8vo", "bars.8vo", "--picture", "a.jpg")
         self.assertEqual([path.name for path in self.folder.glob("a.*")], [])

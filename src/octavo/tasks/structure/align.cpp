@@ -132,6 +132,19 @@ double clear_sharpness(const AlignResult& result) {
 /// A share in percent with a decimal, rounded down: what is below a bound reads so.
 double percent_below(double share) { return std::floor(1000 * share + 1e-6) / 10; }
 
+/// What makes a pose doubtful; nothing where it is clear.
+std::string doubtful_words(const AlignResult& result) {
+  const PoseAgreement& is = result.agreement;
+  if (result.has_lines && is.forward < kClearSights) {
+    return fmt::format("{:.1f} % of the lines touch the surface; of its own more than {:.0f} % "
+                       "would", percent_below(is.forward), 100 * kClearSights);
+  }
+  if (is.sharpness >= clear_sharpness(result)) return "";
+  return fmt::format("of what comes near {:.1f} % is within half a voxel; of the same surface more "
+                     "than {:.0f} % would be", percent_below(is.sharpness),
+                     100 * clear_sharpness(result));
+}
+
 /// What a pose lacks to be one; nothing where it lacks nothing.
 std::string lacking_words(const AlignResult& result) {
   const PoseAgreement& is = result.agreement;
@@ -299,13 +312,11 @@ AlignResult align(const AlignOptions& options, const TaskContext& context) {
   }
   result.is_found = result.why_none.empty();
   if (!result.is_found) return result;
-  result.is_doubtful = result.agreement.sharpness < clear_sharpness(result);
+  const std::string doubt = doubtful_words(result);
+  result.is_doubtful = !doubt.empty();
   if (result.is_doubtful) {
-    context.warn(fmt::format("{}: the pose is doubtful: of what comes near {} {:.1f} % is within "
-                             "half a voxel; of the same surface more than {:.0f} % would be",
-                             options.moving, options.fixed,
-                             percent_below(result.agreement.sharpness),
-                             100 * clear_sharpness(result)));
+    context.warn(fmt::format("{}: the pose on {} is doubtful: {}", options.moving, options.fixed,
+                             doubt));
   }
   PictureFiles pictures(context);
   if (!options.picture.path.empty()) {

@@ -39,13 +39,15 @@ inline constexpr double kPointBlur = 0.1;
 
 /// The share of lines of sight that have to touch the surface within a voxel; nothing is asked of
 /// the other way, nor of sharpness, since pixels of pictures may be coarser than voxels.
-inline constexpr double kMinimumSights = 0.6;
+inline constexpr double kMinimumSights = 0.8;
+/// The share of them below which a pose is doubtful.
+inline constexpr double kClearSights = 0.9;
 
 struct AlignResult {
   FoundPose pose;  ///< from world space of `moving` to that of `fixed`, mm, LPS
   PoseAgreement agreement;
   bool is_found = false;
-  bool is_doubtful = false;  ///< found, but less sharply than poses of the same surface are
+  bool is_doubtful = false;  ///< found, but fewer agree than of the same surface do
   std::string why_none;      ///< in words, where none is found
   int level = 0;   ///< of the fixed mask that distances were measured at
   double voxel_mm = 0;  ///< of that level

@@ -23,7 +23,7 @@ namespace octavo {
 namespace {
 
 constexpr std::uint64_t kMostFeatureBytes = std::uint64_t{1} << 30;
-constexpr std::size_t kFewestFeatures = 12;
+constexpr std::size_t kFewestFeatures = 30;  // fewer fit many surfaces
 constexpr double kWeakestHold = 0.02;  // of lines of sight: two views 16 degrees apart
 constexpr double kFarthestMm = 1e9;
 

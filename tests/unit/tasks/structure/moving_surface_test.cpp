@@ -34,19 +34,19 @@ class MovingSurface : public testing::TaskFiles {
 };
 
 TEST_F(MovingSurface, RowsOfThreeArePointsAndOfSixLines) {
-  const MovingFeatures points = read("a.csv", "x,y,z\n# of a probe\n" + rows(20));
-  EXPECT_EQ(points.points.size(), 20u);
+  const MovingFeatures points = read("a.csv", "x,y,z\n# of a probe\n" + rows(30));
+  EXPECT_EQ(points.points.size(), 30u);
   EXPECT_NEAR(points.spacing_mm, std::sqrt(2), 1e-9);
-  EXPECT_EQ(read("a.txt", rows(40), 15).points.size(), 15u);
-  std::string crossing = rows(10, " 90 1 1");
-  for (int i = 0; i < 10; ++i) crossing += "0 " + std::to_string(i) + " 0 5 800 1\n";
-  EXPECT_EQ(read("a.xyz", crossing).lines.size(), 20u);
+  EXPECT_EQ(read("a.txt", rows(70), 32).points.size(), 32u);
+  std::string crossing = rows(15, " 90 1 1");
+  for (int i = 0; i < 15; ++i) crossing += "0 " + std::to_string(i) + " 0 5 800 1\n";
+  EXPECT_EQ(read("a.xyz", crossing).lines.size(), 30u);
 }
 
 TEST_F(MovingSurface, RowsThatAreNoneAreRejectedByTheirLine) {
-  const Failure short_row = failure("b.csv", rows(20) + "1,2\n");
+  const Failure short_row = failure("b.csv", rows(30) + "1,2\n");
   EXPECT_EQ(short_row.kind, ErrorKind::source_rejected);
-  EXPECT_NE(short_row.detail.find("line 21"), std::string::npos) << short_row.detail;
+  EXPECT_NE(short_row.detail.find("line 31"), std::string::npos) << short_row.detail;
   EXPECT_EQ(failure("b.csv", "1 2 3 4\n").kind, ErrorKind::source_rejected);
   EXPECT_EQ(failure("b.csv", "1 2 nan\n").kind, ErrorKind::source_rejected);
   EXPECT_EQ(failure("b.csv", "1 2 1e300\n").kind, ErrorKind::source_rejected);
@@ -56,9 +56,9 @@ TEST_F(MovingSurface, RowsThatAreNoneAreRejectedByTheirLine) {
 
 TEST_F(MovingSurface, TooLittleIsRejected) {
   EXPECT_EQ(failure("c.csv", "").kind, ErrorKind::invalid_argument);
-  EXPECT_EQ(failure("c.csv", rows(11)).kind, ErrorKind::invalid_argument);
-  EXPECT_EQ(failure("c.csv", rows(20, " 900 1 1")).kind, ErrorKind::invalid_argument);
-  EXPECT_EQ(failure("c.dat", rows(20)).kind, ErrorKind::invalid_argument);
+  EXPECT_EQ(failure("c.csv", rows(29)).kind, ErrorKind::invalid_argument);
+  EXPECT_EQ(failure("c.csv", rows(40, " 900 1 1")).kind, ErrorKind::invalid_argument);
+  EXPECT_EQ(failure("c.dat", rows(30)).kind, ErrorKind::invalid_argument);
 }
 
 TEST_F(MovingSurface, MeshesGivePlacesOnTheirTriangles) {
