@@ -69,6 +69,9 @@ void require_claimed(const DicomLayout& layout, const PictureHead& head) {
     reject(layout, "the compressed picture has " + std::to_string(head.samples) +
                        " samples per pixel, the header says " + std::to_string(layout.samples));
   }
+  if (head.bits < 1) {
+    reject(layout, "the numbers of the compressed picture have 0 bits: it is damaged");
+  }
   if (head.bits > layout.bits_allocated) {
     reject(layout, "the numbers of the compressed picture have " + std::to_string(head.bits) +
                        " bits, Bits Allocated (0028,0100) says " +

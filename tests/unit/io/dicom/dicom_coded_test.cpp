@@ -145,6 +145,16 @@ TEST_F(SourceDicomCoded, WhatContradictsTheHeaderIsRejected) {
     elements.set_fragments({picture}, true);
     elements.write(path(), coding.uid);
     expect_rejected(path(), {"16 x 16 voxels", "says 16 x 20"});
+    if (coding.type == Syntax::JPEG2000Lossless) continue;  // counts bits from 1 on
+    std::string none = picture;
+    const std::string frame = coding.uid == kJpegLs ? "\xff\xf7" : "\xff\xc3";
+    const std::size_t at = none.find(frame);
+    ASSERT_NE(at, std::string::npos);
+    none[at + 4] = 0;
+    elements = ct_elements(kSide, kSide, 16);
+    elements.set_fragments({none}, true);
+    elements.write(path(), coding.uid);
+    expect_rejected(path(), {"have 0 bits"});
   }
 }
 
