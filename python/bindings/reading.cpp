@@ -55,9 +55,14 @@ class PythonBytes final : public ByteSource {
     return kept_.missing(ranges);
   }
 
+  std::shared_ptr<const void> hold(std::span<const ByteRange> ranges) const override {
+    const std::lock_guard guard(lock_);
+    return kept_.hold(ranges);
+  }
+
   void forget() {
     const std::lock_guard guard(lock_);
-    kept_.shrink_to(0);
+    kept_ = SparseBytes{};
   }
 
   void fetch(std::span<const ByteRange> ranges) const override {

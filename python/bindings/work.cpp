@@ -30,6 +30,9 @@ class BorrowedSource final : public ByteSource {
   }
   std::uint64_t fetched_bytes_kept() const override { return source_->fetched_bytes_kept(); }
   void fetch(std::span<const ByteRange> ranges) const override { source_->fetch(ranges); }
+  std::shared_ptr<const void> hold(std::span<const ByteRange> ranges) const override {
+    return source_->hold(ranges);
+  }
 
  private:
   std::shared_ptr<const ByteSource> source_;

@@ -1,8 +1,12 @@
 #include "octavo/file/box_plan.h"
 
 #include <algorithm>
+#include <limits>
+#include <memory>
+#include <optional>
 #include <set>
 #include <utility>
+#include <vector>
 
 #include "octavo/codec/brick_codec.h"
 #include "octavo/core/error.h"
@@ -38,7 +42,10 @@ class BoxPlanner {
     for (std::size_t i = first; i < entry.pieces.size(); ++i) add_piece(entry, i);
   }
 
-  ReadPlan plan(const JoinLimits& limits) && {
+  /// What the bricks need, at hand or not.
+  std::vector<ByteRange> needed() const { return joined(needed_, kNoGaps); }
+
+  ReadPlan plan(const JoinLimits& limits) const {
     ReadPlan plan;
     const std::vector<ByteRange> missing = file_.source().missing(needed_);
     plan.needed_bytes = total_bytes(missing);
@@ -135,44 +142,8 @@ std::pair<Box, Box> halves_of(const Box& box, const Size3& side, const Size3& me
   return halves;
 }
 
-}  // namespace
-
-bool fetch_boxes(const OpenFile& file, std::span<const Box> boxes, int level,
-                 const IsDecoded& is_decoded, std::uint64_t most_bytes) {
-  const ByteSource& source = file.source();
-  if (source.fetched_bytes_kept() == 0) return true;
-  const Size3 side = brick_side_at(file.levels(), level);
-  std::int64_t brick_count = 0;
-  for (const Box& box : boxes) brick_count += cells_met(box, side).voxel_count();
-  if (brick_count > kMostPlannedBricks) return false;
-  std::uint64_t fetched = 0;
-  for (int i = 0; i < kMostPlans; ++i) {
-    const ReadPlan plan = plan_of_boxes(file, boxes, level, {}, is_decoded);
-    fetched += total_bytes(plan.ranges);
-    if (fetched > std::min(source.fetched_bytes_kept(), most_bytes)) return false;
-    if (!plan.ranges.empty()) source.fetch(plan.ranges);
-    if (plan.is_complete) break;
-  }
-  return true;
-}
-
-void for_fetched(const OpenFile& file, const Box& box, int level, const IsDecoded& is_decoded,
-                 const std::function<void(const Box& part)>& read) {
-  const std::uint64_t kept = file.source().fetched_bytes_kept();
-  if (kept == 0) return read(box);
-  const Size3 side = brick_side_at(file.levels(), level);
-  const Size3 met = cells_met(box, side);
-  // What is read stays while the next part comes.
-  const bool is_fetched =
-      fetch_boxes(file, {&box, 1}, level, is_decoded, std::min(kPartBytes, kept / 2));
-  if (is_fetched || met.voxel_count() == 1) return read(box);
-  const auto [first, second] = halves_of(box, side, met);
-  for_fetched(file, first, level, is_decoded, read);
-  for_fetched(file, second, level, is_decoded, read);
-}
-
-ReadPlan plan_of_boxes(const OpenFile& file, std::span<const Box> boxes, int level,
-                       const JoinLimits& limits, const IsDecoded& is_decoded) {
+BoxPlanner planner_of(const OpenFile& file, std::span<const Box> boxes, int level,
+                      const IsDecoded& is_decoded) {
   BoxPlanner planner(file, level);
   for (const Box& box : boxes) {
     visit_cells(box, brick_side_at(file.levels(), level), [&](const Index3& position) {
@@ -181,7 +152,92 @@ ReadPlan plan_of_boxes(const OpenFile& file, std::span<const Box> boxes, int lev
       return true;
     });
   }
-  return std::move(planner).plan(limits);
+  return planner;
+}
+
+/// Bytes stay in a source as long as these live.
+using Holds = std::vector<std::shared_ptr<const void>>;
+
+/// Fetches what boxes need, and holds it. Nothing where that is more than `most_bytes`, at hand or
+/// not, or more than the source keeps.
+std::optional<Holds> fetch_held(const OpenFile& file, std::span<const Box> boxes, int level,
+                                const IsDecoded& is_decoded, std::uint64_t most_bytes) {
+  const ByteSource& source = file.source();
+  const Size3 side = brick_side_at(file.levels(), level);
+  std::int64_t brick_count = 0;
+  for (const Box& box : boxes) brick_count += cells_met(box, side).voxel_count();
+  if (brick_count > kMostPlannedBricks) return std::nullopt;
+  Holds holds;
+  std::uint64_t fetched = 0;
+  for (int i = 0; i < kMostPlans; ++i) {
+    const BoxPlanner planner = planner_of(file, boxes, level, is_decoded);
+    const std::vector<ByteRange> needed = planner.needed();
+    if (total_bytes(needed) > most_bytes) return std::nullopt;
+    // Before the plan: what it finds at hand must not make room for what it fetches.
+    holds.push_back(source.hold(needed));
+    const ReadPlan plan = planner.plan({});
+    fetched += total_bytes(plan.ranges);
+    if (fetched > std::min(source.fetched_bytes_kept(), most_bytes)) return std::nullopt;
+    if (!plan.ranges.empty()) source.fetch(plan.ranges);
+    if (plan.is_complete) break;
+  }
+  return holds;
+}
+
+/// Reads a box in parts. What the part before needs is held until the one after it was handed out:
+/// halves that turn out too large are fetched in part, too, and may push out whatever is not held.
+class PartsInTurn {
+ public:
+  PartsInTurn(const OpenFile& file, int level, const IsDecoded& is_decoded,
+              const std::function<void(const Box& part)>& read)
+      : file_(file),
+        level_(level),
+        is_decoded_(is_decoded),
+        read_(read) {}
+
+  void read(const Box& box) {
+    const Size3 side = brick_side_at(file_.levels(), level_);
+    const Size3 met = cells_met(box, side);
+    const bool is_brick = met.voxel_count() == 1;
+    const std::uint64_t kept = file_.source().fetched_bytes_kept();
+    const std::uint64_t most_bytes = is_brick ? kept : std::min(kPartBytes, kept / 2);
+    std::optional<Holds> fresh = fetch_held(file_, {&box, 1}, level_, is_decoded_, most_bytes);
+    if (!fresh && !is_brick) {
+      const auto [first, second] = halves_of(box, side, met);
+      read(first);
+      read(second);
+      return;
+    }
+    read_(box);
+    holds_ = fresh ? std::move(*fresh) : Holds{};
+  }
+
+ private:
+  const OpenFile& file_;
+  int level_;
+  const IsDecoded& is_decoded_;
+  const std::function<void(const Box& part)>& read_;
+  Holds holds_;  ///< of the part that was handed out last
+};
+
+}  // namespace
+
+bool fetch_boxes(const OpenFile& file, std::span<const Box> boxes, int level,
+                 const IsDecoded& is_decoded) {
+  if (file.source().fetched_bytes_kept() == 0) return true;
+  constexpr auto kAny = std::numeric_limits<std::uint64_t>::max();
+  return fetch_held(file, boxes, level, is_decoded, kAny).has_value();
+}
+
+void for_fetched(const OpenFile& file, const Box& box, int level, const IsDecoded& is_decoded,
+                 const std::function<void(const Box& part)>& read) {
+  if (file.source().fetched_bytes_kept() == 0) return read(box);
+  PartsInTurn(file, level, is_decoded, read).read(box);
+}
+
+ReadPlan plan_of_boxes(const OpenFile& file, std::span<const Box> boxes, int level,
+                       const JoinLimits& limits, const IsDecoded& is_decoded) {
+  return planner_of(file, boxes, level, is_decoded).plan(limits);
 }
 
 }  // namespace octavo

@@ -1,9 +1,7 @@
 // What is missing to read boxes of a level, and how it is fetched.
 #pragma once
 
-#include <cstdint>
 #include <functional>
-#include <limits>
 #include <span>
 
 #include "octavo/core/box.h"
@@ -21,11 +19,9 @@ using IsDecoded = std::function<bool(const BrickEntry& entry, const Box& part)>;
 ReadPlan plan_of_boxes(const OpenFile& file, std::span<const Box> boxes, int level,
                        const JoinLimits& limits, const IsDecoded& is_decoded);
 
-/// As FileReader::fetch, but for those bricks that are kept decoded; false, too, where it takes
-/// more than `most_bytes`.
+/// As FileReader::fetch, but for those bricks that are kept decoded.
 bool fetch_boxes(const OpenFile& file, std::span<const Box> boxes, int level,
-                 const IsDecoded& is_decoded,
-                 std::uint64_t most_bytes = std::numeric_limits<std::uint64_t>::max());
+                 const IsDecoded& is_decoded);
 
 /// As FileReader::for_fetched, but for those bricks that are kept decoded.
 void for_fetched(const OpenFile& file, const Box& box, int level, const IsDecoded& is_decoded,

@@ -271,7 +271,11 @@ class FetchingSource final : public ByteSource {
   std::vector<ByteRange> missing(std::span<const ByteRange> ranges) const override {
     return held_.missing(ranges);
   }
+  std::shared_ptr<const void> hold(std::span<const ByteRange> ranges) const override {
+    return held_.hold(ranges);
+  }
   void fetch(std::span<const ByteRange> ranges) const override {
+    const std::lock_guard lock(mutex_);
     for (const ByteRange& range : ranges) {
       held_.put(range.offset, read_arriving(*file_, range.offset, range.length));
       request_count += 1;
@@ -292,6 +296,7 @@ class FetchingSource final : public ByteSource {
  private:
   std::shared_ptr<ByteSource> file_;
   std::uint64_t kept_;
+  mutable std::mutex mutex_;  // of fetching
   mutable SparseSource held_;
 };
 
@@ -334,6 +339,44 @@ TEST(BoxPlan, LargeBoxesAreFetchedInParts) {
   }
 }
 
+/// However long decoding takes: each part is read once the next one has been fetched.
+TEST(BoxPlan, APartStaysUntilTheNextOneIsHandedOut) {
+  const std::vector<std::uint8_t> file = file_of(kPlannedVolumes[0]);
+  const auto whole = FileReader::open(byte_source_of(file, "whole"));
+  const Box all = box_of(kPlannedVolumes[0].size);
+  std::uint64_t largest_brick = 0;
+  visit_cells(all, whole->levels().brick_side(0), [&](const Index3& position) {
+    std::uint64_t bytes = 0;
+    for (const auto& piece : whole->brick(0, position).pieces) bytes += piece.length;
+    largest_brick = std::max(largest_brick, bytes);
+    return true;
+  });
+  for (const int i : {0, 1, 2, 3, 4, 5}) {
+    const std::uint64_t kept = file.size() / static_cast<std::uint64_t>(2 + i / 2);
+    ASSERT_LT(largest_brick, kept);
+    const auto source = std::make_shared<FetchingSource>(file, kept);
+    const auto reader = FileReader::open(source, {});
+    // What was put in long ago would be the first to go.
+    const Box first{{0, 0, 0}, {64, 64, 64}};
+    if (i % 2 == 0) reader->fetch({&first, 1}, 0);
+    source->late_count = 0;
+    std::vector<Box> parts;
+    std::size_t read_count = 0;
+    reader->for_fetched(all, 0, [&](const Box& part) {
+      parts.push_back(part);
+      // Once only: what was read is kept decoded.
+      const std::size_t end = part.hi == all.hi ? parts.size() : parts.size() - 1;
+      for (; read_count < end; ++read_count) {
+        const Box& box = parts[read_count];
+        ASSERT_EQ(voxels_of(*reader, box, 0), voxels_of(*whole, box, 0));
+      }
+    });
+    EXPECT_GT(parts.size(), 1u);
+    EXPECT_EQ(source->late_count, 0) << "run " << i;
+    EXPECT_LE(source->most_held, 2 * kept);
+  }
+}
+
 /// Of which other threads than the one that fetches read nothing before the second fetch begins.
 class SecondFetch final : public ByteSource {
  public:
@@ -344,6 +387,9 @@ class SecondFetch final : public ByteSource {
   std::uint64_t fetched_bytes_kept() const override { return source_.fetched_bytes_kept(); }
   std::vector<ByteRange> missing(std::span<const ByteRange> ranges) const override {
     return source_.missing(ranges);
+  }
+  std::shared_ptr<const void> hold(std::span<const ByteRange> ranges) const override {
+    return source_.hold(ranges);
   }
   void fetch(std::span<const ByteRange> ranges) const override {
     {

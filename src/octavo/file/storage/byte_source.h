@@ -32,6 +32,12 @@ class ByteSource {
   /// Brings ranges that are read soon, several at the same time, and keeps them in memory until
   /// others take their place. Throws as read() does, when all have come or failed.
   virtual void fetch(std::span<const ByteRange> /*ranges*/) const {}
+
+  /// Bytes of `ranges`, those at hand and those that fetch() brings, stay until the last copy of
+  /// what is returned is gone. Where more are held than fetched_bytes_kept(), nothing else is kept.
+  virtual std::shared_ptr<const void> hold(std::span<const ByteRange> /*ranges*/) const {
+    return nullptr;
+  }
 };
 
 /// The bytes [offset, offset + length) of a source. They are asked for in parts, the first of at

@@ -7,6 +7,18 @@
 
 namespace octavo {
 
+namespace {
+
+/// `ranges`  rising and apart from one another
+bool overlaps_any(const ByteRange& run, const std::vector<ByteRange>& ranges) {
+  const auto after = std::upper_bound(
+      ranges.begin(), ranges.end(), run.offset,
+      [](std::uint64_t offset, const ByteRange& range) { return offset < range.end(); });
+  return after != ranges.end() && after->offset < run.end();
+}
+
+}  // namespace
+
 void SparseBytes::insert(std::uint64_t offset, std::span<const std::uint8_t> bytes) {
   const std::uint64_t number = next_number_++;
   runs_.emplace(offset, Run{{bytes.begin(), bytes.end()}, number});
@@ -54,13 +66,32 @@ std::vector<ByteRange> SparseBytes::missing(std::span<const ByteRange> ranges) c
   return gaps;
 }
 
+std::shared_ptr<const void> SparseBytes::hold(std::span<const ByteRange> ranges) {
+  std::erase_if(holds_, [](const auto& hold) { return hold.expired(); });
+  auto held = std::make_shared<const Ranges>(joined({ranges.begin(), ranges.end()}, kNoGaps));
+  holds_.push_back(held);
+  return held;
+}
+
 void SparseBytes::shrink_to(std::uint64_t most_bytes) {
-  while (byte_count_ > most_bytes) {
-    const auto first = offsets_.begin();
-    const auto run = runs_.find(first->second);
-    byte_count_ -= run->second.bytes.size();
+  if (byte_count_ <= most_bytes) return;
+  std::vector<std::shared_ptr<const Ranges>> holds;
+  for (const auto& hold : holds_) {
+    if (auto held = hold.lock()) holds.push_back(std::move(held));
+  }
+  for (auto next = offsets_.begin(); next != offsets_.end() && byte_count_ > most_bytes;) {
+    const auto run = runs_.find(next->second);
+    const ByteRange range{run->first, run->second.bytes.size()};
+    const bool is_held = std::any_of(holds.begin(), holds.end(), [&](const auto& held) {
+      return overlaps_any(range, *held);
+    });
+    if (is_held) {
+      ++next;
+      continue;
+    }
+    byte_count_ -= range.length;
     runs_.erase(run);
-    offsets_.erase(first);
+    next = offsets_.erase(next);
   }
 }
 
@@ -102,6 +133,11 @@ void SparseSource::read(std::uint64_t offset, std::span<std::uint8_t> out) const
 std::vector<ByteRange> SparseSource::missing(std::span<const ByteRange> ranges) const {
   const std::lock_guard lock(mutex_);
   return held_.missing(ranges);
+}
+
+std::shared_ptr<const void> SparseSource::hold(std::span<const ByteRange> ranges) const {
+  const std::lock_guard lock(mutex_);
+  return held_.hold(ranges);
 }
 
 }  // namespace octavo

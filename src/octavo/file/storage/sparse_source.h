@@ -10,6 +10,7 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <span>
 #include <string>
@@ -34,10 +35,16 @@ class SparseBytes {
 
   std::uint64_t byte_count() const { return byte_count_; }
 
-  /// Drops the runs that were put first until no more than `most_bytes` are left.
+  /// As ByteSource::hold, for what is put in: a run of which some bytes are held stays whole.
+  std::shared_ptr<const void> hold(std::span<const ByteRange> ranges);
+
+  /// Drops the runs that were put first until no more than `most_bytes` are left, or those alone
+  /// that are held.
   void shrink_to(std::uint64_t most_bytes);
 
  private:
+  using Ranges = std::vector<ByteRange>;
+
   struct Run {
     std::vector<std::uint8_t> bytes;
     std::uint64_t number = 0;  ///< of those that were put
@@ -47,6 +54,7 @@ class SparseBytes {
 
   std::map<std::uint64_t, Run> runs_;                 ///< by offset
   std::map<std::uint64_t, std::uint64_t> offsets_;    ///< of runs, by number
+  std::vector<std::weak_ptr<const Ranges>> holds_;    ///< rising and apart, each of them
   std::uint64_t next_number_ = 0;
   std::uint64_t byte_count_ = 0;
 };
@@ -60,7 +68,7 @@ class SparseSource final : public ByteSource {
   /// Throws Error{invalid_argument} where the bytes lie beyond the end of the file.
   void put(std::uint64_t offset, std::span<const std::uint8_t> bytes);
 
-  /// Drops those bytes that were put first until no more than `most_bytes` are left.
+  /// As SparseBytes::shrink_to
   void shrink_to(std::uint64_t most_bytes);
 
   std::uint64_t byte_count() const;
@@ -70,12 +78,13 @@ class SparseSource final : public ByteSource {
   /// Throws Error{io} where bytes are missing, Error{truncated} beyond the end.
   void read(std::uint64_t offset, std::span<std::uint8_t> out) const override;
   std::vector<ByteRange> missing(std::span<const ByteRange> ranges) const override;
+  std::shared_ptr<const void> hold(std::span<const ByteRange> ranges) const override;
 
  private:
   std::uint64_t size_;
   std::string name_;
   mutable std::mutex mutex_;
-  SparseBytes held_;
+  mutable SparseBytes held_;
 };
 
 }  // namespace octavo

@@ -128,6 +128,11 @@ class HttpSource final : public ByteSource {
     return fetched_.missing(behind_head);
   }
 
+  std::shared_ptr<const void> hold(std::span<const ByteRange> ranges) const override {
+    const std::lock_guard lock(mutex_);
+    return fetched_.hold(ranges);
+  }
+
   void fetch(std::span<const ByteRange> ranges) const override {
     std::vector<ByteRange> wanted;
     for (ByteRange range : ranges) {

@@ -105,5 +105,25 @@ TEST(SparseSource, WhatWasPutFirstGoesFirst) {
   EXPECT_EQ(source.missing({&all, 1}), (std::vector<ByteRange>{{0, 100}}));
 }
 
+TEST(SparseSource, WhatIsHeldStaysWhetherItWasPutBeforeOrAfter) {
+  const FileContent content = content_of(100);
+  SparseSource source(100, "sparse");
+  const ByteRange all{0, 100};
+  for (const std::uint64_t at : {0u, 20u, 40u}) source.put(at, part_of(content, {at, 20}));
+  auto early = source.hold(std::vector<ByteRange>{{65, 10}, {19, 1}, {60, 5}});
+  auto twice = source.hold(std::vector<ByteRange>{{10, 5}});
+  for (const std::uint64_t at : {60u, 80u}) source.put(at, part_of(content, {at, 20}));
+  source.shrink_to(60);
+  EXPECT_EQ(source.missing({&all, 1}), (std::vector<ByteRange>{{20, 40}}));
+  source.shrink_to(0);
+  EXPECT_EQ(source.missing({&all, 1}), (std::vector<ByteRange>{{20, 40}, {80, 20}}));
+  early.reset();
+  source.shrink_to(0);
+  EXPECT_EQ(source.missing({&all, 1}), (std::vector<ByteRange>{{20, 80}}));
+  twice.reset();
+  source.shrink_to(0);
+  EXPECT_EQ(source.byte_count(), 0u);
+}
+
 }  // namespace
 }  // namespace octavo
