@@ -71,7 +71,11 @@ nlohmann::ordered_json report_json(const MorphometryArguments& arguments,
   }
   report["mil"] = nullptr;
   if (const auto& a = result.anisotropy) {
-    report["mil"] = {{"lengths_mm", a->lengths_mm}, {"axes", a->axes}};
+    nlohmann::ordered_json lengths = nlohmann::ordered_json::array();
+    for (const double mm : a->lengths_mm) {  // 0: without end
+      lengths.push_back(optional_json(mm > 0 ? std::optional(mm) : std::nullopt));
+    }
+    report["mil"] = {{"lengths_mm", lengths}, {"axes", a->axes}};
   }
   nlohmann::ordered_json boxes = nlohmann::ordered_json::array();
   for (const BoxCount& one : result.boxes) {

@@ -96,7 +96,11 @@ nb::dict morphometry_facts(const MorphometryResult& result, bool has_tortuosity)
   facts["mil"] = nb::none();
   if (result.anisotropy) {
     nb::dict mil;
-    mil["lengths_mm"] = result.anisotropy->lengths_mm;
+    nb::list lengths;
+    for (const double mm : result.anisotropy->lengths_mm) {  // 0: without end
+      lengths.append(mm > 0 ? nb::cast(mm) : nb::none());
+    }
+    mil["lengths_mm"] = lengths;
     mil["axes"] = result.anisotropy->axes;
     facts["mil"] = mil;
   }

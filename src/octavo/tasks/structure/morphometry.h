@@ -63,7 +63,7 @@ struct MorphometryResult {
   double bone_mm3 = 0;              ///< BV
   double total_mm3 = 0;             ///< TV
   SurfaceShape surface;             ///< area: BS
-  double smi = 0;                   ///< structure model index; 0 without a surface
+  std::optional<double> smi;        ///< structure model index, where there is a surface
   EulerNumbers euler;
   double connectivity = 0;          ///< 1 - the share of the Euler number
   std::optional<Anisotropy> anisotropy;

@@ -40,7 +40,7 @@ TEST_F(MorphometryTask, MeasuresAPlate) {
   EXPECT_DOUBLE_EQ(result.bone_mm3, 20 * 20 * 4);
   EXPECT_DOUBLE_EQ(result.total_mm3, 20 * 20 * 15);
   EXPECT_NEAR(result.surface.area_mm2, 2 * 400, 1e-6);
-  EXPECT_NEAR(result.smi, 0, 1e-6);
+  EXPECT_NEAR(result.smi.value(), 0, 1e-6);
   EXPECT_NEAR(result.thickness->mean_mm, 4, 1e-6);
   EXPECT_EQ(result.euler.corners, 1);
   EXPECT_NEAR(result.anisotropy->degree, 1, 0.02);
@@ -161,6 +161,7 @@ TEST_F(MorphometryTask, SaysWhereThereIsNothingToMeasure) {
   const MorphometryResult full = morphometry(options_, context_);
   EXPECT_EQ(full.share(), 1);
   EXPECT_EQ(full.surface.area_mm2, 0);
+  EXPECT_FALSE(full.smi);
   EXPECT_FALSE(full.thickness);
   EXPECT_EQ(warnings_.size(), 1u);
   ASSERT_EQ(full.slices.size(), 30u);
