@@ -150,8 +150,8 @@ class StructureTasks:
         -------
         dict
             The members of ``octavo align --json``. matrix_mm is 4 x 4, mm in x, y, z (LPS), what
-            ``transform(affine=)`` takes; None where found is False. Where doubtful is True, the
-            surfaces are much alike rather than the same.
+            ``transform(affine=)`` takes; None where found is False. Where doubtful is True,
+            fewer points agree than of the same surface do.
 
         Raises
         ------

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <cstring>
 #include <limits>
+#include <new>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -40,18 +41,27 @@ std::vector<ByteRun> fragments_of(const DicomLayout& layout, std::int64_t frame)
   return result;
 }
 
-/// The first bytes of a picture, over the ends of fragments.
-std::optional<PictureHead> head_of(const DicomLayout& layout, const SourceFile& file,
-                                   const std::vector<ByteRun>& fragments) {
-  if (has_run_lengths(layout)) return std::nullopt;
+/// The first `count` bytes of a picture, over the ends of fragments.
+std::vector<std::byte> start_of(const SourceFile& file, const std::vector<ByteRun>& fragments,
+                                std::size_t count) {
   std::vector<std::byte> start;
   for (const ByteRun& run : fragments) {
     const std::size_t had = start.size();
-    start.resize(had + static_cast<std::size_t>(
-                           std::min<std::uint64_t>(run.length, kPictureHeadBytes - had)));
+    if (had == count) break;
+    start.resize(had +
+                 static_cast<std::size_t>(std::min<std::uint64_t>(run.length, count - had)));
     file.read_exactly(run.offset, std::span(start).subspan(had));
   }
-  return picture_head(start);
+  return start;
+}
+
+/// Heads nearly always stand at the very front; tables and notes may come before them.
+std::optional<PictureHead> head_of(const DicomLayout& layout, const SourceFile& file,
+                                   const std::vector<ByteRun>& fragments) {
+  constexpr std::size_t kUsualHeadBytes = 1024;
+  if (has_run_lengths(layout)) return std::nullopt;
+  const auto head = picture_head(start_of(file, fragments, kUsualHeadBytes));
+  return head ? head : picture_head(start_of(file, fragments, kPictureHeadBytes));
 }
 
 std::string size_of(std::int64_t columns, std::int64_t rows) {
@@ -190,7 +200,9 @@ bool has_run_lengths(const DicomLayout& layout) {
 }
 
 std::optional<PictureHead> first_picture_head(const DicomLayout& layout) {
-  if (!layout.pixels.is_encapsulated || layout.pixels.fragments.empty()) return std::nullopt;
+  if (!layout.pixels.is_encapsulated || layout.pixels.fragments.empty() || is_plain_jpeg(layout)) {
+    return std::nullopt;
+  }
   return head_of(layout, SourceFile(layout.path), fragments_of(layout, 0));
 }
 
@@ -202,11 +214,14 @@ bool has_more_bits(const DicomLayout& layout, const PictureHead& head) {
 bool has_wide_number(const DicomSlice& slice) {
   const DicomLayout& layout = *slice.layout;
   const std::int64_t span = std::int64_t{1} << layout.bits_stored;
-  UnsetBytes plane(static_cast<std::size_t>(layout.frame_bytes()));
+  UnsetBytes plane;
   try {
+    plane = UnsetBytes(static_cast<std::size_t>(layout.frame_bytes()));
     if (!read_coded_frame(slice, plane.bytes())) return false;
   } catch (const Error&) {
     return false;  // reading it tells why
+  } catch (const std::bad_alloc&) {
+    return false;
   }
   const std::span<const std::byte> bytes = plane.bytes();
   if (layout.is_signed) {

@@ -14,7 +14,7 @@ namespace octavo {
 /// True for run lengths, whose values are those of uncompressed pixel data.
 bool has_run_lengths(const DicomLayout& layout);
 
-/// What the first picture says of itself; nothing where it is none of JPEG, JPEG-LS, JPEG 2000.
+/// What the first picture says of itself; nothing where it is none of JPEG-LS and JPEG 2000.
 /// Throws Error{io}
 std::optional<PictureHead> first_picture_head(const DicomLayout& layout);
 

@@ -6,6 +6,7 @@
 
 #include "octavo/core/error.h"
 #include "octavo/core/text.h"
+#include "octavo/core/vectors.h"
 #include "octavo/io/dicom/dicom_extent.h"
 #include "octavo/io/dicom/dicom_mosaic.h"
 #include "octavo/io/dicom/dicom_nuclear.h"
@@ -166,8 +167,7 @@ void take_dose_planes(const DicomSet& data, std::vector<DicomSlice>& slices) {
   const std::vector<double> first = data.decimals(kImagePosition);
   if (first.size() != 3 || !slices.front().orientation || offsets.size() != slices.size()) return;
   const std::array<double, 6>& v = *slices.front().orientation;
-  const Point3 normal = {v[1] * v[5] - v[2] * v[4], v[2] * v[3] - v[0] * v[5],
-                         v[0] * v[4] - v[1] * v[3]};
+  const Point3 normal = cross({v[0], v[1], v[2]}, {v[3], v[4], v[5]});
   // Others list heights of the patient instead: the first is that of the position.
   const bool are_heights = offsets.front() != 0;
   const bool is_level = normal[0] == 0 && normal[1] == 0 && std::abs(normal[2]) == 1;

@@ -95,8 +95,9 @@ void warn_of_more_bits(const std::vector<DicomSlice>& slices, std::vector<Warnin
     if (head && has_more_bits(*slice.layout, *head)) wide.push_back(&slice);
   }
   if (wide.empty()) return;
+  const DicomSlice* before = nullptr;
   for (const DicomSlice* slice : {wide.front(), wide[wide.size() / 2], wide.back()}) {
-    if (!has_wide_number(*slice)) continue;
+    if (slice == std::exchange(before, slice) || !has_wide_number(*slice)) continue;
     const DicomLayout& layout = *slice->layout;
     warnings.push_back("compressed pictures hold numbers of more bits than Bits Stored "
                        "(0028,0101) says, " + std::to_string(layout.bits_stored) + " of " +

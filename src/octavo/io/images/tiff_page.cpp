@@ -163,12 +163,11 @@ TiffPage TiffFile::page() {
 
 bool TiffFile::has_strips_in_a_row() const {
   const std::uint32_t strips = TIFFNumberOfStrips(handle_);
+  const auto rows = tag_or<std::uint32_t>(handle_, TIFFTAG_ROWSPERSTRIP, 1);
+  const auto height = tag_or<std::uint32_t>(handle_, TIFFTAG_IMAGELENGTH, 0);
+  const std::uint64_t row_bytes = TIFFScanlineSize64(handle_);
   const auto bytes_of = [&](std::uint32_t strip) {
-    const auto rows = tag_or<std::uint32_t>(handle_, TIFFTAG_ROWSPERSTRIP, 1);
-    const auto height = tag_or<std::uint32_t>(handle_, TIFFTAG_IMAGELENGTH, 0);
-    const std::uint64_t before = std::uint64_t{strip} * rows;
-    return std::min<std::uint64_t>(rows, height - before) *
-           static_cast<std::uint64_t>(TIFFScanlineSize64(handle_));
+    return std::min<std::uint64_t>(rows, height - std::uint64_t{strip} * rows) * row_bytes;
   };
   for (std::uint32_t i = 0; i < strips; ++i) {
     if (TIFFGetStrileByteCount(handle_, i) != bytes_of(i)) return false;

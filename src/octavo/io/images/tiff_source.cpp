@@ -20,7 +20,7 @@ namespace octavo {
 
 namespace {
 
-constexpr std::int64_t kMostPlanes = 1 << 24;  // that a text alone tells of: each takes memory
+constexpr std::int64_t kMostPlanes = 1 << 20;  // that a text alone tells of: each takes memory
 
 /// Where one plane stands.
 struct TiffPlane {

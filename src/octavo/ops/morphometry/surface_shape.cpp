@@ -17,8 +17,8 @@ constexpr std::int64_t kShapeReach = 3;  // of an average, to each side
 // Weights of voxels so far away; sums fit 16 bits. Even ones say best how a surface lies, but find
 // none in what is thinner than half of their reach. Where the middle counts most, averages fall
 // outward at the surface of anything. Near ones look past nothing, but follow the steps of voxels.
-// Along voxels that are long beside the others, an average that reached as far would take in all of
-// a structure.
+// Along voxels that are long beside the others all reach alike: one that reached as far would take
+// in all of a structure, a nearer one would follow its steps.
 using ShapeWeights = std::array<std::uint16_t, 4>;
 enum ShapeField : std::size_t { kEven = 0, kPeaked = 1, kClosest = 2, kShapeFields = 3 };
 constexpr std::array<ShapeWeights, kShapeFields> kShapeWeights = {
@@ -259,8 +259,7 @@ class ShapeSlab {
 
   /// Of length 1; that of the face where there is none.
   static Point3 unit_or_face(const Point3& v, int axis) {
-    const double length = std::sqrt(dot(v, v));
-    if (length > 0) return scaled(v, 1 / length);
+    if (dot(v, v) > 0) return unit(v);
     Point3 face{};
     face[static_cast<std::size_t>(axis)] = 1;
     return face;

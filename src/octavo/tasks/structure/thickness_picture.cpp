@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "octavo/core/text.h"
 #include "octavo/render/lettering.h"
 
 namespace octavo {
@@ -90,7 +91,8 @@ void draw_panel(Picture& picture, std::int64_t top, const ThicknessSummary& summ
                            summary.deviation_mm),
                colors);
   letters.draw(picture, kSideMargin, top + 34,
-               fmt::format("highest bar {:.3g} % of {} voxels", 100 * most, summary.voxels),
+               fmt::format("highest bar {:.3g} % of {} voxels", 100 * most,
+                           count_text(static_cast<std::int64_t>(summary.voxels))),
                colors);
   const double step = tick_step(whole);
   for (double mm = 0; mm <= whole * (1 + 1e-9); mm += step) {
