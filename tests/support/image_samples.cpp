@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <cstring>
+#include <fstream>
+#include <iterator>
 
 namespace octavo::testing {
 
@@ -25,8 +27,28 @@ static void write_tiles(TIFF* tiff, const TiffSample& s, const std::string& voxe
   }
 }
 
+constexpr std::uint16_t kStandInTag = 65000;
+
+/// Makes the tag that stands in for a second description one, which libtiff does not write.
+static void rename_stand_in(const std::string& path, bool big_endian) {
+  const auto start_of_entry = [&](std::uint16_t tag) {
+    const char low = static_cast<char>(tag & 0xff);
+    const char high = static_cast<char>(tag >> 8);
+    return big_endian ? std::string{high, low, 0, TIFF_ASCII}
+                      : std::string{low, high, TIFF_ASCII, 0};
+  };
+  std::ifstream in(path, std::ios::binary);
+  std::string bytes{std::istreambuf_iterator<char>(in), {}};
+  const std::string stand_in = start_of_entry(kStandInTag);
+  for (std::size_t at = bytes.find(stand_in); at != std::string::npos; at = bytes.find(stand_in)) {
+    bytes.replace(at, stand_in.size(), start_of_entry(TIFFTAG_IMAGEDESCRIPTION));
+  }
+  std::ofstream(path, std::ios::binary) << bytes;
+}
+
 void write_tiff(const std::string& path, const TiffSample& s) {
-  TIFF* tiff = TIFFOpen(path.c_str(), s.big ? "w8" : "w");
+  const std::string mode = std::string("w") + (s.big ? "8" : "") + (s.big_endian ? "b" : "");
+  TIFF* tiff = TIFFOpen(path.c_str(), mode.c_str());
   ASSERT_NE(tiff, nullptr);
   const std::size_t planes = s.separate ? s.samples : 1;
   const std::size_t value = s.bits / 8U * (s.samples / planes);
@@ -43,7 +65,8 @@ void write_tiff(const std::string& path, const TiffSample& s) {
     TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC,
                  s.samples < 3 ? PHOTOMETRIC_MINISBLACK : PHOTOMETRIC_RGB);
     TIFFSetField(tiff, TIFFTAG_COMPRESSION, s.compression);
-    if (!s.description.empty()) TIFFSetField(tiff, TIFFTAG_IMAGEDESCRIPTION, s.description.c_str());
+    const std::string& text = s.descriptions.empty() ? s.description : s.descriptions[number];
+    if (!text.empty()) TIFFSetField(tiff, TIFFTAG_IMAGEDESCRIPTION, text.c_str());
     if (s.resolution > 0) {
       TIFFSetField(tiff, TIFFTAG_XRESOLUTION, static_cast<double>(s.resolution));
       TIFFSetField(tiff, TIFFTAG_YRESOLUTION,
@@ -51,7 +74,13 @@ void write_tiff(const std::string& path, const TiffSample& s) {
       TIFFSetField(tiff, TIFFTAG_RESOLUTIONUNIT, s.resolution_unit);
     }
     if (s.depth > 1) TIFFSetField(tiff, TIFFTAG_IMAGEDEPTH, s.depth);
-    for (const TiffTag& tag : s.tags) {
+    std::vector<TiffTag> tags = s.tags;
+    if (!s.further_description.empty()) {
+      tags.push_back({kStandInTag, TIFF_ASCII,
+                      static_cast<std::uint32_t>(s.further_description.size() + 1),
+                      s.further_description});
+    }
+    for (const TiffTag& tag : tags) {
       std::string name = "tag";
       const TIFFFieldInfo info = {tag.tag, TIFF_VARIABLE2, TIFF_VARIABLE2,
                                   static_cast<TIFFDataType>(tag.type), FIELD_CUSTOM, 1, 1,
@@ -83,6 +112,7 @@ void write_tiff(const std::string& path, const TiffSample& s) {
     ASSERT_EQ(TIFFWriteDirectory(tiff), 1);
   }
   TIFFClose(tiff);
+  if (!s.further_description.empty()) rename_stand_in(path, s.big_endian);
 }
 
 void write_png(const std::string& path, std::uint32_t width, std::uint32_t height, int bits,

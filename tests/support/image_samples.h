@@ -27,7 +27,10 @@ struct TiffSample {
   std::uint32_t tile = 0;         ///< side of tiles; 0: strips
   std::uint32_t rows_per_strip = 0;
   bool big = false;
-  std::string description;
+  bool big_endian = false;        ///< the values in `pages` are native all the same
+  std::string description;        ///< of each page
+  std::vector<std::string> descriptions;    ///< of the pages instead; empty: none
+  std::string further_description;          ///< a second ImageDescription of each page
   float resolution = 0;
   float y_resolution = 0;             ///< 0: that along x
   std::uint16_t resolution_unit = 1;  ///< 1 none, 2 inch, 3 cm

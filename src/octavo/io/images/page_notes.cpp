@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <charconv>
 #include <cmath>
 #include <iterator>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include "octavo/core/checked.h"
@@ -13,6 +15,7 @@
 #include "octavo/core/json_members.h"
 #include "octavo/core/json_reader.h"
 #include "octavo/io/source/byte_order.h"
+#include "octavo/io/source/header_text.h"
 #include "octavo/io/source/source_file.h"
 
 namespace octavo {
@@ -26,44 +29,93 @@ struct PlaneAxis {
   std::int64_t size = 1;
 };
 
-/// Axes of an array, the last one fastest; empty where the text is none of tifffile's.
-std::vector<PlaneAxis> axes_of(const std::string& text) {
+/// Takes the axes between the brackets of tifffile's first form, shape=(2, 5, 17, 19).
+std::vector<PlaneAxis> listed_axes(std::string_view text) {
   std::vector<PlaneAxis> axes;
-  if (!text.starts_with('{')) return axes;
+  for (text = trimmed(text); !text.empty() && text.front() != ')'; text = trimmed(text)) {
+    std::int64_t size = 0;
+    const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), size);
+    if (failure != std::errc() || size < 1 || axes.size() == kMaxAxes) return {};
+    axes.push_back({'Q', size});
+    text = trimmed(text.substr(static_cast<std::size_t>(end - text.data())));
+    if (text.starts_with(',')) text.remove_prefix(1);
+  }
+  return text.empty() ? std::vector<PlaneAxis>() : axes;
+}
+
+/// What one of tifffile's texts says of an array; no axes where the text is none of these.
+struct ShapedText {
+  std::vector<PlaneAxis> axes;  ///< the last one fastest
+  bool is_truncated = false;    ///< the array has one page, of its first plane
+};
+
+ShapedText shaped_text(std::string_view text) {
+  ShapedText shaped;
+  const std::string_view first_form = "shape=(";
+  text = trimmed(text);
+  if (text.starts_with(first_form)) {
+    shaped.axes = listed_axes(text.substr(first_form.size()));
+    return shaped;
+  }
+  if (!text.starts_with('{')) return shaped;
   try {
     const JsonObject members = json_members(text);
-    if (members.json_of("shape").empty()) return axes;
+    if (members.json_of("shape").empty()) return shaped;
     for (const std::string_view item : json_items(members.json_of("shape"))) {
       JsonReader size(item);
       size.next();
       const std::optional<std::int64_t> count = size.integer();
-      if (!count || *count < 1 || axes.size() == kMaxAxes) return {};
-      axes.push_back({'Q', *count});
+      if (!count || *count < 1 || shaped.axes.size() == kMaxAxes) return {};
+      shaped.axes.push_back({'Q', *count});
     }
-    if (members.json_of("axes").empty()) return axes;
+    shaped.is_truncated = members.json_of("truncated") == "true";
+    if (members.json_of("axes").empty()) return shaped;
     JsonReader names(members.json_of("axes"));
-    if (names.next() != JsonToken::string || names.string().size() != axes.size()) return axes;
-    for (std::size_t i = 0; i < axes.size(); ++i) axes[i].name = names.string()[i];
+    if (names.next() != JsonToken::string || names.string().size() != shaped.axes.size()) {
+      return shaped;
+    }
+    for (std::size_t i = 0; i < shaped.axes.size(); ++i) {
+      const char name = names.string()[i];
+      shaped.axes[i].name = name >= 'a' && name <= 'z' ? static_cast<char>(name - 'a' + 'A') : name;
+    }
   } catch (const Error&) {
     return {};
   }
-  return axes;
+  return shaped;
 }
 
-/// Takes the axes that lie within a page out of `axes`; false where the page is of another size.
-bool take_page_axes(std::vector<PlaneAxis>& axes, const TiffPage& page) {
+/// Whether the names of axes say that pages hold rows of y and columns of x.
+/// axes    of the whole array; `planes` of them are not of a page
+bool are_pages_upright(const std::vector<PlaneAxis>& axes, std::size_t planes,
+                       const TiffPage& page) {
+  const auto are_none_of = [](auto first, auto last, std::string_view names) {
+    return std::all_of(first, last, [&](const PlaneAxis& axis) {
+      return names.find(axis.name) == std::string_view::npos;
+    });
+  };
+  const auto within = axes.begin() + static_cast<std::ptrdiff_t>(planes);
+  if (!are_none_of(axes.begin(), within, "XY")) return false;
+  auto axis = within;
+  if (page.is_separate) ++axis;
+  if (page.height > 1 && !are_none_of(axis, axis + 1, "XZCT")) return false;
+  if (page.height > 1) ++axis;
+  return page.width == 1 || are_none_of(axis, axis + 1, "YZCT");
+}
+
+/// How many of the axes are not of a page; nothing where the page is of another size.
+std::optional<std::size_t> axes_of_planes(const std::vector<PlaneAxis>& axes,
+                                          const TiffPage& page) {
   std::vector<std::int64_t> within = {page.height, page.width};
   if (page.samples > 1) {
     within.insert(page.is_separate ? within.begin() : within.end(), page.samples);
   }
-  if (axes.size() < within.size()) return false;
-  const auto first = axes.end() - static_cast<std::ptrdiff_t>(within.size());
-  if (!std::equal(first, axes.end(), within.begin(),
-                  [](const PlaneAxis& axis, std::int64_t size) { return axis.size == size; })) {
-    return false;
-  }
-  axes.erase(first, axes.end());
-  return true;
+  std::erase(within, 1);
+  if (axes.size() < within.size()) return std::nullopt;
+  const std::size_t planes = axes.size() - within.size();
+  const auto first = axes.begin() + static_cast<std::ptrdiff_t>(planes);
+  const auto has_size = [](const PlaneAxis& axis, std::int64_t size) { return axis.size == size; };
+  if (!std::equal(first, axes.end(), within.begin(), has_size)) return std::nullopt;
+  return planes;
 }
 
 std::int64_t& count_of_axis(char name, TiffDescription& result) {
@@ -82,15 +134,28 @@ T little_endian(std::span<const std::byte> record, std::size_t at) {
 
 void read_shaped_description(const std::string& text, const TiffPage& page,
                              const std::string& path, TiffDescription& result) {
-  std::vector<PlaneAxis> axes = axes_of(text);
-  if (axes.empty() || !take_page_axes(axes, page)) return;
+  ShapedText shaped = shaped_text(text);
+  std::vector<PlaneAxis>& axes = shaped.axes;
+  if (axes.empty()) return;
+  std::string names;
+  for (const PlaneAxis& axis : axes) names += axis.name;
   std::erase_if(axes, [](const PlaneAxis& axis) { return axis.size == 1; });
+  const std::optional<std::size_t> planes = axes_of_planes(axes, page);
+  if (!planes) return;
+  if (!are_pages_upright(axes, *planes, page)) {
+    reject(path, "its tifffile description calls the axes \"" + escaped(names) +
+                     "\", by which the rows and columns of a page are not along Y and X; save the "
+                     "array in the order ZYX");
+  }
+  axes.resize(*planes);
+  result.program = "tifffile";
+  result.is_truncated = shaped.is_truncated;
+  result.images = 1;
   // Pages that were written one by one have such a text each.
   if (axes.empty()) return;
 
   // Names of axes that have none, from the fastest on
   std::string order;
-  std::uint64_t pages = 1;
   for (auto axis = axes.rbegin(); axis != axes.rend(); ++axis) {
     const bool is_named = axis->name == 'Z' || axis->name == 'C' || axis->name == 'T';
     const auto is_free = [&](char name) {
@@ -104,16 +169,14 @@ void read_shaped_description(const std::string& text, const TiffPage& page,
                        "volume as its own file");
     }
     order += name;
-    pages = checked_mul(pages, static_cast<std::uint64_t>(axis->size), "pages");
+    result.images = checked_count(result.images, axis->size, "pages");
     count_of_axis(name, result) = axis->size;
   }
 
   for (const char name : {'C', 'Z', 'T'}) {
     if (order.find(name) == std::string::npos) order += name;
   }
-  result.program = "tifffile";
   result.order = order;
-  result.images = static_cast<std::int64_t>(pages);
   if (result.slices == 0) result.slices = 1;
 }
 

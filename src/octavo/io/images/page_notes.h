@@ -11,11 +11,11 @@
 
 namespace octavo {
 
-/// Reads the description that tifffile writes, {"shape": [2, 5, 17, 19], "axes": "TZYX"}, into
-/// `result`. Without axes the last of several is that of slices, the one before that of times.
-/// Other texts, and those of pages of another size, change nothing.
+/// Reads the description that tifffile writes, {"shape": [2, 5, 17, 19], "axes": "TZYX"} or
+/// shape=(2, 5, 17, 19), into `result`. Without axes the last of several is that of slices, the one
+/// before that of times. Other texts, and those of pages of another size, change nothing.
 /// Throws  Error{source_rejected} where more axes have several planes than slices, channels and
-///         times
+///         times, or pages do not lie along Y and X; Error{limit_exceeded} beyond 63 bits of pages
 void read_shaped_description(const std::string& text, const TiffPage& page,
                              const std::string& path, TiffDescription& result);
 

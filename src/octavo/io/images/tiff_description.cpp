@@ -1,11 +1,13 @@
 #include "octavo/io/images/tiff_description.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
 #include <map>
 #include <string_view>
 
+#include "octavo/core/checked.h"
 #include "octavo/io/images/ome_description.h"
 #include "octavo/io/source/header_text.h"
 #include "octavo/io/source/length_unit.h"
@@ -114,6 +116,12 @@ void read_imagej(std::string_view text, double x_resolution, double y_resolution
   result.channels = count_of(fields["channels"]);
   result.frames = count_of(fields["frames"]);
   result.images = count_of(fields["images"]);
+  if (result.images == 0) {
+    const std::int64_t slices = std::max<std::int64_t>(count_of(fields["slices"]), 1);
+    const std::int64_t parts = checked_count(std::max<std::int64_t>(result.channels, 1),
+                                             std::max<std::int64_t>(result.frames, 1), "images");
+    result.images = checked_count(slices, parts, "images");
+  }
   read_calibration(fields, result);
   const std::optional<double> x_unit = axis_unit(fields, "unit", result);
   const std::optional<double> y_unit = axis_unit(fields, "yunit", result);
@@ -130,7 +138,9 @@ void read_imagej(std::string_view text, double x_resolution, double y_resolution
 TiffDescription parse_tiff_description(const std::string& text, double x_resolution,
                                        double y_resolution) {
   TiffDescription result;
-  if (text.starts_with("ImageJ=")) read_imagej(text, x_resolution, y_resolution, result);
+  // SCIFIO writes the lines of ImageJ, which reads them so.
+  const bool has_lines = text.starts_with("ImageJ=") || text.starts_with("SCIFIO=");
+  if (has_lines) read_imagej(text, x_resolution, y_resolution, result);
   if (text.find("<OME") != std::string::npos) read_ome_description(text, result);
   return result;
 }

@@ -33,6 +33,7 @@ struct TiffDescription {
   std::int64_t slices = 0;   ///< planes of one channel and time; ImageJ's are not kept
   std::string order;         ///< of pages: "CZT" where channels change fastest; OME has others
   std::int64_t images = 0;   ///< planes in all, with those that have no page; OME: 0
+  bool is_truncated = false; ///< these have one page, of the first plane
   std::optional<Rescale> rescale;  ///< ImageJ: a calibration that is a straight line; or our note
   std::string value_unit;          ///< of calibrated values; empty where none is known
   bool has_other_function = false; ///< ImageJ: a calibration that is no straight line

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "octavo/core/checked.h"
+#include "octavo/io/images/tiff_directory.h"
 #include "octavo/io/source/alternating_values.h"
 #include "octavo/io/source/claimed_bytes.h"
 
@@ -112,7 +113,9 @@ void TiffFile::reject(const std::string& why) const {
 TiffPage TiffFile::page() {
   TiffPage page;
   page.directory_offset = TIFFCurrentDirOffset(handle_);
-  require_whole_directory(page.directory_offset);
+  // libtiff takes a directory that is cut before its link for the last one, and the pages behind it
+  // are lost.
+  const TiffDirectory whole(file_, page.directory_offset, is_big_endian());
   page.width = tag_or<std::uint32_t>(handle_, TIFFTAG_IMAGEWIDTH, 0);
   page.height = tag_or<std::uint32_t>(handle_, TIFFTAG_IMAGELENGTH, 0);
   if (page.width == 0 || page.height == 0) reject("a page without width or height");
@@ -155,49 +158,30 @@ TiffPage TiffFile::page() {
   if (tag_or<std::uint32_t>(handle_, TIFFTAG_IMAGEDEPTH, 1) > 1) {
     reject("a page of several planes (ImageDepth) is not read; save it with a page for each plane");
   }
-  page.is_contiguous = page.samples == 1 && compression == COMPRESSION_NONE &&
-                       TIFFIsTiled(handle_) == 0 && has_strips_in_a_row();
-  if (page.is_contiguous) page.data_offset = TIFFGetStrileOffset(handle_, 0);
   return page;
 }
 
-bool TiffFile::has_strips_in_a_row() const {
+std::optional<std::uint64_t> TiffFile::plain_run(const TiffPage& page) const {
+  const auto compression = tag_or<std::uint16_t>(handle_, TIFFTAG_COMPRESSION, COMPRESSION_NONE);
+  if (page.samples != 1 || compression != COMPRESSION_NONE || TIFFIsTiled(handle_) != 0) {
+    return std::nullopt;
+  }
   const std::uint32_t strips = TIFFNumberOfStrips(handle_);
   const auto rows = tag_or<std::uint32_t>(handle_, TIFFTAG_ROWSPERSTRIP, 1);
-  const auto height = tag_or<std::uint32_t>(handle_, TIFFTAG_IMAGELENGTH, 0);
+  const auto height = static_cast<std::uint64_t>(page.height);
   const std::uint64_t row_bytes = TIFFScanlineSize64(handle_);
-  const auto bytes_of = [&](std::uint32_t strip) {
-    return std::min<std::uint64_t>(rows, height - std::uint64_t{strip} * rows) * row_bytes;
-  };
+  const std::uint64_t start = TIFFGetStrileOffset(handle_, 0);
+  std::uint64_t end = start;
+  // Strips that hold their rows and no more, each where the one before it ends
   for (std::uint32_t i = 0; i < strips; ++i) {
-    if (TIFFGetStrileByteCount(handle_, i) != bytes_of(i)) return false;
-    if (i + 1 < strips &&
-        TIFFGetStrileOffset(handle_, i + 1) != TIFFGetStrileOffset(handle_, i) + bytes_of(i)) {
-      return false;
+    const std::uint64_t bytes =
+        std::min<std::uint64_t>(rows, height - std::uint64_t{i} * rows) * row_bytes;
+    if (TIFFGetStrileOffset(handle_, i) != end || TIFFGetStrileByteCount(handle_, i) != bytes) {
+      return std::nullopt;
     }
+    end += bytes;
   }
-  return strips > 0;
-}
-
-void TiffFile::require_whole_directory(std::uint64_t offset) const {
-  const bool big_endian = TIFFIsBigEndian(handle_) != 0;
-  const auto read_count = [&](std::uint64_t at, std::size_t width) {
-    std::array<std::byte, 8> raw{};
-    file_.read_exactly(at, std::span(raw).first(width));
-    std::uint64_t value = 0;
-    for (std::size_t i = 0; i < width; ++i) {
-      value = value << 8 | std::to_integer<std::uint64_t>(raw[big_endian ? i : width - 1 - i]);
-    }
-    return value;
-  };
-  // Entries of 12 bytes between a count of 2 and a link of 4; in BigTIFF 20, 8 and 8.
-  const bool is_big_tiff = read_count(2, 2) == 43;
-  const std::uint64_t count = read_count(offset, is_big_tiff ? 8 : 2);
-  const std::uint64_t entries = std::min<std::uint64_t>(count, std::uint64_t{1} << 16);
-  const std::uint64_t end = offset + (is_big_tiff ? 16 + 20 * entries : 6 + 12 * entries);
-  if (end <= file_.size()) return;
-  reject("the file ends early: its directory needs bytes to " + std::to_string(end) +
-         ", the file has " + std::to_string(file_.size()) + "; copy it again from its origin");
+  return strips > 0 ? std::optional(start) : std::nullopt;
 }
 
 bool TiffFile::next_page() {
@@ -322,6 +306,11 @@ std::string TiffFile::image_description() {
   const char* text = nullptr;
   if (TIFFGetField(handle_, TIFFTAG_IMAGEDESCRIPTION, &text) != 1 || text == nullptr) return {};
   return text;
+}
+
+std::vector<std::string> TiffFile::further_descriptions() {
+  const TiffDirectory entries(file_, TIFFCurrentDirOffset(handle_), is_big_endian());
+  return entries.texts(TIFFTAG_IMAGEDESCRIPTION, 1);
 }
 
 std::vector<std::byte> TiffFile::lsm_record() {

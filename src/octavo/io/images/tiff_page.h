@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -29,8 +30,6 @@ struct TiffPage {
   bool has_palette = false;       ///< values are numbers of colors
   bool is_reduced = false;        ///< a thumbnail of another page
   bool is_lossy = false;          ///< the compression changes values (JPEG)
-  bool is_contiguous = false;     ///< uncompressed, one run of bytes, of one sample
-  std::uint64_t data_offset = 0;  ///< of that run
   int orientation = 1;            ///< 1: first row at the top, first column at the left
 };
 
@@ -56,8 +55,14 @@ class TiffFile {
   /// Throws Error{source_rejected} when data are missing or damaged.
   void read_voxels(const TiffPage& page, std::int64_t sample, std::span<std::byte> plane);
 
+  /// Where the voxels of the current page start, if they are one plain run of bytes: uncompressed,
+  /// of one sample, without gaps.
+  std::optional<std::uint64_t> plain_run(const TiffPage& page) const;
+
   /// ImageDescription of the current page, or nothing.
   std::string image_description();
+  /// Those that the current page has beside the first: tifffile's, where the user gave a text.
+  std::vector<std::string> further_descriptions();
   /// The record of a Zeiss LSM file, as it stands in the current page; empty where there is none.
   std::vector<std::byte> lsm_record();
   /// Planes of a MetaMorph stack, by the current page; 0 where it is none.
@@ -73,11 +78,6 @@ class TiffFile {
 
  private:
   [[noreturn]] void reject(const std::string& why) const;
-  /// libtiff takes a directory that is cut before its link for the last one, and the pages behind
-  /// it are lost. Throws Error{source_rejected} for such a directory.
-  void require_whole_directory(std::uint64_t offset) const;
-  /// Whether strips hold their rows and no more, each where the one before it ends.
-  bool has_strips_in_a_row() const;
   void read_strips(const TiffPage& page, std::int64_t sample, std::span<std::byte> plane);
   /// Some programs fill the last strip with rows behind the page. libtiff, where it inflates with
   /// libdeflate, then leaves the end of the strip unset without a word; so all rows are asked for

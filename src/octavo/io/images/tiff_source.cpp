@@ -12,6 +12,7 @@
 #include "octavo/io/images/tiff_description.h"
 #include "octavo/io/images/tiff_page.h"
 #include "octavo/io/images/tiff_page_order.h"
+#include "octavo/io/images/tiff_series.h"
 #include "octavo/io/source/byte_order.h"
 #include "octavo/io/source/length_unit.h"
 #include "octavo/io/source/source_file.h"
@@ -27,6 +28,7 @@ struct TiffPlane {
   std::size_t file = 0;
   std::int64_t number = 0;  ///< of the page in its file, thumbnails counted
   TiffPage page;
+  std::uint64_t data_offset = 0;  ///< of a plane that has no page of its own
 };
 
 /// Everything the pages say.
@@ -34,6 +36,7 @@ struct TiffStack {
   std::vector<std::string> files;
   std::vector<TiffPlane> planes;
   TiffDescription description;   ///< of the first page
+  std::optional<std::uint64_t> plain_run;  ///< start of the first page's voxels, as in TiffFile
   double tag_x_mm = 0;           ///< pixels by the resolution tags of the first page; 0: none
   double tag_y_mm = 0;
   bool is_big_endian = false;    ///< of the first file
@@ -41,6 +44,7 @@ struct TiffStack {
   std::int64_t silent_files = 0; ///< without a size of voxels, where the first file has one
   std::string odd_resolution;    ///< the first file with other resolution tags than the first one
   std::string order_warning;     ///< why the order of files is not sure
+  std::string count_warning;     ///< pages that the description does not tell of
   std::int64_t sample = 0;       ///< the one of each pixel that is taken
   SourceIdentity identity;       ///< of all pages
 };
@@ -141,40 +145,52 @@ void require_same_meaning(TiffStack& stack, const TiffDescription& text, const s
   if (first.x_mm && !text.x_mm) ++stack.silent_files;
 }
 
-/// What programs write into the first page of a file of all its planes.
-TiffDescription description_of(TiffFile& file, const TiffPage& first, const std::string& path) {
-  const std::string words = file.image_description();
-  TiffDescription text =
-      parse_tiff_description(words, file.x_resolution(), file.y_resolution());
-  if (!text.program.empty()) return text;
-  read_shaped_description(words, first, path, text);
-  if (text.program.empty()) read_lsm_record(file.lsm_record(), text);
-  if (text.program.empty()) read_metamorph_planes(file.metamorph_planes(), text);
+/// What programs write into a page of all planes from it on.
+/// told_in  becomes the text that says it
+TiffDescription told_planes(TiffFile& file, const TiffPage& page, const std::string& path,
+                            std::string& told_in) {
+  const auto told_by = [&](const std::string& words) {
+    TiffDescription text = parse_tiff_description(words, file.x_resolution(), file.y_resolution());
+    if (text.program.empty()) read_shaped_description(words, page, path, text);
+    return text;
+  };
+  told_in = file.image_description();
+  TiffDescription text = told_by(told_in);
+  if (!text.program.empty() || !text.metadata_file.empty()) return text;
+  for (const std::string& words : file.further_descriptions()) {
+    const TiffDescription further = told_by(words);
+    if (further.program.empty()) continue;
+    told_in = words;
+    return further;
+  }
   return text;
 }
 
-/// Takes what the first page of a file says of all its pages; returns how many planes it tells of,
-/// 0 where it does not.
-std::int64_t take_description(TiffStack& stack, TiffFile& file, const TiffPage& page,
-                              std::size_t index, bool is_spacing_given) {
-  const TiffDescription text = description_of(file, page, stack.files[index]);
+/// Takes what the first page of a file says of all its pages.
+TiffDescription take_description(TiffStack& stack, TiffFile& file, const TiffPage& page,
+                                 std::size_t index, bool is_spacing_given) {
+  std::string told_in;
+  TiffDescription text = told_planes(file, page, stack.files[index], told_in);
+  if (text.program.empty()) read_lsm_record(file.lsm_record(), text);
+  if (text.program.empty()) read_metamorph_planes(file.metamorph_planes(), text);
   const bool has_tags = file.x_resolution() > 0 && file.y_resolution() > 0;
   const double x_mm = has_tags ? file.resolution_unit_mm() / file.x_resolution() : 0;
   const double y_mm = has_tags ? file.resolution_unit_mm() / file.y_resolution() : 0;
   if (index == 0) {
     stack.description = text;
-    read_ome_pages(file.image_description(), stack.description);
+    read_ome_pages(told_in, stack.description);
+    stack.plain_run = file.plain_run(page);
     stack.is_big_endian = file.is_big_endian();
     stack.tag_x_mm = x_mm;
     stack.tag_y_mm = y_mm;
-    return text.images;
+    return text;
   }
   require_same_meaning(stack, text, stack.files[index], is_spacing_given);
   if (stack.odd_resolution.empty() &&
       (differ(x_mm, stack.tag_x_mm) || differ(y_mm, stack.tag_y_mm))) {
     stack.odd_resolution = base_name(stack.files[index]);
   }
-  return text.images;
+  return text;
 }
 
 std::uint64_t plane_bytes(const TiffPage& page) {
@@ -185,45 +201,59 @@ std::uint64_t plane_bytes(const TiffPage& page) {
 
 /// Whether planes without a page may follow that of the one page of a file: huge stacks of ImageJ,
 /// truncated ones of tifffile and those of MetaMorph are written so.
-bool may_hold(const TiffPage& page, std::int64_t planes, const std::string& path) {
-  if (!page.is_contiguous || planes > kMostPlanes) return false;
+/// plain_run  where the voxels of the page start
+bool may_hold(const TiffPage& page, std::optional<std::uint64_t> plain_run, std::int64_t planes,
+              const std::string& path) {
+  if (!plain_run || planes > kMostPlanes) return false;
   const std::uint64_t volume =
       checked_mul(plane_bytes(page), static_cast<std::uint64_t>(planes), "volume");
-  return SourceFile(path).size() >= checked_add(page.data_offset, volume, "file length");
+  return SourceFile(path).size() >= checked_add(*plain_run, volume, "file length");
+}
+
+/// Adds the pages of a file to the planes.
+void examine_file(TiffStack& stack, std::size_t index, bool is_spacing_given) {
+  const std::string& path = stack.files[index];
+  TiffFile file(path);
+  TiffSeries series;
+  std::int64_t planes = 0;
+  bool has_more = false;
+  std::int64_t page_count = 0;
+  std::int64_t number = -1;
+  do {
+    ++number;
+    const TiffPage page = file.page();
+    if (number == 0) {
+      const TiffDescription text = take_description(stack, file, page, index, is_spacing_given);
+      planes = text.images;
+      has_more = stack.files.size() > 1 && planes > 1 &&
+                 may_hold(page, file.plain_run(page), planes, path);
+      series.add(0, text);
+    }
+    file.note_identity(stack.identity);
+    if (page.is_reduced && !stack.planes.empty()) {
+      ++stack.reduced_pages;
+      continue;
+    }
+    if (stack.files.size() == 1 && series.is_start(page_count)) {
+      std::string told_in;
+      series.add(page_count, told_planes(file, page, path, told_in));
+    }
+    ++page_count;
+    stack.planes.push_back({index, number, page});
+    require_alike(stack, stack.planes.back(), stack.planes.size() - 1);
+  } while (file.next_page());
+  if (stack.files.size() == 1) return series.require_one(path);
+  has_more = has_more && page_count == 1;
+  if (page_count == 1 && !has_more) return;
+  reject(path, "it has " + (has_more ? std::to_string(planes) + " planes"
+                                     : std::to_string(page_count) + " pages") +
+                   "; the files of a stack must have one page each; give this file alone");
 }
 
 TiffStack examine(std::vector<std::string> files, bool is_spacing_given) {
   TiffStack stack;
   stack.files = std::move(files);
-  for (std::size_t i = 0; i < stack.files.size(); ++i) {
-    TiffFile file(stack.files[i]);
-    std::int64_t planes = 0;
-    std::size_t page_count = 0;
-    std::int64_t number = -1;
-    do {
-      ++number;
-      const TiffPage page = file.page();
-      if (number == 0) planes = take_description(stack, file, page, i, is_spacing_given);
-      file.note_identity(stack.identity);
-      if (page.is_reduced && !stack.planes.empty()) {
-        ++stack.reduced_pages;
-        continue;
-      }
-      ++page_count;
-      stack.planes.push_back({i, number, page});
-      require_alike(stack, stack.planes.back(), stack.planes.size() - 1);
-    } while (file.next_page());
-    if (stack.files.size() == 1) continue;
-    const bool has_more = page_count == 1 && planes > 1 &&
-                          may_hold(stack.planes.back().page, planes, stack.files[i]);
-    if (page_count > 1 || has_more) {
-      throw Error(ErrorKind::source_rejected,
-                  "it has " + (has_more ? std::to_string(planes) + " planes"
-                                        : std::to_string(page_count) + " pages") +
-                      "; the files of a stack must have one page each; give this file alone",
-                  stack.files[i]);
-    }
-  }
+  for (std::size_t i = 0; i < stack.files.size(); ++i) examine_file(stack, i, is_spacing_given);
   return stack;
 }
 
@@ -323,13 +353,20 @@ void keep_pages(TiffStack& stack, const PageCounts& counts, const ComponentChoic
 /// Gives planes that follow the one page of a file without tags their places.
 void unfold_planes(TiffStack& stack) {
   const std::int64_t images = stack.description.images;
-  if (stack.files.size() != 1 || images <= static_cast<std::int64_t>(stack.planes.size())) return;
+  const auto pages = static_cast<std::int64_t>(stack.planes.size());
+  if (stack.files.size() != 1) return;
+  if (stack.description.is_imagej && images > 1 && images < pages) {
+    stack.count_warning = "its ImageJ description says " + std::to_string(images) + " images, " +
+                          std::to_string(pages) +
+                          " pages found; all are taken, though some may be of another volume";
+  }
+  if (images <= pages) return;
   const TiffPage first = stack.planes.front().page;
-  if (stack.planes.size() != 1 || !may_hold(first, images, stack.files.front())) {
+  if (pages != 1 || !may_hold(first, stack.plain_run, images, stack.files.front())) {
     reject_stack(stack, "its " + stack.description.program + " description says " +
                             std::to_string(images) + " images, " +
-                            std::to_string(stack.planes.size()) + " pages found" +
-                            (first.is_contiguous || stack.planes.size() > 1
+                            std::to_string(pages) + " pages found" +
+                            (stack.plain_run || pages > 1
                                  ? "; the file is cut"
                                  : ", and planes behind a page that is not one plain run of "
                                    "bytes are not read; save it with a page for each plane"));
@@ -337,8 +374,7 @@ void unfold_planes(TiffStack& stack) {
   const std::uint64_t plane = plane_bytes(first);
   for (std::int64_t z = 1; z < images; ++z) {
     stack.planes.push_back(stack.planes.front());
-    stack.planes.back().page.data_offset =
-        first.data_offset + static_cast<std::uint64_t>(z) * plane;
+    stack.planes.back().data_offset = *stack.plain_run + static_cast<std::uint64_t>(z) * plane;
     stack.planes.back().page.directory_offset = 0;
   }
 }
@@ -348,7 +384,7 @@ void read_stored(const TiffStack& stack, std::int64_t z, std::span<std::byte> nu
   const TiffPlane& from = stack.planes[static_cast<std::size_t>(z)];
   const std::string& path = stack.files[from.file];
   if (from.page.directory_offset == 0) {
-    SourceFile(path).read_exactly(from.page.data_offset, numbers);
+    SourceFile(path).read_exactly(from.data_offset, numbers);
     if (needs_swap(stack.is_big_endian)) {
       swap_values(numbers, bytes_per_value(from.page.type));
     }
@@ -388,6 +424,7 @@ void add_warnings(const TiffStack& stack, SourceFacts& facts) {
     facts.warnings.push_back(std::to_string(stack.reduced_pages) + " thumbnail pages left out");
   }
   if (!stack.order_warning.empty()) facts.warnings.push_back(stack.order_warning);
+  if (!stack.count_warning.empty()) facts.warnings.push_back(stack.count_warning);
   if (stack.silent_files > 0) {
     facts.warnings.push_back("the first file gives the size of pixels, " +
                              std::to_string(stack.silent_files) +

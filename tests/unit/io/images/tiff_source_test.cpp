@@ -319,8 +319,120 @@ TEST(TiffSource, AxesOfTifffileAreTimesAndChannels) {
   EXPECT_EQ(voxels_of(*open_source({folder.file("a.tif")}, options)), pages({1, 3, 5}));
   write(R"({"shape": [3, 4]})");
   EXPECT_EQ(voxels_of(*open_source({folder.file("a.tif")}, {})), pages({0, 1, 2, 3, 4, 5}));
-  write(R"({"shape": [4, 3, 4]})");
+  sample.descriptions = std::vector<std::string>(6);
+  sample.descriptions[0] = R"({"shape": [4, 3, 4]})";
+  write_tiff(folder.file("a.tif"), sample);
   EXPECT_TRUE(contains(source_error({folder.file("a.tif")}), "found are 6 pages"));
+}
+
+TEST(TiffSource, TheTextOfTifffileMayStandBehindThatOfTheUser) {
+  const TempFolder folder;
+  for (const bool big : {false, true}) {
+    for (const bool big_endian : {false, true}) {
+      TiffSample sample;
+      sample.big = big;
+      sample.big_endian = big_endian;
+      sample.description = "hello";
+      sample.further_description = R"({"shape": [2, 3, 3, 4], "axes": "TZYX"})";
+      for (int page = 0; page < 6; ++page) sample.pages.push_back(counted(12, page));
+      write_tiff(folder.file("a.tif"), sample);
+      EXPECT_TRUE(contains(source_error({folder.file("a.tif")}), "2 points in time"));
+      SourceOptions options;
+      options.time = 1;
+      EXPECT_EQ(voxels_of(*open_source({folder.file("a.tif")}, options)),
+                sample.pages[3] + sample.pages[4] + sample.pages[5]);
+    }
+  }
+  TiffSample sample = three_planes_on_a_page();
+  sample.description = "hello";
+  sample.further_description = R"({"shape": [3, 3, 4], "truncated": true})";
+  const std::string voxels = grown_to_three_planes(folder, sample);
+  EXPECT_EQ(voxels_of(*open_source({folder.file("a.tif")}, {})), voxels);
+}
+
+TEST(TiffSource, OtherFormsOfTheTextOfTifffileAreRead) {
+  const TempFolder folder;
+  TiffSample sample = three_planes_on_a_page();
+  for (const char* text : {"shape=(3, 3, 4)", "shape=(3, 1, 3, 4,)\n", "\n {\"shape\": [3, 3, 4]}",
+                           R"({"axes": "zyx", "shape": [3, 3, 4]})",
+                           R"({"axes": "ZYXS", "shape": [3, 3, 4, 1]})"}) {
+    sample.description = text;
+    const std::string voxels = grown_to_three_planes(folder, sample);
+    EXPECT_EQ(voxels_of(*open_source({folder.file("a.tif")}, {})), voxels) << text;
+  }
+  // Texts that are none
+  for (const char* text : {"shape=(3, 3, 4", "shape=(3, -1, 4)", "shape=()", "shape=(3, x, 4)"}) {
+    sample.description = text;
+    grown_to_three_planes(folder, sample);
+    EXPECT_EQ(open_source({folder.file("a.tif")}, {})->description().size.z, 1) << text;
+  }
+}
+
+TEST(TiffSource, PagesThatTifffileTurnedAreRejected) {
+  const TempFolder folder;
+  TiffSample sample;
+  sample.pages = {counted(12, 0), counted(12, 1)};
+  for (const std::string axes : {"XYZ", "YXZ", "XZY", "YZX", "ZXY", "QXY", "QZX"}) {
+    sample.description = R"({"shape": [2, 3, 4], "axes": ")" + axes + "\"}";
+    write_tiff(folder.file("a.tif"), sample);
+    EXPECT_TRUE(contains(source_error({folder.file("a.tif")}), "\"" + axes + "\"")) << axes;
+  }
+  // An axis of one value turns nothing.
+  sample.description = R"({"shape": [1, 2, 3, 4], "axes": "XZYX"})";
+  write_tiff(folder.file("a.tif"), sample);
+  EXPECT_EQ(open_source({folder.file("a.tif")}, {})->description().size, (Size3{4, 3, 2}));
+}
+
+TEST(TiffSource, SeveralSeriesInOneFileAreListed) {
+  const TempFolder folder;
+  TiffSample sample;
+  for (int page = 0; page < 5; ++page) sample.pages.push_back(counted(12, page));
+  const std::string one = R"({"shape": [3, 4]})";
+  const std::string four = R"({"shape": [2, 2, 3, 4], "axes": "CZYX"})";
+  const std::string cut = R"({"shape": [6, 3, 4], "truncated": true})";
+  const auto listed = [&](const std::vector<std::string>& texts) {
+    sample.descriptions = texts;
+    write_tiff(folder.file("a.tif"), sample);
+    return source_error({folder.file("a.tif")});
+  };
+  EXPECT_TRUE(contains(listed({one, four, "", "", ""}),
+                       "2 series of pages (1 plane in page 0, 4 planes from page 1 on"));
+  EXPECT_TRUE(contains(listed({"", four, "", "", ""}), "2 series"));
+  EXPECT_TRUE(contains(listed({"", "", "", one, cut}),
+                       "(4 planes in pages 0 to 3, 6 planes from page 4 on"));
+  EXPECT_TRUE(contains(listed({cut, one, one, one, one}), "4 planes in pages 1 to 4"));
+  EXPECT_TRUE(contains(listed({cut, cut, cut, cut, cut}), "and 1 more"));
+  EXPECT_TRUE(contains(listed({"ImageJ=1\nimages=2\n", "", "ImageJ=1\nimages=3\n", "", ""}),
+                       "2 series"));
+  // Pages saved one by one are one stack.
+  for (const std::vector<std::string>& texts :
+       {std::vector<std::string>(5, one), {"ImageJ=1\n", one, "a", "", "ImageJ=1\n"},
+        std::vector<std::string>(5, "ImageJ=1\nimages=5\n")}) {
+    sample.descriptions = texts;
+    write_tiff(folder.file("a.tif"), sample);
+    EXPECT_EQ(open_source({folder.file("a.tif")}, {})->description().size.z, 5);
+  }
+}
+
+TEST(TiffSource, PagesThatImageJDoesNotTellOfBringAWarning) {
+  const TempFolder folder;
+  for (const std::string program : {"ImageJ", "SCIFIO"}) {
+    TiffSample sample;
+    for (int page = 0; page < 5; ++page) sample.pages.push_back(counted(12, page));
+    sample.description = program + "=1.53\nimages=4\nslices=4\nunit=mm\nspacing=1\n";
+    sample.resolution = 1;
+    sample.descriptions = {sample.description, "", "", "", ""};
+    write_tiff(folder.file("a.tif"), sample);
+    const auto source = open_source({folder.file("a.tif")}, {});
+    EXPECT_EQ(source->description().size.z, 5);
+    ASSERT_EQ(source->warnings().size(), 1U);
+    EXPECT_TRUE(contains(source->warnings()[0], "says 4 images, 5 pages found"));
+  }
+  // Without a count of images those of slices tell of the planes behind a page.
+  TiffSample sample = three_planes_on_a_page();
+  sample.description = "ImageJ=1.53\nslices=3\n";
+  const std::string voxels = grown_to_three_planes(folder, sample);
+  EXPECT_EQ(voxels_of(*open_source({folder.file("a.tif")}, {})), voxels);
 }
 
 TEST(TiffSource, ZeissRecordsTellTimesAndSizes) {

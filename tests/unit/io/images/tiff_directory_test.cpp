@@ -1,0 +1,98 @@
+#include "octavo/io/images/tiff_directory.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "support/source_files.h"
+
+namespace octavo::testing {
+namespace {
+
+/// The bytes of a number in a file.
+std::string in_bytes(std::uint64_t value, std::size_t width, bool big_endian) {
+  std::string bytes(width, '\0');
+  for (std::size_t i = 0; i < width; ++i) {
+    bytes[big_endian ? width - 1 - i : i] = static_cast<char>(value >> 8 * i & 0xff);
+  }
+  return bytes;
+}
+
+struct DirectoryEntry {
+  std::uint16_t tag = 270;
+  std::uint16_t type = 2;
+  std::uint64_t count = 0;
+  std::uint64_t value = 0;
+};
+
+/// A file of a directory at byte 16 and what follows it.
+std::string directory_file(const std::vector<DirectoryEntry>& entries, bool big, bool big_endian,
+                           const std::string& rest) {
+  std::string bytes = (big_endian ? "MM" : "II") + in_bytes(big ? 43 : 42, 2, big_endian);
+  bytes.resize(16, '\0');
+  bytes += in_bytes(entries.size(), big ? 8 : 2, big_endian);
+  const std::size_t width = big ? 8 : 4;
+  for (const DirectoryEntry& entry : entries) {
+    bytes += in_bytes(entry.tag, 2, big_endian) + in_bytes(entry.type, 2, big_endian) +
+             in_bytes(entry.count, width, big_endian) + in_bytes(entry.value, width, big_endian);
+  }
+  return bytes + std::string(width, '\0') + rest;
+}
+
+TEST(TiffDirectory, GivesTheTextsOfATagInOrder) {
+  const TempFolder folder;
+  for (const bool big : {false, true}) {
+    for (const bool big_endian : {false, true}) {
+      const std::string text = "a text of tifffile";
+      std::vector<DirectoryEntry> entries(5);
+      const std::size_t end = directory_file(entries, big, big_endian, "").size();
+      entries[0] = {270, 2, text.size() + 1, end};
+      entries[1] = {256, 3, 1, 4};
+      entries[2] = {270, 3, 1, 4};
+      entries[3] = {270, 2, text.size() - 1, end + 2};
+      // "abc" within the entry
+      entries[4] = {270, 2, 4, big_endian ? std::uint64_t{0x61626300} : std::uint64_t{0x636261}};
+      if (big && big_endian) entries[4].value <<= 32;
+      write_file(folder.file("a"), directory_file(entries, big, big_endian, text + '\0'));
+      const SourceFile file(folder.file("a"));
+      const TiffDirectory directory(file, 16, big_endian);
+      EXPECT_EQ(directory.texts(270, 0),
+                (std::vector<std::string>{text, text.substr(2), "abc"}));
+      EXPECT_EQ(directory.texts(270, 1), (std::vector<std::string>{text.substr(2), "abc"}));
+      EXPECT_TRUE(directory.texts(271, 0).empty());
+    }
+  }
+}
+
+TEST(TiffDirectory, LeavesOutTextsThatAreCutOrHuge) {
+  const TempFolder folder;
+  const std::string rest(2000000, 'x');
+  const std::vector<DirectoryEntry> entries = {
+      {270, 2, 100, 2000000 + 100}, {270, 2, 100, std::numeric_limits<std::uint64_t>::max()},
+      {270, 2, std::numeric_limits<std::uint64_t>::max(), 100}, {270, 2, (1 << 20) + 1, 1000},
+      {270, 2, 0, 0}};
+  write_file(folder.file("a"), directory_file(entries, true, false, rest));
+  const SourceFile file(folder.file("a"));
+  EXPECT_TRUE(TiffDirectory(file, 16, false).texts(270, 0).empty());
+  const std::vector<DirectoryEntry> many(100, {270, 2, 100, 1300});
+  write_file(folder.file("b"), directory_file(many, false, false, rest));
+  const SourceFile other(folder.file("b"));
+  EXPECT_EQ(TiffDirectory(other, 16, false).texts(270, 0).size(), 8U);
+}
+
+TEST(TiffDirectory, ThatIsCutIsRejectedWithBothNumbers) {
+  const TempFolder folder;
+  const std::string whole = directory_file(std::vector<DirectoryEntry>(2), false, false, "");
+  write_file(folder.file("a"), whole.substr(0, whole.size() - 1));
+  const SourceFile file(folder.file("a"));
+  try {
+    TiffDirectory(file, 16, false);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::source_rejected);
+    EXPECT_TRUE(contains(error, std::to_string(whole.size()))) << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace octavo::testing
