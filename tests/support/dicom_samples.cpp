@@ -62,40 +62,46 @@ void write_dicom(const std::string& path, const DicomSample& s) {
 void write_segmentation(const std::string& path, const SegmentationSample& s) {
   std::string segments;
   std::string frames;
-  for (const int number : {1, 2}) {
-    segments += item(element(0x62, 0x04, "US", u16(static_cast<std::uint16_t>(number))) +
+  for (const std::uint16_t number : s.numbers) {
+    segments += item(element(0x62, 0x04, "US", u16(number)) +
                      element(0x62, 0x05, "LO", "part " + std::to_string(number)));
   }
   for (std::size_t i = 0; i < s.positions.size(); ++i) {
     const std::uint16_t segment = s.segments.empty() ? 1 : s.segments[i];
-    frames += item(sequence(0x20, 0x9113, element(0x20, 0x32, "DS", s.positions[i])) +
-                   sequence(0x62, 0x0a, element(0x62, 0x0b, "US", u16(segment))));
+    std::string frame = sequence(0x20, 0x9113, element(0x20, 0x32, "DS", s.positions[i]));
+    if (s.labels.empty()) frame += sequence(0x62, 0x0a, element(0x62, 0x0b, "US", u16(segment)));
+    frames += item(frame);
   }
   std::string packed((s.voxels.size() + 7) / 8, '\0');
   for (std::size_t i = 0; i < s.voxels.size(); ++i) {
     if (s.voxels[i]) packed[i / 8] = static_cast<char>(packed[i / 8] | 1 << i % 8);
   }
-  const std::uint16_t bits = s.fractions.empty() ? 1 : 8;
+  const bool is_label_map = !s.labels.empty();
+  const std::uint16_t bits = is_label_map ? s.label_bits : s.fractions.empty() ? 1 : 8;
+  const std::string padding = s.padding ? element(0x28, 0x120, "US", u16(*s.padding)) : "";
   std::string more = s.fractions.empty() ? "" : element(0x62, 0x0e, "US", u16(200));
   std::string spacing = s.thickness.empty() ? "" : element(0x18, 0x50, "DS", s.thickness);
   if (!s.spacing.empty()) spacing += element(0x18, 0x88, "DS", s.spacing);
   if (!s.overlap.empty()) more += element(0x62, 0x13, "CS", s.overlap);
+  const std::string sop_class = "1.2.840.10008.5.1.4.1.1.66.";
   write_part_10(
       path,
-      element(8, 0x16, "UI", "1.2.840.10008.5.1.4.1.1.66.4") + element(8, 0x60, "CS", "SEG") +
+      element(8, 0x16, "UI", sop_class + (is_label_map ? "7" : "4")) +
+          element(8, 0x60, "CS", "SEG") +
           element(0x20, 0x0e, "UI", "1.2.3") + element(0x28, 0x02, "US", u16(1)) +
           element(0x28, 0x04, "CS", "MONOCHROME2") +
           element(0x28, 0x08, "IS", std::to_string(s.positions.size())) +
           element(0x28, 0x10, "US", u16(3)) + element(0x28, 0x11, "US", u16(5)) +
           element(0x28, 0x100, "US", u16(bits)) + element(0x28, 0x101, "US", u16(bits)) +
           element(0x28, 0x102, "US", u16(static_cast<std::uint16_t>(bits - 1))) +
-          element(0x28, 0x103, "US", u16(0)) +
+          element(0x28, 0x103, "US", u16(0)) + padding +
           element(0x62, 0x01, "CS", s.type) + element(0x62, 0x02, "SQ", segments) + more +
           sequence(0x5200, 0x9229,
                    sequence(0x20, 0x9116, element(0x20, 0x37, "DS", "1\\0\\0\\0\\1\\0")) +
                        sequence(0x28, 0x9110, spacing + element(0x28, 0x30, "DS", "0.5\\0.5"))) +
           element(0x5200, 0x9230, "SQ", frames) +
-          element(0x7fe0, 0x10, "OB", s.fractions.empty() ? packed : s.fractions));
+          element(0x7fe0, 0x10, bits == 16 ? "OW" : "OB",
+                  is_label_map ? s.labels : s.fractions.empty() ? packed : s.fractions));
 }
 
 }  // namespace octavo::testing

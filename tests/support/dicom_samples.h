@@ -33,13 +33,18 @@ struct DicomSample {
 };
 void write_dicom(const std::string& path, const DicomSample& sample);
 
-/// A DICOM segmentation of 5 x 3 voxels of 1 bit, with its geometry in functional groups.
+/// A DICOM segmentation of 5 x 3 voxels of 1 bit, with its geometry in functional groups; with
+/// `labels` a label map.
 struct SegmentationSample {
   std::string type = "BINARY";
   std::vector<std::string> positions;   ///< of each frame, "x\\y\\z"
   std::vector<std::uint16_t> segments;  ///< of each frame; empty: all of segment 1
   std::vector<bool> voxels;             ///< of all frames, one behind the other
   std::string fractions;                ///< instead of them 8 bits each, of at most 200
+  std::string labels;                   ///< instead of them numbers of segments, native bytes
+  std::uint16_t label_bits = 8;
+  std::optional<std::uint16_t> padding; ///< Pixel Padding Value
+  std::vector<std::uint16_t> numbers = {1, 2};  ///< of the segments, each "part N"
   std::string overlap;                  ///< "YES", "NO" or nothing
   std::string spacing;                  ///< Spacing Between Slices
   std::string thickness;

@@ -198,20 +198,41 @@ void read_tile(const DicomSlice& slice, std::span<std::byte> plane) {
   }
 }
 
-/// Rejects segmentations but plain BINARY and FRACTIONAL ones.
+/// A frame of a label map: 0 is no segment; of one that is taken alone, voxels are 1.
+void read_label_map(const DicomSlice& slice, std::span<std::byte> plane) {
+  const DicomLayout& layout = *slice.layout;
+  read_stored(slice, plane);
+  const std::int64_t background = layout.padding_value.value_or(0);
+  if (!slice.taken_label && background == 0) return;
+  with_voxel_type(integer_type(layout), [&](auto tag) {
+    using T = typename decltype(tag)::type;
+    for (std::size_t at = 0; at + sizeof(T) <= plane.size(); at += sizeof(T)) {
+      T value;
+      std::memcpy(&value, plane.data() + at, sizeof value);
+      const auto label = static_cast<std::int64_t>(value);
+      if (slice.taken_label) value = static_cast<T>(label == *slice.taken_label ? 1 : 0);
+      else if (label == background) value = 0;
+      std::memcpy(plane.data() + at, &value, sizeof value);
+    }
+  });
+}
+
+/// Rejects segmentations but label maps and plain BINARY and FRACTIONAL ones.
 void require_readable_segmentation(const DicomLayout& layout) {
   const bool is_plain = layout.samples == 1 && !layout.pixels.is_float;
   const bool is_binary = is_plain && layout.segmentation_type == "BINARY" &&
                          layout.bits_allocated == 1 && !layout.pixels.is_encapsulated;
   const bool is_fractional = is_plain && layout.segmentation_type == "FRACTIONAL" &&
                              layout.bits_allocated == 8 && !layout.is_signed;
-  if (is_binary || is_fractional) return;
+  const bool is_label_map = is_plain && layout.is_label_map() && !layout.is_signed &&
+                            (layout.bits_allocated == 8 || layout.bits_allocated == 16);
+  if (is_binary || is_fractional || is_label_map) return;
   const std::string type = layout.segmentation_type.empty() ? "unknown" : layout.segmentation_type;
   reject(layout, "a DICOM segmentation (SEG) of type " + escaped(type) + " with " +
                      std::to_string(layout.bits_allocated) + " bits per voxel" +
                      (layout.pixels.is_encapsulated ? ", compressed," : "") +
-                     " is not read; plain BINARY ones of 1 bit and FRACTIONAL ones of 8 bits are. "
-                     "Convert it to NIfTI or NRRD labels first");
+                     " is not read; plain BINARY ones of 1 bit, FRACTIONAL ones of 8 bits and "
+                     "LABELMAP ones of 8 or 16 bits are. Convert it to NIfTI or NRRD labels first");
 }
 
 /// Rejects pictures but grey ones, those with a palette and uncompressed RGB ones.
@@ -241,7 +262,7 @@ void require_readable_floats(const DicomLayout& layout) {
 VoxelType dicom_voxel_type(const DicomLayout& layout) {
   if (layout.is_segmentation()) {
     require_readable_segmentation(layout);
-    return VoxelType::uint8;
+    return layout.is_label_map() ? integer_type(layout) : VoxelType::uint8;
   }
   if (layout.pixels.is_float) {
     require_readable_floats(layout);
@@ -263,6 +284,7 @@ void read_dicom_frame(const DicomSlice& slice, std::span<std::byte> plane) {
     return;
   }
   const DicomLayout& layout = *slice.layout;
+  if (layout.is_label_map()) return read_label_map(slice, plane);
   if (layout.tile_count > 1) return read_tile(slice, plane);
   if (layout.color_table == nullptr) return read_stored(slice, plane);
   const VoxelType type = integer_type(layout);

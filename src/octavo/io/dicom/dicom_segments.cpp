@@ -16,10 +16,19 @@ constexpr std::size_t kMaxListedSegments = 8;
 constexpr std::size_t kMaxNotedSegments = 4096;
 constexpr std::int64_t kMaxLabel = 255;
 
+/// Those of a label map without the background, which may have a number and a label as well.
+std::vector<DicomSegment> segments_of(const DicomLayout& layout) {
+  std::vector<DicomSegment> segments = layout.segments;
+  if (!layout.is_label_map()) return segments;
+  const std::int64_t background = layout.padding_value.value_or(0);
+  std::erase_if(segments, [&](const DicomSegment& s) { return s.number == background; });
+  return segments;
+}
+
 /// "1 liver, 2 tumor".
 std::string list_of(const DicomLayout& layout) {
   std::string list;
-  const std::vector<DicomSegment>& segments = layout.segments;
+  const std::vector<DicomSegment> segments = segments_of(layout);
   for (std::size_t i = 0; i < std::min(segments.size(), kMaxListedSegments); ++i) {
     list += (i == 0 ? "" : ", ") + std::to_string(segments[i].number) + " " +
             escaped(segments[i].label);
@@ -32,10 +41,11 @@ std::string list_of(const DicomLayout& layout) {
 
 /// The number that `text` stands for: a label counts before a number.
 std::int64_t number_of(const DicomLayout& layout, const std::string& text) {
-  for (const DicomSegment& segment : layout.segments) {
+  const std::vector<DicomSegment> segments = segments_of(layout);
+  for (const DicomSegment& segment : segments) {
     if (lower_case(segment.label) == lower_case(text)) return segment.number;
   }
-  for (const DicomSegment& segment : layout.segments) {
+  for (const DicomSegment& segment : segments) {
     if (std::to_string(segment.number) == text) return segment.number;
   }
   throw Error(ErrorKind::invalid_argument,
@@ -85,6 +95,25 @@ void require_joinable(const std::vector<DicomSlice>& slices) {
   }
 }
 
+/// Slices whose voxels are numbers of segments, or those of one of them.
+std::vector<DicomSlice> of_label_map(std::vector<DicomSlice> slices, const SourceOptions& options) {
+  const DicomLayout& layout = *slices.front().layout;
+  if (!options.segment.empty()) {
+    const std::int64_t number = number_of(layout, options.segment);
+    for (DicomSlice& slice : slices) slice.taken_label = slice.segment = number;
+    return slices;
+  }
+  for (const DicomSlice& slice : slices) {
+    if (slice.layout->padding_value != layout.padding_value) {
+      ask_for_one(layout, "in files of different Pixel Padding Value (0028,0120)");
+    }
+  }
+  const bool has_zero = std::ranges::any_of(
+      segments_of(layout), [](const DicomSegment& segment) { return segment.number == 0; });
+  if (has_zero) ask_for_one(layout, "one of which is 0, the label of what is in none");
+  return slices;
+}
+
 }  // namespace
 
 std::vector<DicomSlice> choose_segments(std::vector<DicomSlice> slices,
@@ -96,6 +125,7 @@ std::vector<DicomSlice> choose_segments(std::vector<DicomSlice> slices,
                 "no DICOM segmentation (SEG), of which alone a segment can be taken", layout.path)
         .with_field("segment");
   }
+  if (layout.is_label_map()) return of_label_map(std::move(slices), options);
   const double largest = static_cast<double>(std::max<std::int64_t>(layout.max_fraction, 1));
   if (!options.segment.empty()) {
     const std::int64_t number = number_of(layout, options.segment);
@@ -119,14 +149,15 @@ void note_segments(const std::vector<DicomSlice>& slices, const SourceOptions& o
                    MetadataFacts& noted) {
   const DicomSlice& first = slices.front();
   std::vector<SegmentNote> all;
-  for (const DicomSegment& segment : first.layout->segments) {
+  for (const DicomSegment& segment : segments_of(*first.layout)) {
     if (!options.segment.empty() && segment.number == first.segment) {
       noted.segment = SegmentNote{segment.number};
       return;
     }
     if (all.size() < kMaxNotedSegments) all.push_back({segment.number});
   }
-  if (!first.label_frames.empty()) noted.segments = std::move(all);
+  const bool holds_several = !first.label_frames.empty() || first.layout->is_label_map();
+  if (holds_several && !all.empty()) noted.segments = std::move(all);
 }
 
 }  // namespace octavo

@@ -348,7 +348,8 @@ DicomStack prove_stack(std::vector<DicomSlice> slices, const SourceOptions& opti
   stack.slices = std::move(slices);
   stack.leaves_out_empty = stack.slices.front().layout->is_segmentation();
   stack.holds_labels = stack.slices.front().layout->is_binary_segmentation();
-  stack.padding = stack.slices.front().layout->padding_value;
+  const DicomLayout& first = *stack.slices.front().layout;
+  if (!first.is_label_map()) stack.padding = first.padding_value;
   for (const DicomSlice& slice : stack.slices) require_alike(stack.slices.front(), slice);
   if (options.excerpt) {
     take_excerpt(stack, *options.excerpt);

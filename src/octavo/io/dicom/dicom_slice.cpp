@@ -32,6 +32,7 @@ constexpr DicomTag kSegmentIdentification = 0x0062000a;
 constexpr DicomTag kSegmentSequence = 0x00620002;
 constexpr const char* kParametricMap = "1.2.840.10008.5.1.4.1.1.30";
 constexpr const char* kSegmentation = "1.2.840.10008.5.1.4.1.1.66.4";
+constexpr const char* kLabelMap = "1.2.840.10008.5.1.4.1.1.66.7";
 constexpr std::int64_t kMaxFrames = std::int64_t{1} << 21;
 constexpr std::int64_t kMaxSide = 65535;
 
@@ -195,7 +196,9 @@ std::uint64_t DicomLayout::native_bytes() const {
   return (static_cast<std::uint64_t>(stored_rows() * stored_columns() * samples) * count + 7) / 8;
 }
 
-bool DicomLayout::is_segmentation() const { return sop_class == kSegmentation; }
+bool DicomLayout::is_segmentation() const { return sop_class == kSegmentation || is_label_map(); }
+
+bool DicomLayout::is_label_map() const { return sop_class == kLabelMap; }
 
 bool DicomLayout::is_binary_segmentation() const {
   return is_segmentation() && segmentation_type != "FRACTIONAL";

@@ -58,7 +58,7 @@ struct DicomLayout {
   std::int64_t high_bit = 0;
   bool is_signed = false;
   std::optional<std::int64_t> padding_value;  ///< a stored value that is no measurement
-  std::string segmentation_type;              ///< of a SEG: BINARY or FRACTIONAL
+  std::string segmentation_type;              ///< of a SEG: BINARY, FRACTIONAL or LABELMAP
   std::vector<DicomSegment> segments;         ///< of a SEG
   bool segments_overlap = false;              ///< of a SEG that says so
   std::int64_t max_fraction = 255;            ///< of a SEG: the stored value of a whole voxel
@@ -74,6 +74,8 @@ struct DicomLayout {
 
   /// A DICOM segmentation.
   bool is_segmentation() const;
+  /// A segmentation whose voxels have the numbers of their segments.
+  bool is_label_map() const;
   /// A segmentation whose voxels are in a segment or not, else they are so by a fraction.
   bool is_binary_segmentation() const;
   /// Voxels of one frame as stored: of a mosaic, those of all its tiles.
@@ -102,6 +104,7 @@ struct DicomSlice {
   std::optional<double> instance_number;
   std::int64_t channel = 0;  ///< of a color picture: the sample that is taken
   std::int64_t segment = 0;  ///< of a SEG: the number of the segment that the frame belongs to
+  std::optional<std::int64_t> taken_label;  ///< of a label map: the segment that alone is taken
   std::vector<LabelFrame> label_frames;  ///< of a SEG of several segments: all at this place
 
   /// The file's name, with the frame or the tile where it has several.

@@ -172,7 +172,7 @@ SourceFacts describe(const DicomStack& stack, const SourceOptions& options) {
   if (stack.holds_labels) facts.description.kind = VolumeKind::labels;
   facts.description.geometry = stack.geometry;
   facts.description.rescale = first.values.rescale;
-  facts.description.padding = layout.padding_value;
+  if (!layout.is_label_map()) facts.description.padding = layout.padding_value;
   facts.spacing_known = stack.spacing_known;
   facts.unit = first.values.unit;
   facts.files = files_of(stack);

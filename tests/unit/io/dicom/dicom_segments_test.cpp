@@ -112,6 +112,90 @@ TEST(DicomSegments, OfFractionsAreGrey) {
   EXPECT_EQ(voxels_of(*source), sample.fractions.substr(30));
 }
 
+/// A label map of 2 planes whose voxels are 0 and the numbers 2 and 7; 7 is also its padding value
+/// where that is asked for.
+SegmentationSample label_map(std::uint16_t bits) {
+  SegmentationSample sample;
+  sample.type = "LABELMAP";
+  sample.positions = {"0\\0\\2", "0\\0\\0"};
+  sample.numbers = {0, 2, 7};
+  sample.label_bits = bits;
+  for (int i = 0; i < 30; ++i) {
+    sample.labels += static_cast<char>(i == 3 || i == 20 ? 2 : i == 7 ? 7 : 0);
+    if (bits == 16) sample.labels += '\0';
+  }
+  return sample;
+}
+
+TEST(DicomSegments, OfLabelMapsAreTheirNumbers) {
+  const TempFolder folder;
+  for (const std::uint16_t bits : {std::uint16_t{8}, std::uint16_t{16}}) {
+    SegmentationSample sample = label_map(bits);
+    if (bits == 16) sample.padding = 0;
+    write_segmentation(folder.file("map.dcm"), sample);
+    const auto source = open_source({folder.file("map.dcm")}, {});
+    EXPECT_EQ(source->description().kind, VolumeKind::labels);
+    EXPECT_EQ(source->description().type, bits == 8 ? VoxelType::uint8 : VoxelType::uint16);
+    EXPECT_FALSE(source->description().padding);
+    const std::size_t plane = sample.labels.size() / 2;
+    EXPECT_EQ(voxels_of(*source), sample.labels.substr(plane) + sample.labels.substr(0, plane));
+    const auto metadata = nlohmann::json::parse(source->description().metadata.text());
+    EXPECT_EQ(metadata["segments"], nlohmann::json({{{"number", 2}}, {{"number", 7}}}));
+  }
+  SourceOptions options;
+  options.keep_identity = true;
+  const auto kept = nlohmann::json::parse(
+      open_source({folder.file("map.dcm")}, options)->description().metadata.text());
+  EXPECT_EQ(kept["identity"]["attributes"]["SegmentLabel"], "0 part 0\n2 part 2\n7 part 7");
+}
+
+TEST(DicomSegments, OfLabelMapsAreTakenOneByOne) {
+  const TempFolder folder;
+  write_segmentation(folder.file("map.dcm"), label_map(8));
+  for (const char* segment : {"7", "part 7"}) {
+    SourceOptions options;
+    options.segment = segment;
+    const auto source = open_source({folder.file("map.dcm")}, options);
+    EXPECT_EQ(source->description().kind, VolumeKind::labels);
+    EXPECT_EQ(voxels_of(*source), plane_pair({{22, 1}}));
+    EXPECT_TRUE(contains(source->description().metadata.text(), "\"segment\":{\"number\":7"));
+  }
+  SourceOptions wrong;
+  wrong.segment = "part 0";
+  EXPECT_TRUE(contains(source_error({folder.file("map.dcm")}, wrong), "are 2 part 2, 7 part 7"));
+}
+
+TEST(DicomSegments, OfLabelMapsLeaveTheBackgroundZero) {
+  const TempFolder folder;
+  SegmentationSample sample = label_map(8);
+  sample.padding = 7;
+  sample.numbers = {2, 7};
+  write_segmentation(folder.file("map.dcm"), sample);
+  EXPECT_EQ(voxels_of(*open_source({folder.file("map.dcm")}, {})),
+            plane_pair({{5, 2}, {18, 2}}));
+  sample.numbers = {0, 2};
+  write_segmentation(folder.file("map.dcm"), sample);
+  EXPECT_TRUE(contains(source_error({folder.file("map.dcm")}), "[segment=a number or label]"));
+  SourceOptions options;
+  options.segment = "0";
+  EXPECT_EQ(voxels_of(*open_source({folder.file("map.dcm")}, options)).substr(0, 6),
+            std::string("\1\1\1\1\1\0", 6));
+}
+
+TEST(DicomSegments, OfLabelMapsAreNotMixedBetweenSlices) {
+  const TempFolder folder;
+  SegmentationSample sample = label_map(8);
+  sample.positions = {"0\\0\\0", "0\\0\\2", "0\\0\\6"};
+  sample.labels = std::string(15, 2) + std::string(15, 4) + std::string(15, 8);
+  sample.numbers = {2, 4, 8};
+  write_segmentation(folder.file("map.dcm"), sample);
+  SourceOptions options;
+  options.on_gap = GapPolicy::fill;
+  // A plane that is left out is empty, as in other segmentations.
+  EXPECT_EQ(voxels_of(*open_source({folder.file("map.dcm")}, options)),
+            std::string(15, 2) + std::string(15, 4) + std::string(15, 0) + std::string(15, 8));
+}
+
 TEST(DicomSegments, AreOfSegmentationsOnly) {
   const TempFolder folder;
   DicomSample slice;
