@@ -271,6 +271,20 @@ class Transforms(cli_test.InFolder):
         made = self.transform("v.8vo", "--mirror", "x", "--translate", "1,2,3", "--mirror", "x")
         self.assertEqual(self.voxels_of(), self.grey)
 
+    def test_a_mask_that_leaves_its_grid_is_told(self):
+        corner = [int(i < 3) for i in range(math.prod(SIZE))]
+        self.build("corner.8vo", corner, "uint8", "B", "--labels")
+        (self.folder / "away.txt").write_text("1 0 0 -9\n0 1 0 0\n0 0 1 0\n0 0 0 1\n")
+        for steps in (["--shift", "-3,0,0"], ["--affine", "away.txt"]):
+            with self.subTest(steps):
+                self.assertEqual(self.transform("corner.8vo", *steps)["warnings"],
+                                 ["o.8vo: is empty; no labeled voxel of corner.8vo is left in "
+                                  "the grid"])
+                self.assertEqual(sum(self.voxels_of(code="B")), 0)
+        self.assertEqual(self.transform("corner.8vo", "--shift", "-2,0,0")["warnings"], [])
+        self.build("none.8vo", [0] * math.prod(SIZE), "uint8", "B", "--labels")
+        self.assertEqual(self.transform("none.8vo", "--shift", "-3,0,0")["warnings"], [])
+
     def test_grid_of_brings_a_volume_onto_another_grid(self):
         size, spacing = (30, 25, 40), (1.0, 0.5, 1.5)
         self.build("g.8vo", [0] * (30 * 25 * 40), "uint8", "B", size=size, spacing=spacing)
@@ -290,6 +304,7 @@ class Transforms(cli_test.InFolder):
         told = self.transform("m.8vo", "--grid-of", "far.8vo")
         self.assertIn("none of it lies in the new grid", told["warnings"][0])
         self.assertEqual(sum(self.voxels_of(code="B")), 0)
+        self.assertEqual(len(told["warnings"]), 1, told["warnings"])
         self.transform("m.8vo", "--grid-of", "grid.8vo")
         # The set operations bring masks onto the grid of the first in the same way.
         resampled = self.voxels_of(code="B")

@@ -136,6 +136,19 @@ void require_bound(const TransformOptions& options) {
       .with_field("max_error");
 }
 
+bool is_unlabeled(const ValueRange& range) { return range.min == 0 && range.max == 0; }
+
+/// Warns where the grids meet and still every labeled voxel has left, which a label that stands for
+/// what comes from outside would hide.
+void warn_if_emptied(const FileReader& input, const TransformPlan& plan,
+                     const TransformOptions& options, const TaskContext& context) {
+  const bool is_labels = input.description().kind == VolumeKind::labels;
+  if (!is_labels || plan.is_apart || is_unlabeled(input.range())) return;
+  if (!is_unlabeled(open_volume(options.output.path, context)->range())) return;
+  context.warn(options.output.path + ": is empty; no labeled voxel of " + options.input +
+               " is left in the grid");
+}
+
 }  // namespace
 
 void add_step(const TransformStep& step, std::vector<TransformStep>& steps) {
@@ -193,6 +206,7 @@ TransformResult transform(const TransformOptions& asked, const TaskContext& cont
           ? copy_described(open_input(options.input, context), result.volume, local_storage(),
                            options.output.path, options.output.overwrite, context.watcher())
           : write_voxels(reader, plan, result.volume, options, context);
+  if (!result.is_copied) warn_if_emptied(*reader, plan, options, context);
   return result;
 }
 

@@ -113,7 +113,7 @@ struct TransformResult {
 ComputedVolume transformed_planes(const TransformOptions& options, const TaskContext& context);
 
 /// Writes the transformed volume, with a thumbnail if the input has one. Warns where no voxel of
-/// the input is left in the grid and where an unknown spacing counts.
+/// the input, or no labeled one, is left in the grid and where an unknown spacing counts.
 /// Throws  as open_volume, require_computed, build_file and copy_described;
 ///         Error{invalid_argument} for steps that the volume does not allow; Error{limit_exceeded}
 ///         for results that are too large, before any work

@@ -109,7 +109,7 @@ class Planner {
   void settle_object_map();
   void take_grid_of(const std::string& path);
   void note_steps();
-  void warn_if_apart() const;
+  void warn_if_apart();
   void warn_of_unknown_mm(const char* what);
   Interpolation interpolation_of(const std::optional<Interpolation>& asked) const;
   double stored_fill(const std::optional<double>& asked) const;
@@ -441,8 +441,9 @@ void Planner::warn_of_unknown_mm(const char* what) {
 }
 
 /// Warns where the new grid and the input do not meet.
-void Planner::warn_if_apart() const {
-  if (may_meet(plan_.to_source, plan_.size, reader_.levels().size(plan_.level))) return;
+void Planner::warn_if_apart() {
+  plan_.is_apart = !may_meet(plan_.to_source, plan_.size, reader_.levels().size(plan_.level));
+  if (!plan_.is_apart) return;
   const auto* const shift =
       options_.steps.size() == 1 ? std::get_if<ShiftStep>(&options_.steps.front()) : nullptr;
   if (shift != nullptr && options_.grid_of.empty()) {

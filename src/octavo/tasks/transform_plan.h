@@ -35,6 +35,7 @@ struct TransformPlan {
   double outside = 0;  ///< the stored value of voxels that come from outside
   /// The metadata of another file's grid, which say where its spacing is from.
   std::optional<Metadata> spacing_from;
+  bool is_apart = false;   ///< no voxel of the input is left in the grid
   bool is_placed = false;  ///< the grid is known to lie in a body, whatever is known of the input
 };
 
