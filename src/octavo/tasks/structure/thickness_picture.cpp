@@ -95,8 +95,10 @@ void draw_panel(Picture& picture, std::int64_t top, const ThicknessSummary& summ
                            count_text(static_cast<std::int64_t>(summary.voxels))),
                colors);
   const double step = tick_step(whole);
-  for (double mm = 0; mm <= whole * (1 + 1e-9); mm += step) {
-    const std::string text = fmt::format("{:g}", mm);
+  const int steps = static_cast<int>(whole * (1 + 1e-9) / step);
+  for (int i = 0; i <= steps; ++i) {
+    const double mm = i * step;
+    const std::string text = fmt::format("{:.6g}{}", mm, i == steps ? " mm" : "");
     const std::int64_t at = column(mm);
     fill_area(picture, at, base, at + 1, base + 5, kAxis);
     const std::int64_t width = letters.width(text);
