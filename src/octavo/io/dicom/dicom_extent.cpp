@@ -135,6 +135,11 @@ void check_compressed(const DicomLayout& layout) {
 }  // namespace
 
 void check_dicom_pixels(const DicomLayout& layout) {
+  if (layout.is_slide) {
+    reject(layout, "its " + std::to_string(layout.frames) +
+                       " frames are tiles of one picture, a slide (Total Pixel Matrix Columns "
+                       "(0048,0006)), and no planes of a volume; join them into a picture first");
+  }
   if (layout.pixels.is_encapsulated) {
     check_compressed(layout);
   } else {

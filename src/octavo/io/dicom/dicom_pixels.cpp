@@ -275,6 +275,10 @@ VoxelType dicom_voxel_type(const DicomLayout& layout) {
 }
 
 void read_dicom_frame(const DicomSlice& slice, std::span<std::byte> plane) {
+  if (slice.is_blank) {
+    std::ranges::fill(plane, std::byte{0});
+    return;
+  }
   if (slice.layout->bits_allocated == 1) {
     if (slice.label_frames.empty()) {
       read_native_bits(slice, slice.frame, plane);

@@ -6,6 +6,8 @@
 #include <utility>
 
 #include "octavo/core/error.h"
+#include "octavo/core/vectors.h"
+#include "octavo/io/dicom/dicom_places.h"
 #include "octavo/io/source/source_file.h"
 
 namespace octavo {
@@ -95,6 +97,39 @@ void require_joinable(const std::vector<DicomSlice>& slices) {
   }
 }
 
+/// The frames of one segment, and a blank slice at each place where others alone have one, so that
+/// all segments of a file become volumes of the same planes.
+std::vector<DicomSlice> of_one_segment(std::vector<DicomSlice> slices, std::int64_t number) {
+  constexpr double kSamePlaceMm = 0.01;
+  constexpr double kSamePlaceSteps = 0.1;
+  const auto is_other = [&](const DicomSlice& slice) { return slice.segment != number; };
+  const auto is_placed = [](const DicomSlice& s) { return s.position_mm && s.orientation; };
+  if (!std::ranges::all_of(slices, is_placed)) {
+    std::erase_if(slices, is_other);
+    return slices;
+  }
+  const Point3 normal = slice_axes(slices.front()).normal;
+  std::set<double> heights;
+  for (const DicomSlice& slice : slices) {
+    if (!is_other(slice)) heights.insert(dot(*slice.position_mm, normal));
+  }
+  std::vector<DicomSlice> taken;
+  for (DicomSlice& slice : slices) {
+    if (is_other(slice)) {
+      const double height = dot(*slice.position_mm, normal);
+      const double steps = kSamePlaceSteps * slice.spacing_mm.value_or(1);
+      const double same = steps > 0 ? std::min(kSamePlaceMm, steps) : kSamePlaceMm;
+      const auto near = heights.lower_bound(height - same);
+      if (near != heights.end() && *near <= height + same) continue;
+      heights.insert(height);
+      slice.is_blank = true;
+      slice.segment = number;
+    }
+    taken.push_back(std::move(slice));
+  }
+  return taken;
+}
+
 /// Slices whose voxels are numbers of segments, or those of one of them.
 std::vector<DicomSlice> of_label_map(std::vector<DicomSlice> slices, const SourceOptions& options) {
   const DicomLayout& layout = *slices.front().layout;
@@ -129,12 +164,11 @@ std::vector<DicomSlice> choose_segments(std::vector<DicomSlice> slices,
   const double largest = static_cast<double>(std::max<std::int64_t>(layout.max_fraction, 1));
   if (!options.segment.empty()) {
     const std::int64_t number = number_of(layout, options.segment);
-    const std::string path = layout.path;
-    std::erase_if(slices, [&](const DicomSlice& slice) { return slice.segment != number; });
-    if (slices.empty()) {
+    if (!numbers_in(slices).contains(number)) {
       throw Error(ErrorKind::source_rejected,
-                  "segment " + std::to_string(number) + " has no frames: it is empty", path);
+                  "segment " + std::to_string(number) + " has no frames: it is empty", layout.path);
     }
+    slices = of_one_segment(std::move(slices), number);
   } else if (numbers_in(slices).size() > 1) {
     require_joinable(slices);
     return join_places(std::move(slices));

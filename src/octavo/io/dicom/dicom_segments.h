@@ -9,11 +9,11 @@
 
 namespace octavo {
 
-/// The frames of the segment that options.segment names by its number or its label; where none is
-/// named, of the only one, or, for BINARY ones, of all: then the frames at one place become one
-/// slice, whose voxels have the number of their segment; those of label maps have it as they are
-/// stored. Fractions get the rescale that makes a whole voxel 1. Slices of other kinds pass
-/// unchanged.
+/// The frames of the segment that options.segment names by its number or its label, with a blank
+/// slice at each place where other segments alone have a frame. Where none is named, those of the
+/// only one, or, for BINARY ones, of all: then the frames at one place become one slice, whose
+/// voxels have the number of their segment; those of label maps have it as they are stored.
+/// Fractions get the rescale that makes a whole voxel 1. Slices of other kinds pass unchanged.
 /// Throws Error{source_rejected} where a segment has to be named, or the file says that segments
 ///        overlap; Error{invalid_argument} where the one named is not there, or this is no SEG
 std::vector<DicomSlice> choose_segments(std::vector<DicomSlice> slices,

@@ -129,7 +129,13 @@ void tell_of_mixture(DicomStack& stack) {
   for (const SharedName& name :
        {SharedName{"Convolution Kernel (0018,1210)", &DicomLayout::kernel, true},
         SharedName{"Patient Position (0018,5100)", &DicomLayout::patient_position, true},
-        SharedName{"Echo Time (0018,0081)", &DicomLayout::echo, true}}) {
+        SharedName{"Echo Time (0018,0081)", &DicomLayout::echo, true},
+        SharedName{"Inversion Time (0018,0082)", &DicomLayout::inversion, true},
+        SharedName{"Flip Angle (0018,1314)", &DicomLayout::flip_angle, true},
+        SharedName{"Diffusion b-value (0018,9087)", &DicomLayout::b_value, true},
+        SharedName{"Temporal Position Identifier (0020,0100)", &DicomLayout::temporal_position,
+                   true},
+        SharedName{"Image Type (0008,0008)", &DicomLayout::image_type, true}}) {
     const auto two = find_two(stack.slices, name);
     if (!two) continue;
     const auto& [first, other] = *two;
@@ -244,49 +250,64 @@ bool has_geometry(const DicomSlice& slice) {
   return slice.position_mm && slice.orientation && slice.pixel_mm;
 }
 
-/// Rejects files of one number, between which nothing decides, and warns where one may be missing.
-void check_numbers(DicomStack& stack) {
+/// What tells the order of slices without positions.
+struct OrderNumber {
+  const char* name;
+  bool is_of_frames;  ///< else the frames of a file share one
+  std::optional<double> (*of)(const DicomSlice&);
+};
+
+constexpr OrderNumber kInstanceNumber = {
+    "Instance Number (0020,0013)", false,
+    [](const DicomSlice& slice) { return slice.instance_number; }};
+constexpr OrderNumber kInStackPosition = {
+    "In-Stack Position Number (0020,9057)", true,
+    [](const DicomSlice& slice) -> std::optional<double> {
+      if (!slice.in_stack_position) return std::nullopt;
+      return static_cast<double>(*slice.in_stack_position);
+    }};
+
+/// Rejects slices of one number, between which nothing decides, and warns where one may be missing.
+void check_numbers(DicomStack& stack, const OrderNumber& number) {
   std::optional<double> usual;
   for (std::size_t i = 1; i < stack.slices.size(); ++i) {
     const DicomSlice& below = stack.slices[i - 1];
     const DicomSlice& slice = stack.slices[i];
-    if (below.layout == slice.layout) continue;
-    const double step = *slice.instance_number - *below.instance_number;
-    const std::string number = precise_text(*slice.instance_number);
+    if (!number.is_of_frames && below.layout == slice.layout) continue;
+    const double step = *number.of(slice) - *number.of(below);
+    const std::string text = precise_text(*number.of(slice));
     if (step == 0) {
-      reject(slice, below.name() + " and " + slice.name() +
-                        " have one Instance Number (0020,0013), " + number +
-                        ", and no positions: nothing tells their order; remove one of them");
+      reject(slice, below.name() + " and " + slice.name() + " have one " + number.name + ", " +
+                        text + ", and no positions: nothing tells their order; remove one of them");
     }
     if (usual.value_or(step) != step) {
-      stack.warnings.push_back("Instance Number (0020,0013) goes from " +
-                               precise_text(*below.instance_number) + " in " + below.name() +
-                               " to " + number + " in " + slice.name() +
-                               ", elsewhere by " + precise_text(*usual) +
-                               ": a slice may be missing");
+      stack.warnings.push_back(std::string(number.name) + " goes from " +
+                               precise_text(*number.of(below)) + " in " + below.name() + " to " +
+                               text + " in " + slice.name() + ", elsewhere by " +
+                               precise_text(*usual) + ": a slice may be missing");
       return;
     }
     usual = step;
   }
 }
 
-/// Without positions the order is that of the instance numbers, or of the frames of one file.
+/// Without positions the order is that of the instance numbers; of the frames of one file, that of
+/// their places in a stack, or that in which they stand.
 void order_by_number(DicomStack& stack) {
   std::vector<DicomSlice>& slices = stack.slices;
+  const bool is_one_file = slices.front().layout == slices.back().layout;
+  const OrderNumber& number = is_one_file ? kInStackPosition : kInstanceNumber;
+  const bool have_numbers = std::ranges::all_of(
+      slices, [&](const DicomSlice& slice) { return number.of(slice).has_value(); });
+  if (!have_numbers && is_one_file) return;
   for (const DicomSlice& slice : slices) {
-    if (slice.instance_number || slice.layout == slices.front().layout) continue;
+    if (have_numbers) break;
+    if (number.of(slice)) continue;
     reject(slice,
            "no geometry: neither a position nor an instance number tells its place in the stack");
   }
-  const bool is_one_file = slices.front().layout == slices.back().layout;
-  if (!is_one_file && !slices.front().instance_number) {
-    reject(slices.front(),
-           "no geometry: neither a position nor an instance number tells its place in the stack");
-  }
-  std::stable_sort(slices.begin(), slices.end(), [](const DicomSlice& a, const DicomSlice& b) {
-    return a.instance_number.value_or(0) < b.instance_number.value_or(0);
-  });
-  if (!is_one_file) check_numbers(stack);
+  std::ranges::stable_sort(slices, {}, [&](const DicomSlice& slice) { return *number.of(slice); });
+  check_numbers(stack, number);
 }
 
 /// Slices of a stack that was proven before, in their order.

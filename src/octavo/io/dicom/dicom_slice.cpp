@@ -23,6 +23,7 @@ using octavo::reject;  // the other files of this folder have some for slices an
 constexpr DicomTag kImagePosition = 0x00200032;
 constexpr DicomTag kSharedGroups = 0x52009229;
 constexpr DicomTag kPerFrameGroups = 0x52009230;
+constexpr DicomTag kFrameContent = 0x00209111;
 constexpr DicomTag kPlanePosition = 0x00209113;
 constexpr DicomTag kPlaneOrientation = 0x00209116;
 constexpr DicomTag kPixelMeasures = 0x00289110;
@@ -59,6 +60,19 @@ std::optional<std::int64_t> read_padding(const DicomLayout& layout,
   return layout.is_signed && value >= span / 2 ? value - span : value;
 }
 
+/// A setting of the scanner; what is measured anew for every slice differs a little.
+std::string setting_text(const DicomSet& data, DicomTag tag, const std::string& unit) {
+  const std::optional<double> value = data.decimal(tag);
+  return value ? precise_text(std::round(*value * 10) / 10) + unit : "";
+}
+
+/// Whether the frames are tiles of a larger picture, as of a slide under a microscope.
+bool is_slide(const DicomSet& data, const DicomLayout& layout) {
+  const std::int64_t columns = data.unsigned_value(0x00480006).value_or(0);
+  const std::int64_t rows = data.unsigned_value(0x00480007).value_or(0);
+  return layout.frames > 1 && (columns > layout.columns || rows > layout.rows);
+}
+
 /// Number of Frames; 1 where it is absent or blank.
 std::int64_t frame_count(const DicomSet& data, const std::string& path) {
   constexpr DicomTag kNumberOfFrames = 0x00280008;
@@ -87,10 +101,13 @@ DicomLayout read_layout(const DicomFile& file) {
   layout.patient = data.text(0x00100020);
   layout.patient_position = data.text(0x00185100);
   layout.kernel = data.text(0x00181210);
-  if (const std::optional<double> echo_ms = data.decimal(0x00180081)) {
-    // What is measured anew for every slice differs a little.
-    layout.echo = precise_text(std::round(*echo_ms * 10) / 10) + " ms";
+  layout.echo = setting_text(data, 0x00180081, " ms");
+  layout.inversion = setting_text(data, 0x00180082, " ms");
+  layout.flip_angle = setting_text(data, 0x00181314, " degrees");
+  if (const std::optional<double> b_value = data.float64(0x00189087)) {
+    layout.b_value = precise_text(*b_value) + " s/mm2";
   }
+  layout.temporal_position = data.text(0x00200100);
   layout.modality = data.text(0x00080060);
   layout.image_type = data.text(0x00080008);
   layout.photometric = data.text(0x00280004);
@@ -119,6 +136,7 @@ DicomLayout read_layout(const DicomFile& file) {
         {segment.unsigned_value(0x00620004).value_or(0), segment.text(0x00620005)});
   }
   layout.frames = frame_count(data, file.path);
+  layout.is_slide = is_slide(data, layout);
   if (layout.rows == 0 || layout.columns == 0)
     reject(file.path, "a picture without rows or columns");
   if (layout.rows > kMaxSide || layout.columns > kMaxSide) {
@@ -240,6 +258,9 @@ std::vector<DicomSlice> read_dicom_slices(const std::string& path) {
       slice.values = read_dicom_values(file.data, macro(shared, own, kValueTransformation));
       if (layout->sop_class == kParametricMap) {
         take_real_world(macro(shared, own, kRealWorldMapping), slice.values);
+      }
+      if (const DicomSet* content = macro(shared, own, kFrameContent)) {
+        slice.in_stack_position = content->unsigned_value(0x00209057);
       }
       if (const DicomSet* segment = macro(shared, own, kSegmentIdentification)) {
         slice.segment = segment->unsigned_value(0x0062000b).value_or(0);

@@ -43,6 +43,10 @@ struct DicomLayout {
   std::string patient_position;  ///< "HFS": how the patient lies
   std::string kernel;            ///< Convolution Kernel
   std::string echo;              ///< Echo Time to a tenth
+  std::string inversion;         ///< Inversion Time to a tenth
+  std::string flip_angle;        ///< to a tenth
+  std::string b_value;           ///< Diffusion b-value
+  std::string temporal_position; ///< Temporal Position Identifier
   std::string modality;
   std::string image_type;
   std::string photometric;
@@ -65,6 +69,7 @@ struct DicomLayout {
   bool was_lossy = false;  ///< the header or the transfer syntax says that values were changed
   bool has_burned_in_text = false;         ///< Burned In Annotation is YES
   bool shows_who_it_is = false;            ///< Recognizable Visual Features is YES
+  bool is_slide = false;          ///< frames are tiles of one picture
   std::int64_t tiles_across = 1;  ///< of a mosaic in each direction; columns and rows are a tile's
   std::int64_t tile_count = 1;    ///< of a mosaic
   std::shared_ptr<const DicomColorTable> color_table;  ///< of the color that is taken; null: none
@@ -102,9 +107,11 @@ struct DicomSlice {
   std::optional<double> spacing_mm;                   ///< Spacing Between Slices; by some the gap
   DicomValues values;                                 ///< what its stored values stand for
   std::optional<double> instance_number;
+  std::optional<std::int64_t> in_stack_position;      ///< of a frame: In-Stack Position Number
   std::int64_t channel = 0;  ///< of a color picture: the sample that is taken
   std::int64_t segment = 0;  ///< of a SEG: the number of the segment that the frame belongs to
   std::optional<std::int64_t> taken_label;  ///< of a label map: the segment that alone is taken
+  bool is_blank = false;     ///< of a SEG: a place of other segments than the one that is taken
   std::vector<LabelFrame> label_frames;  ///< of a SEG of several segments: all at this place
 
   /// The file's name, with the frame or the tile where it has several.

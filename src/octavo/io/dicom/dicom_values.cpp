@@ -11,6 +11,7 @@ namespace {
 constexpr DicomTag kModality = 0x00080060;
 constexpr DicomTag kRescaleType = 0x00281054;
 constexpr DicomTag kModalityTable = 0x00283000;
+constexpr DicomTag kPetUnits = 0x00541001;
 constexpr DicomTag kDoseUnits = 0x30040002;
 
 /// The number of a header, or `absent` where it is not there or blank. Notes a fault where it is
@@ -29,6 +30,11 @@ double number_or(const DicomSet& set, DicomTag tag, const char* name, double abs
 
 std::string unit_of(const DicomSet& data, const std::string& type) {
   if (!type.empty()) return known_value_unit(type);
+  if (data.text(kModality) == "PT") {
+    const std::string units = data.text(kPetUnits);
+    if (units == "GML") return known_value_unit("g/ml");
+    return known_value_unit(units == "CNTS" ? "counts" : units);
+  }
   return data.text(kModality) == "CT" ? "HU" : "";
 }
 

@@ -17,8 +17,8 @@ struct DicomValues {
   std::string fault;  ///< why the rescale is not the one meant; empty: it is
 };
 
-/// Reads Rescale Slope, Intercept and Type; of RTDOSE Dose Grid Scaling and Dose Units. CT is in
-/// Hounsfield units unless the header says otherwise.
+/// Reads Rescale Slope, Intercept and Type; of RTDOSE Dose Grid Scaling and Dose Units. Without a
+/// type CT is in Hounsfield units, PET in its Units.
 /// transformation  the frame's Pixel Value Transformation, where the file has functional groups
 ///                 with one, else null: the data set itself speaks
 /// Source          DICOM PS3.3 C.11.1 (Modality LUT), C.7.6.16.2.9, C.8.8.3 (RT Dose)

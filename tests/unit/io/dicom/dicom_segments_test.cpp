@@ -83,6 +83,27 @@ TEST(DicomSegments, AreTakenOneByOneByNumberOrLabel) {
   EXPECT_TRUE(contains(error, "1 part 1, 2 part 2")) << error.what();
 }
 
+TEST(DicomSegments, TakenAloneKeepThePlanesOfAll) {
+  const TempFolder folder;
+  SegmentationSample sample;
+  // The second segment has a frame in the middle alone, a little beside that of the first.
+  sample.positions = {"0\\0\\0", "0\\0\\2", "0\\0\\4", "0\\0\\2.0001"};
+  sample.segments = {1, 1, 1, 2};
+  sample.voxels.assign(60, true);
+  write_segmentation(folder.file("seg.dcm"), sample);
+  SourceOptions options;
+  options.segment = "2";
+  const auto source = open_source({folder.file("seg.dcm")}, options);
+  EXPECT_EQ(source->description().geometry.origin_mm, (Point3{0, 0, 0}));
+  EXPECT_EQ(voxels_of(*source),
+            std::string(15, '\0') + std::string(15, '\1') + std::string(15, '\0'));
+  sample.type = "FRACTIONAL";
+  sample.fractions = std::string(60, 'a');
+  write_segmentation(folder.file("seg.dcm"), sample);
+  EXPECT_EQ(voxels_of(*open_source({folder.file("seg.dcm")}, options)),
+            std::string(15, '\0') + std::string(15, 'a') + std::string(15, '\0'));
+}
+
 TEST(DicomSegments, ThatOverlapAreRejectedWithBothNames) {
   const TempFolder folder;
   SegmentationSample sample = two_segments(true);

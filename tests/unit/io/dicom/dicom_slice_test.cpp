@@ -436,7 +436,13 @@ TEST(SourceDicomMixture, OfKernelsPositionsAndEchoesBringsAWarning) {
   for (const Row& row : std::vector<Row>{
            {0x00181210, "SH", {"B30", "B70"}, "Convolution Kernel (0018,1210) is B30 in s0"},
            {0x00185100, "CS", {"HFS", "FFS"}, "Patient Position (0018,5100)"},
-           {0x00180081, "DS", {"10", "20"}, "10 ms in s0 and 20 ms in s1"}}) {
+           {0x00180081, "DS", {"10", "20"}, "10 ms in s0 and 20 ms in s1"},
+           {0x00180082, "DS", {"100", "900"}, "100 ms in s0 and 900 ms in s1"},
+           {0x00181314, "DS", {"15", "5"}, "Flip Angle (0018,1314) is 15 degrees in s0"},
+           {0x00189087, "FD", {bytes_of<double>({0}), bytes_of<double>({1000})},
+            "0 s/mm2 in s0 and 1000 s/mm2 in s1"},
+           {0x00200100, "IS", {"1", "2"}, "Temporal Position Identifier (0020,0100)"},
+           {0x00080008, "CS", {"ORIGINAL\\PRIMARY\\M", "ORIGINAL\\PRIMARY\\P"}, "Image Type"}}) {
     write_alternating(folder, row.tag, row.vr, row.values);
     const auto source = open_source({folder.path()}, {});
     ASSERT_EQ(source->warnings().size(), 1U) << row.word;
@@ -444,6 +450,60 @@ TEST(SourceDicomMixture, OfKernelsPositionsAndEchoesBringsAWarning) {
   }
   write_alternating(folder, 0x00180081, "DS", {"10", "10.02"});
   EXPECT_TRUE(open_source({folder.path()}, {})->warnings().empty());
+}
+
+TEST(SourceDicomValues, OfPetAreInItsUnits) {
+  const TempFolder folder;
+  DicomElements elements = ct_elements(5, 3, 8);
+  elements.set(0x00080060, "CS", "PT");
+  for (const auto& [units, shown] : std::vector<std::pair<std::string, std::string>>{
+           {"BQML", "\"unit\":\"Bq/mL\""}, {"GML", "\"unit\":\"g/mL\""},
+           {"CNTS", "\"unit\":\"{counts}\""}}) {
+    elements.set(0x00541001, "CS", units);
+    elements.write(folder.file("a.dcm"), kExplicitLittle);
+    expect_words(open_source({folder.file("a.dcm")}, {})->description().metadata.text(), {shown});
+  }
+}
+
+TEST(SourceDicomExtent, OfTilesOfASlideIsRejected) {
+  const TempFolder folder;
+  DicomElements elements = ct_elements(5, 3, 8);
+  elements.set(kFrames, "IS", "4");
+  elements.set(kPixelData, "OB", counted(60));
+  elements.set(0x00480006, "UL", bytes_of<std::uint32_t>({10}));
+  elements.set(0x00480007, "UL", bytes_of<std::uint32_t>({6}));
+  elements.write(folder.file("a.dcm"), kExplicitLittle);
+  expect_words(source_error({folder.file("a.dcm")}, with_spacing(1, 1, 1)).what(),
+               {"4 frames are tiles of one picture"});
+  elements.set(0x00480006, "UL", bytes_of<std::uint32_t>({5}));
+  elements.set(0x00480007, "UL", bytes_of<std::uint32_t>({3}));
+  elements.write(folder.file("a.dcm"), kExplicitLittle);
+  EXPECT_EQ(open_source({folder.file("a.dcm")}, with_spacing(1, 1, 1))->description().size.z, 4);
+}
+
+TEST(SourceDicomNumbers, OfFramesInAStackTellTheirOrder) {
+  const TempFolder folder;
+  DicomElements elements = ct_elements(5, 3, 8);
+  elements.remove(0x00200032);
+  elements.set(kFrames, "IS", "3");
+  elements.set(kPixelData, "OB", counted(45));
+  const auto write = [&](const std::vector<std::uint32_t>& numbers) {
+    std::vector<DicomElements> frames;
+    for (const std::uint32_t number : numbers) {
+      DicomElements content;
+      content.set(0x00209057, "UL", bytes_of<std::uint32_t>({number}));
+      frames.emplace_back().set_items(0x00209111, {content});
+    }
+    elements.set_items(0x52009230, frames);
+    elements.write(folder.file("a.dcm"), kExplicitLittle);
+  };
+  const std::string all = counted(45);
+  write({3, 1, 2});
+  EXPECT_EQ(voxels_of(*open_source({folder.file("a.dcm")}, with_spacing(1, 1, 1))),
+            all.substr(15) + all.substr(0, 15));
+  write({1, 2, 1});
+  expect_words(source_error({folder.file("a.dcm")}, with_spacing(1, 1, 1)).what(),
+               {"frame 1", "frame 3", "In-Stack Position Number (0020,9057), 1"});
 }
 
 TEST(SourceDicomNumbers, WithoutPositionsAreOneEachAndEven) {
