@@ -12,12 +12,13 @@ import re
 import sys
 
 # The rooms of src/octavo, and the rooms each may include besides itself.
-BELOW_FILE = {"core", "octree", "codec"}
+BELOW_FILE = {"core", "threads", "octree", "codec"}
 MAY_INCLUDE = {
     "core": set(),
+    "threads": set(),
     "octree": {"core"},
     "planes": {"core"},
-    "codec": {"core", "octree"},
+    "codec": {"core", "threads", "octree"},
     "file": BELOW_FILE,
     "builder": BELOW_FILE | {"file", "planes"},
     "dist": BELOW_FILE | {"file", "planes", "builder"},
@@ -99,7 +100,7 @@ LIBRARIES = {
     "minizip": (re.compile(r"minizip/"), {"mesh"}),
     "libcurl": (re.compile(r"curl/"), {"io"}),
     "libcrypto": (re.compile(r"openssl/"), {"builder"}),
-    "oneTBB": (re.compile(r"(oneapi/)?tbb/"), set(MAY_INCLUDE) - {"core", "octree"}),
+    "oneTBB": (re.compile(r"(oneapi/)?tbb/"), {"threads", "builder", "render"}),
     "Highway": (re.compile(r"hwy/"), {"codec", "ops", "render"}),
     "nlohmann-json": (re.compile(r"nlohmann/"), set()),
     "fmt": (re.compile(r"fmt/"), {"io", "tasks"}),

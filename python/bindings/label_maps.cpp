@@ -7,7 +7,6 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/string_view.h>
 #include <nanobind/stl/vector.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <optional>
@@ -24,6 +23,7 @@
 #include "octavo/tasks/label_trees.h"
 #include "octavo/tasks/morph.h"
 #include "octavo/tasks/threshold.h"
+#include "octavo/threads/parallel_for.h"
 #include "work.h"
 
 namespace octavo::python {
@@ -225,7 +225,7 @@ void fill_map(const LabelMap& map, const Zyx& start, const Zyx& stop, const Labe
     work.context().on_threads([&] {
       constexpr std::int64_t kPlanes = 16;
       const std::int64_t shares = (box.size().z + kPlanes - 1) / kPlanes;
-      tbb::parallel_for(std::int64_t{0}, shares, [&](std::int64_t share) {
+      parallel_for(std::int64_t{0}, shares, [&](std::int64_t share) {
         Box part = box;
         part.lo.z += share * kPlanes;
         part.hi.z = std::min(part.lo.z + kPlanes, box.hi.z);

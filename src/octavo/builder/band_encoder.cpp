@@ -1,11 +1,10 @@
 #include "octavo/builder/band_encoder.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <utility>
 
 #include "octavo/builder/crypto_hasher.h"
+#include "octavo/threads/parallel_for.h"
 
 namespace octavo {
 
@@ -85,7 +84,7 @@ void BandEncoder::end_band() {
   }
   const std::optional<SampleCoding> coding = outline_.bound.coding;
   workers_.run([&] {
-    tbb::parallel_for(std::int64_t{0}, planes, [&](std::int64_t plane) {
+    parallel_for(std::int64_t{0}, planes, [&](std::int64_t plane) {
       hash_rows(levels, *band, plane, coding, *hashers_[static_cast<std::size_t>(plane)]);
     });
   });

@@ -1,8 +1,5 @@
 #include "octavo/builder/tree_bricks.h"
 
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
-
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -15,6 +12,8 @@
 #include "octavo/core/error.h"
 #include "octavo/octree/tree_child.h"
 #include "octavo/octree/tree_words.h"
+#include "octavo/threads/arena.h"
+#include "octavo/threads/parallel_for.h"
 
 namespace octavo {
 
@@ -143,8 +142,8 @@ class BricksOf final : public TreeBricks {
             hashers[static_cast<std::size_t>(plane)]->digest();
       }
     };
-    tbb::this_task_arena::isolate([&] {
-      tbb::parallel_for(std::int64_t{0}, divided_up(end - first, kSlabPlanes), hash_slab);
+    run_isolated([&] {
+      parallel_for(std::int64_t{0}, divided_up(end - first, kSlabPlanes), hash_slab);
     });
     if (watcher.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped while hashing planes");
     return digests;
@@ -167,7 +166,7 @@ class BricksOf final : public TreeBricks {
     const std::int64_t strips = divided_up(size.y, rows);
     const std::int64_t slabs = divided_up(planes, kSlabPlanes);
     std::vector<std::uint32_t> crcs(static_cast<std::size_t>(planes * strips));
-    tbb::parallel_for(std::int64_t{0}, slabs * strips, [&](std::int64_t i) {
+    parallel_for(std::int64_t{0}, slabs * strips, [&](std::int64_t i) {
       const std::int64_t y = i % strips * rows;
       const std::int64_t z = i / strips * kSlabPlanes;
       const Box box{{0, y, z}, {size.x, std::min(size.y, y + rows), std::min(planes, z + 4)}};

@@ -1,6 +1,5 @@
 #include "octavo/builder/tree_builder.h"
 
-#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_pipeline.h>
 #include <tbb/task_group.h>
 
@@ -26,6 +25,7 @@
 #include "octavo/file/layer_order.h"
 #include "octavo/file/write/interrupted.h"
 #include "octavo/file/write/writer.h"
+#include "octavo/threads/per_thread.h"
 
 namespace octavo {
 
@@ -252,7 +252,7 @@ class TreeBuild {
   VoxelType type_;
   Size3 grid_;  // of bricks
   Workers workers_;
-  tbb::enumerable_thread_specific<BrickWorkspace> workspaces_;
+  PerThread<BrickWorkspace> workspaces_;
   Progress& progress_;
   std::vector<Index3> order_;  // of the bricks of a layer
   std::unique_ptr<FileWriter> writer_;

@@ -1,8 +1,5 @@
 #include "octavo/builder/voxel_block.h"
 
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
-
 #include <algorithm>
 #include <cstring>
 #include <span>
@@ -10,6 +7,8 @@
 #include "octavo/builder/crypto_hasher.h"
 #include "octavo/core/crc32c.h"
 #include "octavo/file/layer_order.h"
+#include "octavo/threads/arena.h"
+#include "octavo/threads/parallel_for.h"
 
 namespace octavo {
 
@@ -66,8 +65,8 @@ std::vector<Sha256Digest> plane_digests(const VoxelBlock& block, std::int64_t fi
       voxel_count * static_cast<std::size_t>(bytes_per_voxel(block.type));
   std::vector<Sha256Digest> digests(static_cast<std::size_t>(count));
   // A thread that waits here takes none of the bricks that wait for another plane.
-  tbb::this_task_arena::isolate([&] {
-    tbb::parallel_for(std::size_t{0}, digests.size(), [&](std::size_t i) {
+  run_isolated([&] {
+    parallel_for(std::size_t{0}, digests.size(), [&](std::size_t i) {
       const std::byte* plane =
           block.voxels + (static_cast<std::size_t>(first) + i) * plane_bytes;
       std::vector<float> floats(coding ? voxel_count : 0);

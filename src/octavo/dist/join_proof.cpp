@@ -1,7 +1,5 @@
 #include "octavo/dist/join_proof.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cstddef>
 #include <set>
@@ -10,6 +8,7 @@
 #include "octavo/core/crc32c.h"
 #include "octavo/core/error.h"
 #include "octavo/file/write/interrupted.h"
+#include "octavo/threads/parallel_for.h"
 
 namespace octavo {
 
@@ -55,7 +54,7 @@ std::vector<PartPlace> damaged_copies(const JoinLayout& layout,
   std::vector<char> is_whole(runs.size());
   Workers workers(threads);
   workers.run([&] {
-    tbb::parallel_for(std::size_t{0}, runs.size(), [&](std::size_t i) {
+    parallel_for(std::size_t{0}, runs.size(), [&](std::size_t i) {
       is_whole[i] = checksum_matches(crc_of_run(*runs[i], file, progress), runs[i]->crc) ? 1 : 0;
     });
   });

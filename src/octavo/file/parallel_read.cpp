@@ -1,9 +1,5 @@
 #include "octavo/file/parallel_read.h"
 
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
-#include <tbb/task_group.h>
-
 #include <cstdint>
 #include <exception>
 #include <functional>
@@ -12,6 +8,8 @@
 #include <utility>
 
 #include "octavo/codec/brick_codec.h"
+#include "octavo/threads/arena.h"
+#include "octavo/threads/parallel_for.h"
 
 namespace octavo {
 
@@ -21,21 +19,19 @@ namespace {
 constexpr std::int64_t kBricksPerThread = 4;
 
 std::int64_t thread_count(int threads) {
-  return threads > 0 ? threads : tbb::this_task_arena::max_concurrency();
+  return threads > 0 ? threads : arena_threads();
 }
 
-/// A failure elsewhere does not leave out tasks here: what one loop fills, its caller relies on.
 void run_on_threads(std::int64_t count, const std::function<void(std::int64_t)>& task) {
-  tbb::task_group_context own(tbb::task_group_context::isolated);
-  tbb::parallel_for(std::int64_t{0}, count, [&](std::int64_t i) { task(i); },
-                    tbb::simple_partitioner(), own);
+  const auto work = [&](std::int64_t i, std::int64_t) { task(i); };
+  run_each(count, LoopWork(work));
 }
 
 /// Runs tasks on the threads of the caller's arena. A thread that waits takes no other work up: it
 /// stands in the midst of a brick.
 void run_among_threads(std::int64_t count, const std::function<void(std::int64_t)>& task) {
   if (count == 1) return task(0);
-  tbb::this_task_arena::isolate([&] { run_on_threads(count, task); });
+  run_isolated([&] { run_on_threads(count, task); });
 }
 
 struct ParallelReading {
@@ -128,8 +124,7 @@ void read_fetched(const ParallelReading& reading,
 
 ForEach for_each_parallel(int threads) {
   return [threads](std::int64_t count, const std::function<void(std::int64_t)>& task) {
-    tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
-    arena.execute([&] { run_on_threads(count, task); });
+    run_in_arena(threads, [&] { run_on_threads(count, task); });
   };
 }
 

@@ -2,9 +2,6 @@
 // joined to those before it, so that no more than two layers are in memory.
 #pragma once
 
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
-
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -20,6 +17,8 @@
 #include "octavo/core/progress.h"
 #include "octavo/mesh/cancellation.h"
 #include "octavo/mesh/surface_block.h"
+#include "octavo/threads/arena.h"
+#include "octavo/threads/parallel_for.h"
 
 namespace octavo {
 
@@ -69,7 +68,7 @@ class BlockLayers {
 
   template <class Each>
   void for_each_block(std::size_t first, std::size_t end, Each each) const {
-    tbb::parallel_for(first, end, [&](std::size_t i) {
+    parallel_for(first, end, [&](std::size_t i) {
       stop_if_cancelled(progress_);
       const auto at = static_cast<std::int64_t>(i);
       each(i, at % grid_.x, at / grid_.x);
@@ -83,7 +82,7 @@ class BlockLayers {
     Layer layer(layer_blocks());
     for (std::size_t first = 0; first < layer.size(); first += kFetchedBlocks) {
       const std::size_t end = std::min(first + kFetchedBlocks, layer.size());
-      if (tbb::this_task_arena::max_concurrency() > 1) {
+      if (arena_threads() > 1) {
         for_each_block(first, end, [&](std::size_t, std::int64_t x, std::int64_t y) {
           work.fetch({x, y, z});
         });

@@ -1,11 +1,12 @@
 // Makes blocks of a surface out of the bricks of a file and level.
 #pragma once
 
-#include <tbb/concurrent_unordered_set.h>
 
 #include <algorithm>
 #include <cstdint>
 #include <memory>
+#include <mutex>
+#include <unordered_set>
 #include <utility>
 #include <vector>
 
@@ -109,7 +110,10 @@ class BlockMaker {
 
   void read(const BrickPart& part, const Index3& corner, SurfaceValues<T>& values) const {
     const Box& box = part.box;
-    if (!part.is_uniform) decoded_.insert(part.code);
+    if (!part.is_uniform) {
+      const std::lock_guard lock(mutex_);
+      decoded_.insert(part.code);
+    }
     reader_.read_strided({{box.lo.x + corner.x, box.lo.y + corner.y, box.lo.z + corner.z},
                           {box.hi.x + corner.x, box.hi.y + corner.y, box.hi.z + corner.z}},
                          level_, values.at(static_cast<int>(box.lo.x), static_cast<int>(box.lo.y),
@@ -174,7 +178,8 @@ class BlockMaker {
   InsideTest<T> inside_;
   SurfaceFrame frame_;
   Size3 brick_side_;
-  mutable tbb::concurrent_unordered_set<std::uint64_t> decoded_;
+  mutable std::mutex mutex_;
+  mutable std::unordered_set<std::uint64_t> decoded_;  // codes of bricks
 };
 
 }  // namespace octavo

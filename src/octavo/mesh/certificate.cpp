@@ -1,8 +1,5 @@
 #include "octavo/mesh/certificate.h"
 
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,6 +9,8 @@
 #include "octavo/mesh/cancellation.h"
 #include "octavo/mesh/cover_proof.h"
 #include "octavo/mesh/point_distance.h"
+#include "octavo/threads/parallel_for.h"
+#include "octavo/threads/per_thread.h"
 
 namespace octavo {
 
@@ -339,7 +338,7 @@ class NearbyProof {
   TreeFinder by_tree_;
 };
 
-using FoundTriangles = tbb::enumerable_thread_specific<std::vector<std::uint32_t>>;
+using FoundTriangles = PerThread<std::vector<std::uint32_t>>;
 
 std::vector<std::uint32_t> joined(const FoundTriangles& found) {
   std::vector<std::uint32_t> all;
@@ -368,7 +367,7 @@ std::vector<TriangleTree::Nearest> hinted(const TriangleMesh& mesh,
     for (const std::uint32_t point : mesh.triangles[i]) is_asked[point] = 1;
   }
   std::vector<TriangleTree::Nearest> near(hints.size());
-  tbb::parallel_for(std::size_t{0}, hints.size(), [&](std::size_t i) {
+  parallel_for(std::size_t{0}, hints.size(), [&](std::size_t i) {
     if (is_asked[i] == 0 || hints[i] == TriangleTree::kNone) return;
     const double own = std::sqrt(squared_distance(
         place_of_point(mesh.points[i]), places_of(other, other.triangles[hints[i]])));
@@ -393,10 +392,10 @@ std::vector<std::uint32_t> unproven_triangles(const TriangleMesh& mesh, const Tr
   if (!hints.empty()) near = hinted(mesh, is_known, tree.mesh(), hints, distance);
   const CornerFinder known(tree.mesh(), distance);
   const Certificate by_hints(tree.mesh(), distance, known);
-  tbb::enumerable_thread_specific<TreeFinder> finders(tree, distance);
-  tbb::enumerable_thread_specific<SearchedProofs> proofs;
+  PerThread<TreeFinder> finders([&] { return TreeFinder(tree, distance); });
+  PerThread<SearchedProofs> proofs;
   FoundTriangles found;
-  tbb::parallel_for(std::uint32_t{0}, static_cast<std::uint32_t>(mesh.triangles.size()),
+  parallel_for(std::uint32_t{0}, static_cast<std::uint32_t>(mesh.triangles.size()),
                     [&](std::uint32_t number) {
     stop_now_and_then(number, progress);
     if (is_known[number] != 0) return;
@@ -428,7 +427,7 @@ std::vector<std::uint32_t> unproven_triangles(const TriangleMesh& mesh,
                                               const Progress& progress) {
   constexpr std::size_t kChunk = 64;
   FoundTriangles found;
-  tbb::parallel_for(std::size_t{0}, (triangles.size() + kChunk - 1) / kChunk,
+  parallel_for(std::size_t{0}, (triangles.size() + kChunk - 1) / kChunk,
                     [&](std::size_t chunk) {
     NearbyProof proof(mesh, tree, distance, known);
     const std::size_t end = std::min((chunk + 1) * kChunk, triangles.size());

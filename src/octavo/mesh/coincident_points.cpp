@@ -1,13 +1,11 @@
 #include "octavo/mesh/coincident_points.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_reduce.h>
-
 #include <bit>
 #include <cstddef>
 #include <functional>
 #include <vector>
+
+#include "octavo/threads/parallel_for.h"
 
 namespace octavo {
 
@@ -36,12 +34,10 @@ class PointGroups {
   explicit PointGroups(std::span<const MeshPoint> points)
       : shift_(32 - group_bits(points.size())), sorted_(points.size()) {
     std::vector<std::uint32_t> hashes(points.size());
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, points.size(), 1 << 14),
-                      [&](const tbb::blocked_range<std::size_t>& range) {
-                        for (std::size_t i = range.begin(); i < range.end(); ++i) {
-                          hashes[i] = hash_of(points[i]);
-                        }
-                      });
+    parallel_parts(std::size_t{0}, points.size(), 1 << 14,
+                   [&](std::size_t begin, std::size_t end) {
+                     for (std::size_t i = begin; i < end; ++i) hashes[i] = hash_of(points[i]);
+                   });
     starts_.assign((std::size_t{1} << (32 - shift_)) + 1, 0);
     for (const std::uint32_t hash : hashes) ++starts_[group_of(hash) + 1];
     for (std::size_t i = 1; i < starts_.size(); ++i) starts_[i] += starts_[i - 1];
@@ -93,12 +89,10 @@ std::uint64_t coincident_in(std::span<const HashedPoint> group,
 
 std::uint64_t coincident_points(std::span<const MeshPoint> points) {
   const PointGroups groups(points);
-  return tbb::parallel_reduce(
-      tbb::blocked_range<std::size_t>(0, groups.count()), std::uint64_t{0},
-      [&](const tbb::blocked_range<std::size_t>& range, std::uint64_t count) {
-        for (std::size_t i = range.begin(); i < range.end(); ++i) {
-          count += coincident_in(groups.at(i), points);
-        }
+  return parallel_reduce(
+      std::size_t{0}, groups.count(), 1, std::uint64_t{0},
+      [&](std::size_t begin, std::size_t end, std::uint64_t count) {
+        for (std::size_t i = begin; i < end; ++i) count += coincident_in(groups.at(i), points);
         return count;
       },
       std::plus<>());

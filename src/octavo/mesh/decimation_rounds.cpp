@@ -1,8 +1,5 @@
 #include "octavo/mesh/decimation_rounds.h"
 
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -18,6 +15,8 @@
 #include "octavo/mesh/part_space.h"
 #include "octavo/mesh/point_triangles.h"
 #include "octavo/mesh/triangle_tree.h"
+#include "octavo/threads/parallel_for.h"
+#include "octavo/threads/per_thread.h"
 
 namespace octavo {
 
@@ -169,7 +168,7 @@ class DecimationRounds {
     for (std::size_t i = 0; i < is_stale_.size(); ++i) {
       if (is_stale_[i] != 0) touch(i);
     }
-    tbb::parallel_for(std::size_t{0}, first_parts_.ends.size(), [&](std::size_t i) {
+    parallel_for(std::size_t{0}, first_parts_.ends.size(), [&](std::size_t i) {
       if (is_stale_[i] == 0 || progress_.is_cancelled()) return;
       is_stale_[i] = 0;
       PartSpace& space = spaces_.local();
@@ -237,7 +236,7 @@ class DecimationRounds {
     ReducedSurface surface;
     surface.mesh.points = first_.mesh.points;
     surface.nearest.assign(first_.nearest.size(), kNone);
-    tbb::parallel_for(std::size_t{0}, parts.ends.size(), [&](std::size_t i) {
+    parallel_for(std::size_t{0}, parts.ends.size(), [&](std::size_t i) {
       if (progress_.is_cancelled()) return;
       if (take_unchanged(parts, i, surface.mesh, reduced[i])) return;
       PartSpace& space = spaces_.local();
@@ -416,7 +415,7 @@ class DecimationRounds {
   std::vector<std::uint32_t> numbers_before(const TriangleMesh& mesh) const {
     std::vector<std::uint32_t> numbers(mesh.triangles.size(), kNone);
     if (!proven_) return numbers;
-    tbb::parallel_for(std::size_t{0}, numbers.size(), [&](std::size_t i) {
+    parallel_for(std::size_t{0}, numbers.size(), [&](std::size_t i) {
       numbers[i] = proven_->number_of(mesh, mesh.triangles[i]);
     });
     return numbers;
@@ -451,7 +450,7 @@ class DecimationRounds {
       is_same[point] =
           nearest != kNone && earlier[nearest] == proven_->surface.nearest[point] ? 1 : 0;
     }
-    tbb::parallel_for(std::size_t{0}, full_.triangles.size(), [&](std::size_t i) {
+    parallel_for(std::size_t{0}, full_.triangles.size(), [&](std::size_t i) {
       const MeshTriangle& t = full_.triangles[i];
       if (is_same[t[0]] == 0 || is_same[t[1]] == 0 || is_same[t[2]] == 0) is_full_proven_[i] = 0;
     });
@@ -561,7 +560,7 @@ class DecimationRounds {
   std::optional<ProvenRound> proven_;      // the last one
   std::vector<std::uint8_t> is_full_proven_;  // triangles of the full surface, by their hints alone
   SearchedProofs searched_;                   // others of them that are proven
-  tbb::enumerable_thread_specific<PartSpace> spaces_;
+  PerThread<PartSpace> spaces_;
   std::vector<float> tolerances_;  // of points of the full surface, as shares
   std::vector<bool> is_frozen_;    // points that stay as they are
   PointTriangles fans_;            // of the full surface

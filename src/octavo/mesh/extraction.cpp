@@ -1,7 +1,5 @@
 #include "octavo/mesh/extraction.h"
 
-#include <tbb/enumerable_thread_specific.h>
-
 #include <memory>
 #include <string>
 #include <vector>
@@ -10,6 +8,7 @@
 #include "octavo/core/memory_limit.h"
 #include "octavo/mesh/block_layers.h"
 #include "octavo/mesh/block_maker.h"
+#include "octavo/threads/per_thread.h"
 
 namespace octavo {
 
@@ -60,8 +59,8 @@ class Extraction {
   BlockMaker<T> maker_;
   SurfaceSink& sink_;
   std::vector<std::vector<MeshTriangle>> triangles_;  // of the blocks of a layer
-  tbb::enumerable_thread_specific<BlockSpace<T>> spaces_;
-  tbb::enumerable_thread_specific<MeshRoom<MeshTriangle>> rooms_;
+  PerThread<BlockSpace<T>> spaces_;
+  PerThread<MeshRoom<MeshTriangle>> rooms_;
 };
 
 }  // namespace

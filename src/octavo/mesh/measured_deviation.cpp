@@ -1,7 +1,5 @@
 #include "octavo/mesh/measured_deviation.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,6 +11,7 @@
 #include "octavo/mesh/certificate.h"
 #include "octavo/mesh/point_distance.h"
 #include "octavo/mesh/triangle_tree.h"
+#include "octavo/threads/parallel_for.h"
 
 namespace octavo {
 
@@ -31,7 +30,7 @@ class OneWay {
   double proven_from(double distance) {
     distance = std::max(distance, kStep * farthest_point());
     std::vector<std::uint8_t> is_proven(mesh_.triangles.size());
-    tbb::parallel_for(std::size_t{0}, is_proven.size(), [&](std::size_t i) {
+    parallel_for(std::size_t{0}, is_proven.size(), [&](std::size_t i) {
       is_proven[i] = distance_to_one(mesh_.triangles[i]) <= distance ? 1 : 0;
     });
     while (distance < known_) {
@@ -51,7 +50,7 @@ class OneWay {
     for (const MeshTriangle& t : mesh_.triangles) {
       for (const std::uint32_t point : t) is_used[point] = 1;
     }
-    tbb::parallel_for(std::size_t{0}, near_.size(), [&](std::size_t i) {
+    parallel_for(std::size_t{0}, near_.size(), [&](std::size_t i) {
       stop_now_and_then(i, progress_);
       if (is_used[i] != 0) near_[i] = tree_.nearest(place_of_point(mesh_.points[i]), 2 * known_);
     });

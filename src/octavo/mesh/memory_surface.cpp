@@ -1,8 +1,5 @@
 #include "octavo/mesh/memory_surface.h"
 
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
-
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -17,6 +14,8 @@
 #include "octavo/mesh/mesh_room.h"
 #include "octavo/mesh/point_row.h"
 #include "octavo/mesh/surface_frame.h"
+#include "octavo/threads/arena.h"
+#include "octavo/threads/parallel_for.h"
 
 namespace octavo {
 
@@ -59,7 +58,7 @@ class MemorySurface {
 
   template <class Work>
   void for_each(std::int64_t first, std::int64_t end, Work work) {
-    tbb::parallel_for(first, end, [&](std::int64_t i) {
+    parallel_for(first, end, [&](std::int64_t i) {
       stop_if_cancelled(progress_);
       work(i);
     });
@@ -71,7 +70,7 @@ class MemorySurface {
   template <class Visit>
   void visit_planes(Visit visit) {
     const std::int64_t end = size_.z + 2;
-    const std::int64_t at_once = kPlanes * tbb::this_task_arena::max_concurrency();
+    const std::int64_t at_once = kPlanes * arena_threads();
     for (std::int64_t first = 1; first < end; first += at_once) {
       visit(first, std::min(first + at_once, end));
     }

@@ -1,8 +1,5 @@
 #include "octavo/mesh/mesh_check.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_reduce.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -16,6 +13,7 @@
 #include "octavo/mesh/coincident_points.h"
 #include "octavo/mesh/mesh_pieces.h"
 #include "octavo/mesh/point_distance.h"
+#include "octavo/threads/parallel_for.h"
 
 namespace octavo {
 
@@ -116,11 +114,11 @@ MeshCheck sum_of(const MeshCheck& a, const MeshCheck& b) {
 template <class Corner>
 MeshCheck check_points(const TriangleMesh& mesh) {
   const PointCorners<Corner> corners(mesh);
-  return tbb::parallel_reduce(
-      tbb::blocked_range<std::size_t>(0, mesh.points.size(), 4096), MeshCheck(),
-      [&](const tbb::blocked_range<std::size_t>& range, MeshCheck part) {
+  return parallel_reduce(
+      std::size_t{0}, mesh.points.size(), 4096, MeshCheck(),
+      [&](std::size_t begin, std::size_t end, MeshCheck part) {
         std::vector<CornerSides> around;
-        for (std::size_t i = range.begin(); i < range.end(); ++i) {
+        for (std::size_t i = begin; i < end; ++i) {
           corners.gather(i, around);
           add_point(around, part);
         }

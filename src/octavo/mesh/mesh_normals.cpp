@@ -1,9 +1,5 @@
 #include "octavo/mesh/mesh_normals.h"
 
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_sort.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -14,6 +10,9 @@
 #include "octavo/core/vectors.h"
 #include "octavo/mesh/cancellation.h"
 #include "octavo/mesh/point_distance.h"
+#include "octavo/threads/parallel_for.h"
+#include "octavo/threads/parallel_sort.h"
+#include "octavo/threads/per_thread.h"
 
 namespace octavo {
 
@@ -87,7 +86,7 @@ class PointsByBlock {
         grid_{size.x / kSide + 1, size.y / kSide + 1, size.z / kSide + 1},
         places_(mesh.points.size()) {
     std::vector<std::uint64_t> block(mesh.points.size());
-    tbb::parallel_for(std::size_t{0}, mesh.points.size(), [&](std::size_t i) {
+    parallel_for(std::size_t{0}, mesh.points.size(), [&](std::size_t i) {
       places_[i] = geometry.to_index(place_of_point(mesh.points[i]));
       block[i] = block_of(places_[i]);
     });
@@ -95,7 +94,7 @@ class PointsByBlock {
     for (std::uint32_t i = 0; i < mesh.points.size(); ++i) {
       if (is_between_voxels(places_[i])) order_.push_back(i);
     }
-    tbb::parallel_sort(order_.begin(), order_.end(), [&](std::uint32_t a, std::uint32_t b) {
+    parallel_sort(order_, [&](std::uint32_t a, std::uint32_t b) {
       return std::pair(block[a], a) < std::pair(block[b], b);
     });
     for (std::size_t i = 0; i < order_.size(); ++i) {
@@ -214,8 +213,8 @@ std::vector<MeshPoint> gradient_normals(const TriangleMesh& mesh, const FileRead
 
   with_voxel_type(reader.description().type, [&](auto tag) {
     using T = typename decltype(tag)::type;
-    tbb::enumerable_thread_specific<NormalSamples<T>> spaces;
-    tbb::parallel_for(std::size_t{0}, points.block_count(), [&](std::size_t i) {
+    PerThread<NormalSamples<T>> spaces;
+    parallel_for(std::size_t{0}, points.block_count(), [&](std::size_t i) {
       stop_if_cancelled(progress);
       NormalSamples<T>& samples = spaces.local();
       samples.read(reader, level, points.box_around(i));

@@ -1,13 +1,12 @@
 #include "octavo/mesh/mesh_parts.h"
 
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_sort.h>
-
 #include <cmath>
 #include <utility>
 
 #include "octavo/core/vectors.h"
 #include "octavo/mesh/point_distance.h"
+#include "octavo/threads/parallel_for.h"
+#include "octavo/threads/parallel_sort.h"
 
 namespace octavo {
 
@@ -20,7 +19,7 @@ constexpr std::uint32_t kNoPart = 0xffffffff;
 PartTriangles cut_in_parts(const TriangleMesh& mesh, const Geometry& geometry, double side,
                            double shift) {
   std::vector<std::pair<MeshPartPlace, std::uint32_t>> placed(mesh.triangles.size());
-  tbb::parallel_for(std::size_t{0}, placed.size(), [&](std::size_t i) {
+  parallel_for(std::size_t{0}, placed.size(), [&](std::size_t i) {
     const TrianglePlaces places = places_of(mesh, mesh.triangles[i]);
     const Point3 middle =
         geometry.to_index(scaled(sum(sum(places[0], places[1]), places[2]), 1.0 / 3));
@@ -30,7 +29,7 @@ PartTriangles cut_in_parts(const TriangleMesh& mesh, const Geometry& geometry, d
     }
     placed[i].second = static_cast<std::uint32_t>(i);
   });
-  tbb::parallel_sort(placed.begin(), placed.end());
+  parallel_sort(placed);
   PartTriangles parts;
   parts.order.resize(placed.size());
   parts.is_seam.resize(mesh.points.size());

@@ -1,8 +1,5 @@
 #include "octavo/mesh/surface_piece.h"
 
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -20,6 +17,8 @@
 #include "octavo/mesh/cancellation.h"
 #include "octavo/mesh/piece_sets.h"
 #include "octavo/mesh/point_distance.h"
+#include "octavo/threads/parallel_for.h"
+#include "octavo/threads/per_thread.h"
 
 namespace octavo {
 
@@ -93,7 +92,7 @@ class PieceTracker {
     const std::vector<Index3> places(wave.begin(), wave.end());
     std::vector<std::unique_ptr<SurfaceBlock>> made(places.size());
     const auto for_each = [&](auto work) {
-      tbb::parallel_for(std::size_t{0}, places.size(), [&](std::size_t i) {
+      parallel_for(std::size_t{0}, places.size(), [&](std::size_t i) {
         stop_if_cancelled(progress_);
         work(i);
       });
@@ -146,7 +145,7 @@ class PieceTracker {
   /// Of each block its triangles, as far as the blocks that their points belong to are made.
   std::vector<std::vector<MeshTriangle>> triangles_of_all(const std::vector<Index3>& places) {
     std::vector<std::vector<MeshTriangle>> all(places.size());
-    tbb::parallel_for(std::size_t{0}, places.size(),
+    parallel_for(std::size_t{0}, places.size(),
                       [&](std::size_t i) { all[i] = triangles_of(places[i]); });
     return all;
   }
@@ -297,8 +296,8 @@ class PieceTracker {
   std::map<Index3, std::uint32_t, BlockOrder> waiting_numbers_;
   std::vector<MeshPoint> points_;  // in the order in which they were found
   PieceSets sets_;
-  tbb::enumerable_thread_specific<BlockSpace<T>> spaces_;
-  tbb::enumerable_thread_specific<MeshRoom<MeshTriangle>> rooms_;
+  PerThread<BlockSpace<T>> spaces_;
+  PerThread<MeshRoom<MeshTriangle>> rooms_;
 };
 
 }  // namespace

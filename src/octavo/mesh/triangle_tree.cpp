@@ -1,9 +1,5 @@
 #include "octavo/mesh/triangle_tree.h"
 
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_sort.h>
-
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -14,6 +10,9 @@
 #include "octavo/mesh/point_distance.h"
 #include "octavo/mesh/triangle_crossing.h"
 #include "octavo/octree/o_code.h"
+#include "octavo/threads/parallel_for.h"
+#include "octavo/threads/parallel_sort.h"
+#include "octavo/threads/per_thread.h"
 
 namespace octavo {
 
@@ -66,15 +65,15 @@ TriangleTree::TriangleTree(const TriangleMesh& mesh) : mesh_(mesh), order_(mesh.
   for (const MeshPoint& point : mesh.points) all.add(point);
   const PlaceCode code(all);
   std::vector<std::pair<std::uint64_t, std::uint32_t>> coded(order_.size());
-  tbb::parallel_for(std::size_t{0}, coded.size(), [&](std::size_t i) {
+  parallel_for(std::size_t{0}, coded.size(), [&](std::size_t i) {
     coded[i] = {code.of(box_of_triangle(mesh, mesh.triangles[i])), static_cast<std::uint32_t>(i)};
   });
-  tbb::parallel_sort(coded.begin(), coded.end());
+  parallel_sort(coded);
 
   leaves_ = std::bit_ceil(static_cast<std::uint32_t>((order_.size() + kLeaf - 1) / kLeaf));
   boxes_.resize(std::size_t{2} * leaves_);
   own_boxes_.resize(order_.size());
-  tbb::parallel_for(std::size_t{0}, std::size_t{leaves_}, [&](std::size_t leaf) {
+  parallel_for(std::size_t{0}, std::size_t{leaves_}, [&](std::size_t leaf) {
     const std::size_t end = std::min((leaf + 1) * kLeaf, order_.size());
     for (std::size_t i = leaf * kLeaf; i < end; ++i) {
       order_[i] = coded[i].second;
@@ -137,8 +136,8 @@ std::vector<std::uint32_t> crossing_triangles(const TriangleTree& tree,
   const TriangleMesh& mesh = tree.mesh();
   std::vector<std::uint8_t> is_asked(mesh.triangles.size());
   for (const std::uint32_t number : triangles) is_asked[number] = 1;
-  tbb::enumerable_thread_specific<std::vector<std::uint32_t>> found;
-  tbb::parallel_for(std::size_t{0}, triangles.size(), [&](std::size_t i) {
+  PerThread<std::vector<std::uint32_t>> found;
+  parallel_for(std::size_t{0}, triangles.size(), [&](std::size_t i) {
     stop_now_and_then(i, progress);
     const std::uint32_t number = triangles[i];
     const MeshTriangle& triangle = mesh.triangles[number];

@@ -1,7 +1,5 @@
 #include "octavo/tasks/task_context.h"
 
-#include <tbb/task_arena.h>
-
 #include <algorithm>
 #include <thread>
 
@@ -10,6 +8,7 @@
 #include "octavo/core/memory_limit.h"
 #include "octavo/core/text.h"
 #include "octavo/core/url_text.h"
+#include "octavo/threads/arena.h"
 
 namespace octavo {
 
@@ -38,7 +37,7 @@ int TaskContext::thread_count() const {
 
 void TaskContext::on_threads(const std::function<void()>& work) const {
   stop_if_cancelled();
-  tbb::task_arena(thread_count()).execute(work);
+  run_in_arena(thread_count(), work);
   stop_if_cancelled();
 }
 

@@ -1,8 +1,6 @@
 // Learns how large residuals will be (context weights by non-negative least squares) and how
 // probable they are then (token frequencies by counting).
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -11,6 +9,7 @@
 #include "octavo/codec/grey/grey_portable.h"
 #include "octavo/codec/grey/grey_training.h"
 #include "octavo/codec/grey/least_squares.h"
+#include "octavo/threads/parallel_for.h"
 
 namespace octavo::grey {
 
@@ -200,7 +199,7 @@ void list_sample(const Parameters& p, const TrainingSample& sample, Counts& coun
 Counts count_symbols(const Parameters& p, const std::vector<TrainingSample>& training,
                      std::size_t share, std::size_t rest) {
   std::vector<Counts> by_sample(training.size());
-  tbb::parallel_for(std::size_t{0}, training.size(), [&](std::size_t i) {
+  parallel_for(std::size_t{0}, training.size(), [&](std::size_t i) {
     if (i % share != rest) return;
     list_sample(p, training[i], by_sample[i], [](const auto&...) {});
   });
@@ -351,7 +350,7 @@ TableCost learn_contexts(Parameters& p, const std::vector<TrainingSample>& train
                          std::size_t share) {
   std::vector<Counts> counts(training.size());
   std::vector<std::array<std::array<ContextSamples, 3>, kGroups>> by_sample(training.size());
-  tbb::parallel_for(std::size_t{0}, training.size(), [&](std::size_t i) {
+  parallel_for(std::size_t{0}, training.size(), [&](std::size_t i) {
     if (i % share != share - 1) return;
     list_sample(p, training[i], counts[i],
                 [&](const Stage& stage, Workspace<std::int16_t>& work, const PartNumber& part) {
@@ -367,7 +366,7 @@ TableCost learn_contexts(Parameters& p, const std::vector<TrainingSample>& train
                 });
   });
   const TableCost cost = cost_under(p, sum_of(counts));
-  tbb::parallel_for(0, kGroups * 3, [&](int task) {
+  parallel_for(0, kGroups * 3, [&](int task) {
     ContextSamples all;
     for (auto& sample : by_sample) {
       auto& s = sample[static_cast<std::size_t>(task / 3)][static_cast<std::size_t>(task % 3)];

@@ -1,14 +1,13 @@
 // Learns the weights of the prediction from means by reweighted least squares on some rows of the
 // details, as grey_tap_trainer.cpp does for those of neighbors.
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
 #include "octavo/codec/grey/grey_portable.h"
 #include "octavo/codec/grey/grey_training.h"
+#include "octavo/threads/parallel_for.h"
 
 namespace octavo::grey {
 
@@ -225,7 +224,7 @@ std::int32_t fixed_point(double weight, int bits, std::int32_t most) {
 void learn_mean_weights(Parameters& p, const std::vector<TrainingSample>& training, int group) {
   const bool is_exact = p.quantizer.detail_step == 0;
   std::vector<std::array<ClassMeanSamples, 3>> by_sample(training.size());
-  tbb::parallel_for(std::size_t{0}, training.size(), [&](std::size_t i) {
+  parallel_for(std::size_t{0}, training.size(), [&](std::size_t i) {
     for (int level = group; level < group + levels_of_group(group); ++level) {
       if (level + 1 >= training[i].shape.level_count) break;
       walk_level(p, training[i], level,
@@ -241,7 +240,7 @@ void learn_mean_weights(Parameters& p, const std::vector<TrainingSample>& traini
                  });
     }
   });
-  tbb::parallel_for(std::size_t{0}, std::size_t{3}, [&](std::size_t axis) {
+  parallel_for(std::size_t{0}, std::size_t{3}, [&](std::size_t axis) {
     const AxisMeanSamples samples{by_sample, axis};
     const MeanFit fit = fit_means(samples);
     p.far_shares[group][axis] = fit.far_share;

@@ -4,8 +4,6 @@
 // comes close to the bits that residuals take: first by the steps among their neighbors, then,
 // round after round, by the residual that the last fit leaves as well.
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -16,6 +14,7 @@
 #include "octavo/codec/grey/grey_portable.h"
 #include "octavo/codec/grey/grey_training.h"
 #include "octavo/codec/grey/least_squares.h"
+#include "octavo/threads/parallel_for.h"
 
 namespace octavo::grey {
 
@@ -132,7 +131,7 @@ std::vector<TapSamples> gather(const Parameters& p, const std::vector<TrainingSa
   const bool is_exact = p.quantizer.detail_step == 0;
   Parameters gathering = p;
   if (is_exact) gathering.predictor = Predictor::means;
-  tbb::parallel_for(std::size_t{0}, training.size(), [&](std::size_t i) {
+  parallel_for(std::size_t{0}, training.size(), [&](std::size_t i) {
     const TrainingSample& sample = training[i];
     for (int level = group; level < group + levels_of_group(group); ++level) {
       if (level + 1 >= sample.shape.level_count) break;
@@ -282,7 +281,7 @@ void set_weights(std::int16_t* weights, const std::vector<double>& fitted, int a
 /// start.
 void fit_weights(Parameters& p, const std::vector<TapSamples>& by_sample, int group,
                  std::span<const std::size_t> rounds, bool refines) {
-  tbb::parallel_for(0, 3 * (kClasses - 1), [&](int task) {
+  parallel_for(0, 3 * (kClasses - 1), [&](int task) {
     const int axis = task % 3;
     const int activity = 1 + task / 3;
     ClassSamples samples{{}, static_cast<std::size_t>(activity), 0};
@@ -331,7 +330,7 @@ void coarsen_weights(Parameters& p) {
 double detail_cost(Parameters p, const std::vector<TrainingSample>& training) {
   fit_weights(p, gather(p, training, 0, kTrialShare), 0, kTrialRounds, false);
   std::vector<std::uint64_t> costs(training.size());
-  tbb::parallel_for(std::size_t{0}, training.size(), [&](std::size_t i) {
+  parallel_for(std::size_t{0}, training.size(), [&](std::size_t i) {
     walk_level(p, training[i], 0,
                [&](const Stage& stage, Workspace<std::int16_t>& work,
                    const Target<std::int16_t>& target, const PartNumber&) {

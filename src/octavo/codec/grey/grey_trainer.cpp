@@ -2,8 +2,6 @@
 // weights of the prediction (grey_tap_trainer.cpp, grey_mean_trainer.cpp), contexts and frequencies
 // (grey_context_trainer.cpp) learned.
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -13,6 +11,7 @@
 #include "octavo/codec/grey/grey_training.h"
 #include "octavo/codec/grey/voxel_walk.h"
 #include "octavo/codec/refine_model.h"
+#include "octavo/threads/parallel_for.h"
 
 namespace octavo::grey {
 
@@ -249,7 +248,7 @@ AxisOrder learn_order(std::span<const TrainingBrick> bricks, const CodecSettings
 /// Bytes that bricks take.
 std::uint64_t brick_cost(std::span<const TrainingBrick> bricks, const GreyCodec& codec) {
   std::vector<std::uint64_t> bytes(bricks.size());
-  tbb::parallel_for(std::size_t{0}, bricks.size(), [&](std::size_t i) {
+  parallel_for(std::size_t{0}, bricks.size(), [&](std::size_t i) {
     for (const Bytes& segment : codec.encode(bricks[i].shape, bricks[i].view).segments) {
       bytes[i] += segment.size();
     }

@@ -1,7 +1,7 @@
-#include <tbb/parallel_for.h>
 
 #include "octavo/codec/grey/grey_interpolation.h"
 #include "octavo/codec/grey/grey_training.h"
+#include "octavo/threads/parallel_for.h"
 
 namespace octavo::grey {
 
@@ -9,7 +9,7 @@ std::vector<TrainingSample> make_training_samples(std::span<const TrainingBrick>
                                                   const Parameters& p) {
   const AxisOrder& order = p.axis_order;
   std::vector<TrainingSample> training(bricks.size());
-  tbb::parallel_for(std::size_t{0}, bricks.size(), [&](std::size_t i) {
+  parallel_for(std::size_t{0}, bricks.size(), [&](std::size_t i) {
     const ValueRange range = range_of(bricks[i].view);
     const int first = detailed_level(p, bricks[i].shape);
     const BrickMap map = map_brick(p.value_map, bricks[i].view, range,

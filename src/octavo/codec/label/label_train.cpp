@@ -1,4 +1,3 @@
-#include <tbb/parallel_for.h>
 
 #include <set>
 
@@ -8,6 +7,7 @@
 #include "octavo/codec/label/label_trainer.h"
 #include "octavo/codec/label/label_walk.h"
 #include "octavo/codec/label/label_word_bricks.h"
+#include "octavo/threads/parallel_for.h"
 
 namespace octavo {
 
@@ -30,7 +30,7 @@ class ModelLearner {
     if (labels_.size() > kMaxPalette) labels_.clear();
     LabelWeightSet set = start_.weights;
     // Each network learns by itself.
-    tbb::parallel_for(std::size_t{0}, kLabelNets, [&](std::size_t net) {
+    parallel_for(std::size_t{0}, kLabelNets, [&](std::size_t net) {
       const LabelSamples& kept = samples_.of(net);
       set[net] = trained(set[net], kept.list(), kept.seen_count(), {.step = kLabelWeightStep});
     });

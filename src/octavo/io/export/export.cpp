@@ -1,12 +1,11 @@
 #include "octavo/io/export/export.h"
 
-#include <tbb/task_arena.h>
-
 #include "octavo/core/path_text.h"
 #include "octavo/file/storage/temporary.h"
 #include "octavo/io/export/export_stream.h"
 #include "octavo/io/export/export_target.h"
 #include "octavo/io/source/source_file.h"
+#include "octavo/threads/arena.h"
 
 namespace octavo {
 
@@ -72,9 +71,11 @@ ExportResult export_volume(const FileReader& reader, Storage& storage, const std
   const ExportPlan plan = plan_export(reader, format, options);
   const std::string target =
       format == ExportFormat::tiff_stack ? resolved_stack_path(path) : path;
-  tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
-  return arena.execute(
-      [&] { return run_export(reader, storage, target, format, plan, options.threads, progress); });
+  ExportResult result;
+  run_in_arena(options.threads, [&] {
+    result = run_export(reader, storage, target, format, plan, options.threads, progress);
+  });
+  return result;
 }
 
 }  // namespace octavo

@@ -1,12 +1,12 @@
 #include "octavo/io/export/gzip_writer.h"
 
-#include <tbb/parallel_for.h>
 #include <zlib.h>
 
 #include <algorithm>
 #include <array>
 
 #include "octavo/core/error.h"
+#include "octavo/threads/parallel_for.h"
 
 namespace octavo {
 
@@ -65,7 +65,7 @@ void GzipWriter::append(std::span<const std::uint8_t> bytes) {
 void GzipWriter::deflate_pending(std::size_t byte_count) {
   const std::span<const std::uint8_t> bytes(pending_.data(), byte_count);
   std::vector<DeflatedChunk> chunks(byte_count / kDeflatedBytes);
-  tbb::parallel_for(std::size_t{0}, chunks.size(), [&](std::size_t i) {
+  parallel_for(std::size_t{0}, chunks.size(), [&](std::size_t i) {
     chunks[i] = deflate_chunk(bytes.subspan(i * kDeflatedBytes, kDeflatedBytes), Z_SYNC_FLUSH);
   });
   for (const DeflatedChunk& chunk : chunks) {

@@ -1,6 +1,5 @@
 #include "octavo/io/export/tiff_output.h"
 
-#include <tbb/parallel_for.h>
 #include <tiffio.h>
 #include <zlib.h>
 
@@ -15,6 +14,7 @@
 #include "octavo/core/error.h"
 #include "octavo/core/text.h"
 #include "octavo/io/source/value_unit.h"
+#include "octavo/threads/parallel_for.h"
 
 namespace octavo {
 
@@ -68,7 +68,7 @@ DeflatedPage deflate_page(const ExportPlan& plan, std::span<const std::uint8_t> 
   page.rows_per_strip = static_cast<std::uint32_t>(rows);
   page.strips.resize(static_cast<std::size_t>((plan.size.y + rows - 1) / rows));
   const auto strip_bytes = static_cast<std::size_t>(rows * row_bytes);
-  tbb::parallel_for(std::size_t{0}, page.strips.size(), [&](std::size_t i) {
+  parallel_for(std::size_t{0}, page.strips.size(), [&](std::size_t i) {
     const std::size_t at = i * strip_bytes;
     page.strips[i] =
         deflate_strip(plan, plane.subspan(at, std::min(strip_bytes, plane.size() - at)));

@@ -1,8 +1,5 @@
 #include "octavo/io/zarr/zarr_export.h"
 
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
-
 #include <algorithm>
 #include <cstring>
 #include <memory>
@@ -13,6 +10,8 @@
 #include "octavo/file/parallel_read.h"
 #include "octavo/io/source/source_file.h"
 #include "octavo/io/zarr/zarr_shard.h"
+#include "octavo/threads/arena.h"
+#include "octavo/threads/parallel_for.h"
 
 namespace octavo {
 
@@ -83,7 +82,7 @@ class LevelShards {
     read_parallel(reader_, box, level_, voxels_.data(), threads_);
     const Size3 counts = *grid_.shard_chunks;
     std::vector<std::vector<std::uint8_t>> chunks(static_cast<std::size_t>(counts.voxel_count()));
-    tbb::parallel_for(std::size_t{0}, chunks.size(), [&](std::size_t i) {
+    parallel_for(std::size_t{0}, chunks.size(), [&](std::size_t i) {
       const auto number = static_cast<std::int64_t>(i);
       const Index3 at{number % counts.x, number / counts.x % counts.y,
                       number / (counts.x * counts.y)};
@@ -178,8 +177,10 @@ ZarrExportResult export_zarr(const FileReader& reader, Storage& storage, const s
   const auto output = has_ending(bare, ".ozx")
                           ? make_zarr_zip(storage, bare, options.overwrite)
                           : make_zarr_folder(storage, bare, options.overwrite);
-  tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
-  return arena.execute([&] { return write_zarr(reader, bare, *output, options, progress); });
+  ZarrExportResult result;
+  run_in_arena(options.threads,
+               [&] { result = write_zarr(reader, bare, *output, options, progress); });
+  return result;
 }
 
 }  // namespace octavo

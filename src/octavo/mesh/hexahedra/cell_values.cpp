@@ -1,8 +1,5 @@
 #include "octavo/mesh/hexahedra/cell_values.h"
 
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -12,6 +9,8 @@
 
 #include "octavo/core/error.h"
 #include "octavo/core/voxel_type.h"
+#include "octavo/threads/parallel_for.h"
+#include "octavo/threads/per_thread.h"
 
 namespace octavo {
 
@@ -152,10 +151,10 @@ std::vector<float> cell_means(const FileReader& grey, int level, std::span<const
   const std::vector<CellRun> runs = runs_of(cells);
   std::vector<float> means(cells.size());
   const Rescale rescale = grey.description().rescale;
-  tbb::enumerable_thread_specific<BoxValues> values([&] { return BoxValues(grey, level); });
+  PerThread<BoxValues> values([&] { return BoxValues(grey, level); });
   const ProgressScope scope(progress, "grey values", static_cast<std::int64_t>(runs.size()),
                             "bricks");
-  tbb::parallel_for(std::size_t{0}, runs.size(), [&](std::size_t i) {
+  parallel_for(std::size_t{0}, runs.size(), [&](std::size_t i) {
     if (progress.is_cancelled()) throw Error(ErrorKind::cancelled, "cancelled");
     std::vector<CellSum> sums;
     add_run(cells.subspan(runs[i].first, runs[i].end - runs[i].first), values.local(), sums);

@@ -1,15 +1,13 @@
 #include "octavo/mesh/hexahedra/hex_nodes.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <atomic>
 #include <string>
 
 #include "octavo/core/error.h"
 #include "octavo/mesh/cancellation.h"
+#include "octavo/threads/parallel_for.h"
+#include "octavo/threads/per_thread.h"
 
 namespace octavo {
 
@@ -107,11 +105,11 @@ void set_shared(std::uint64_t& word, std::uint64_t bit) {
 template <class Work>
 void for_each_part(std::span<const HexCell> cells, const Progress& watcher, Work&& work) {
   constexpr std::size_t kCellsOfPart = 4096;
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, cells.size(), kCellsOfPart),
-                    [&](const tbb::blocked_range<std::size_t>& range) {
-                      stop_if_cancelled(watcher);
-                      work(cells.subspan(range.begin(), range.size()));
-                    });
+  parallel_parts(std::size_t{0}, cells.size(), kCellsOfPart,
+                 [&](std::size_t begin, std::size_t end) {
+                   stop_if_cancelled(watcher);
+                   work(cells.subspan(begin, end - begin));
+                 });
 }
 
 /// The blocks that hold corners of cells, each once in the end.
@@ -184,7 +182,7 @@ HexNodes::HexNodes(std::span<const HexCell> cells, const Progress& watcher) {
 }
 
 void HexNodes::make_blocks(std::span<const HexCell> cells, const Progress& watcher) {
-  tbb::enumerable_thread_specific<BlockCodes> spaces;
+  PerThread<BlockCodes> spaces;
   for_each_part(cells, watcher, [&](std::span<const HexCell> part) {
     BlockCodes& codes = spaces.local();
     for (const HexCell& cell : part) codes.add(cell);

@@ -1,8 +1,5 @@
 #include "octavo/mesh/hexahedra/leaf_balance.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <bit>
 #include <cstddef>
@@ -12,6 +9,7 @@
 #include <utility>
 
 #include "octavo/mesh/cancellation.h"
+#include "octavo/threads/parallel_for.h"
 
 namespace octavo {
 
@@ -117,11 +115,11 @@ class LeafBalance::Blocks {
   template <class Work>
   void for_each_block(const Progress& watcher, Work&& work) {
     constexpr std::size_t kBlocksOfPart = 256;
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, blocks_.size(), kBlocksOfPart),
-                      [&](const tbb::blocked_range<std::size_t>& range) {
-                        stop_if_cancelled(watcher);
-                        for (std::size_t i = range.begin(); i < range.end(); ++i) work(i);
-                      });
+    parallel_parts(std::size_t{0}, blocks_.size(), kBlocksOfPart,
+                   [&](std::size_t begin, std::size_t end) {
+                     stop_if_cancelled(watcher);
+                     for (std::size_t i = begin; i < end; ++i) work(i);
+                   });
   }
 
   BalanceBlock& block_of(std::uint64_t code) {
@@ -317,12 +315,12 @@ class LeafBalance::Blocks {
   std::vector<OCode> leaves() const {
     const std::vector<LeafPart> parts = leaf_parts();
     std::vector<std::size_t> begins(parts.size() + 1);
-    tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) {
+    parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) {
       begins[i + 1] = parts[i].block == nullptr ? 1 : leaf_count(*parts[i].block);
     });
     for (std::size_t i = 0; i < parts.size(); ++i) begins[i + 1] += begins[i];
     std::vector<OCode> all(begins.back());
-    tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) {
+    parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) {
       OCode* const out = all.data() + begins[i];
       if (parts[i].block == nullptr) *out = parts[i].cube;
       else put_leaves(*parts[i].block, out);

@@ -1,10 +1,7 @@
 #include "octavo/mesh/nets/interface_decimation.h"
 
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_for_each.h>
-#include <tbb/task_arena.h>
-
 #include <algorithm>
+#include <atomic>
 #include <cstddef>
 #include <numeric>
 #include <utility>
@@ -15,6 +12,8 @@
 #include "octavo/mesh/quiet_progress.h"
 #include "octavo/mesh/triangle_limit.h"
 #include "octavo/mesh/triangle_tree.h"
+#include "octavo/threads/arena.h"
+#include "octavo/threads/parallel_for.h"
 
 namespace octavo {
 
@@ -131,9 +130,11 @@ class InterfaceDecimation {
     std::stable_sort(pairs.begin(), pairs.end(), [&](std::uint32_t a, std::uint32_t b) {
       return size_of(a) > size_of(b);
     });
-    tbb::parallel_for_each(pairs.begin(), pairs.end(), [this](std::uint32_t pair) {
+    std::atomic<std::size_t> next = 0;
+    parallel_for(std::size_t{0}, pairs.size(), [&](std::size_t) {
+      const std::uint32_t pair = pairs[next++];
       // Whoever waits within a surface takes up no other one.
-      tbb::this_task_arena::isolate([&] { reduce(patches_[pair]); });
+      run_isolated([&] { reduce(patches_[pair]); });
       progress_.advance(1);
     });
   }
@@ -245,7 +246,7 @@ double measured_deviation_of(const InterfaceMesh& full, const InterfaceMesh& red
   const std::vector<TriangleMesh> before = surfaces_of(full);
   const std::vector<TriangleMesh> after = surfaces_of(reduced);
   std::vector<double> deviations(before.size());
-  tbb::parallel_for(std::size_t{0}, before.size(), [&](std::size_t pair) {
+  parallel_for(std::size_t{0}, before.size(), [&](std::size_t pair) {
     if (before[pair].triangles.empty()) return;
     deviations[pair] = after[pair].triangles.empty()
                            ? known

@@ -1,7 +1,5 @@
 #include "octavo/mesh/nets/net_extraction.h"
 
-#include <tbb/enumerable_thread_specific.h>
-
 #include <algorithm>
 #include <limits>
 #include <map>
@@ -14,6 +12,7 @@
 #include "octavo/core/error.h"
 #include "octavo/mesh/block_layers.h"
 #include "octavo/mesh/nets/net_block.h"
+#include "octavo/threads/per_thread.h"
 
 namespace octavo {
 
@@ -189,7 +188,7 @@ class NetExtraction {
   NetSink& sink_;
   std::vector<std::vector<NetQuad>> quads_;  // of the blocks of a layer
   std::map<LabelPair, std::uint32_t> pair_numbers_;
-  tbb::enumerable_thread_specific<NetSpace<T>> spaces_;
+  PerThread<NetSpace<T>> spaces_;
 };
 
 void require_net(const FileReader& reader, int level) {

@@ -1,12 +1,11 @@
 #include "octavo/mesh/nets/net_smoothing.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+
+#include "octavo/threads/parallel_for.h"
 
 namespace octavo {
 
@@ -100,12 +99,12 @@ std::vector<NetOffset> smoothed_offsets(const SurfaceNet& net, int steps) {
   std::vector<NetOffset> next(offsets.size());
   for (int step = 0; step < steps; ++step) {
     for (const float share : {kInwardShare, kOutwardShare}) {
-      tbb::parallel_for(tbb::blocked_range<std::size_t>(0, offsets.size(), 4096),
-                        [&](const tbb::blocked_range<std::size_t>& range) {
-                          for (std::size_t i = range.begin(); i < range.end(); ++i) {
-                            next[i] = moved(neighbors[i], offsets, i, share);
-                          }
-                        });
+      parallel_parts(std::size_t{0}, offsets.size(), 4096,
+                     [&](std::size_t begin, std::size_t end) {
+                       for (std::size_t i = begin; i < end; ++i) {
+                         next[i] = moved(neighbors[i], offsets, i, share);
+                       }
+                     });
       offsets.swap(next);
     }
   }

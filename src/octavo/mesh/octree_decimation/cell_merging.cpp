@@ -1,9 +1,5 @@
 #include "octavo/mesh/octree_decimation/cell_merging.h"
 
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_sort.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -14,6 +10,9 @@
 #include "octavo/core/vectors.h"
 #include "octavo/mesh/point_distance.h"
 #include "octavo/mesh/triangle_shape.h"
+#include "octavo/threads/parallel_for.h"
+#include "octavo/threads/parallel_sort.h"
+#include "octavo/threads/per_thread.h"
 
 namespace octavo {
 
@@ -250,8 +249,7 @@ CellBricks bricks_of(const CellSurface& surface, const CellRules& rules) {
     if (surface.fans[point] == kNoNeighbor || rules.is_locked[point] != 0) continue;
     bricks.order.push_back(point);
   }
-  tbb::parallel_sort(bricks.order.begin(), bricks.order.end(),
-                     [&](std::uint32_t a, std::uint32_t b) {
+  parallel_sort(bricks.order, [&](std::uint32_t a, std::uint32_t b) {
     return std::pair(rules.codes[a], a) < std::pair(rules.codes[b], b);
   });
   const auto brick_at = [&](std::size_t i) {
@@ -272,13 +270,13 @@ void merge_cells(CellSurface& surface, const CellRules& rules) {
   std::vector<std::uint8_t> is_in(surface.fans.size());
   std::vector<std::uint8_t> is_seen(surface.triangles.size());
   CellBricks bricks = bricks_of(surface, rules);
-  tbb::enumerable_thread_specific<CellMerger> mergers(
+  PerThread<CellMerger> mergers(
       [&] { return CellMerger(surface, rules, is_in, is_seen); });
   for (int level = 0; level < CellSurface::kLevels; ++level) {
     const std::vector<std::uint64_t>& kept = rules.kept[static_cast<std::size_t>(level)];
     for (std::uint64_t color = 0; color < 8; ++color) {
       // Bricks of one color have others between them: what they change is apart.
-      tbb::parallel_for(std::size_t{0}, bricks.ranges.size(), [&](std::size_t number) {
+      parallel_for(std::size_t{0}, bricks.ranges.size(), [&](std::size_t number) {
         auto& [begin, end] = bricks.ranges[number];
         const auto code_at = [&](std::size_t i) { return rules.codes[bricks.order[i]]; };
         if (begin == end || (code_at(begin) >> (3 * kCellBrickLevel)) % 8 != color) return;

@@ -1,7 +1,5 @@
 #include "octavo/mesh/octree_decimation/octree_decimation.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -19,6 +17,7 @@
 #include "octavo/mesh/point_triangles.h"
 #include "octavo/mesh/triangle_tree.h"
 #include "octavo/octree/o_code.h"
+#include "octavo/threads/parallel_for.h"
 
 namespace octavo {
 
@@ -64,7 +63,7 @@ class CellDecimation {
     rules_.full_places.resize(count);
     rules_.codes.resize(count);
     rules_.is_locked.resize(count);
-    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+    parallel_for(std::size_t{0}, count, [&](std::size_t i) {
       rules_.full_places[i] = frame_.place(full_.points[i]);
       const Point3 index = options.geometry.to_index(place_of_point(full_.points[i]));
       const auto cell = [&](std::size_t axis) {
@@ -109,7 +108,7 @@ class CellDecimation {
 
   void set_across() {
     start_.across.resize(full_.triangles.size());
-    tbb::parallel_for(std::size_t{0}, full_.triangles.size(), [&](std::size_t i) {
+    parallel_for(std::size_t{0}, full_.triangles.size(), [&](std::size_t i) {
       const MeshTriangle& t = full_.triangles[i];
       for (std::size_t k = 0; k < 3; ++k) {
         const std::uint32_t from = t[k];

@@ -1,7 +1,5 @@
 #include "octavo/ops/align/pose_search.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -10,6 +8,7 @@
 #include "octavo/core/vectors.h"
 #include "octavo/ops/grid/rotation.h"
 #include "octavo/ops/measure/measure.h"
+#include "octavo/threads/parallel_for.h"
 
 namespace octavo {
 
@@ -317,7 +316,7 @@ class PoseSolver {
 std::vector<Pose> improved(const PoseSolver& solver, std::vector<Pose> poses,
                            const PoseSolver::Stage& stage, std::size_t count,
                            Progress& progress) {
-  tbb::parallel_for(std::size_t{0}, poses.size(), [&](std::size_t i) {
+  parallel_for(std::size_t{0}, poses.size(), [&](std::size_t i) {
     if (progress.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
     solver.improve(poses[i], stage);
   });

@@ -1,13 +1,11 @@
 #include "octavo/ops/distance/distance_field.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_reduce.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 
 #include "octavo/ops/distance/scratch_planes.h"
+#include "octavo/threads/parallel_for.h"
 
 namespace octavo {
 
@@ -17,10 +15,10 @@ constexpr std::int64_t kFloatBytes = 4;
 
 /// The largest square, whatever its sign.
 float largest_of(const float* squared, std::int64_t count) {
-  return tbb::parallel_reduce(
-      tbb::blocked_range<std::int64_t>(0, count, 1 << 16), 0.0F,
-      [&](const auto& range, float largest) {
-        for (std::int64_t i = range.begin(); i != range.end(); ++i) {
+  return parallel_reduce(
+      std::int64_t{0}, count, 1 << 16, 0.0F,
+      [&](std::int64_t begin, std::int64_t end, float largest) {
+        for (std::int64_t i = begin; i != end; ++i) {
           largest = std::max(largest, std::abs(squared[i]));
         }
         return largest;

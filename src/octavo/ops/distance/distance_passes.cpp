@@ -1,12 +1,10 @@
 #include "octavo/ops/distance/distance_passes.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "octavo/core/error.h"
+#include "octavo/threads/parallel_for.h"
 
 namespace octavo {
 
@@ -75,11 +73,11 @@ void measure_planes(const InsideVoxels& voxels, std::int64_t begin, std::int64_t
   // Four planes are what a word of the tree holds.
   const std::int64_t first = begin / 4;
   const std::int64_t last = (end + 3) / 4;
-  tbb::parallel_for(tbb::blocked_range<std::int64_t>(first, last), [&](const auto& range) {
+  parallel_parts(first, last, 1, [&](std::int64_t begin_four, std::int64_t end_four) {
     LineDistance rows(size.x, distance_weight(settings, 0), settings.to);
     ColumnPass columns(size.y, distance_weight(settings, 1), settings.to);
     std::vector<std::uint8_t> inside(static_cast<std::size_t>(4 * plane));
-    for (std::int64_t four = range.begin(); four != range.end(); ++four) {
+    for (std::int64_t four = begin_four; four != end_four; ++four) {
       if (progress.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
       const std::int64_t lo = std::max(begin, 4 * four);
       const std::int64_t hi = std::min(end, 4 * four + 4);
@@ -100,9 +98,9 @@ void measure_planes(const InsideVoxels& voxels, std::int64_t begin, std::int64_t
 
 void measure_columns(const Size3& block, const DistanceSettings& settings, float* squared) {
   const std::int64_t plane = block.x * block.y;
-  tbb::parallel_for(tbb::blocked_range<std::int64_t>(0, block.y), [&](const auto& range) {
+  parallel_parts(std::int64_t{0}, block.y, 1, [&](std::int64_t begin, std::int64_t end) {
     ColumnPass columns(block.z, distance_weight(settings, 2), settings.to);
-    for (std::int64_t y = range.begin(); y != range.end(); ++y) {
+    for (std::int64_t y = begin; y != end; ++y) {
       run_columns(columns, block.x, plane, squared + y * block.x);
     }
   });
@@ -111,8 +109,8 @@ void measure_columns(const Size3& block, const DistanceSettings& settings, float
 void to_distances(std::int64_t count, const DistanceSettings& settings, double limit_mm,
                   const float* squared, float* mm) {
   const double unit = distance_unit_mm(settings);
-  tbb::parallel_for(tbb::blocked_range<std::int64_t>(0, count, 1 << 16), [&](const auto& range) {
-    for (std::int64_t i = range.begin(); i != range.end(); ++i) {
+  parallel_parts(std::int64_t{0}, count, 1 << 16, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t i = begin; i != end; ++i) {
       const double root = std::sqrt(static_cast<double>(std::abs(squared[i])));
       const double length = std::min(unit * root, limit_mm);
       mm[i] = static_cast<float>(std::copysign(length, squared[i]));

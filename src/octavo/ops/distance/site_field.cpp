@@ -1,13 +1,11 @@
 #include "octavo/ops/distance/site_field.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 
 #include "octavo/core/error.h"
 #include "octavo/ops/distance/scratch_planes.h"
 #include "octavo/ops/distance/site_shares.h"
+#include "octavo/threads/parallel_for.h"
 
 namespace octavo {
 
@@ -63,7 +61,7 @@ void sites_in_planes(const InsideVoxels& voxels, const Point3& weights, std::int
   const Size3 size = voxels.size;
   const std::int64_t plane = size.x * size.y;
   const std::int64_t blocks = (end - begin + kSitePlanes - 1) / kSitePlanes;
-  tbb::parallel_for(std::int64_t{0}, blocks, [&](std::int64_t block) {
+  parallel_for(std::int64_t{0}, blocks, [&](std::int64_t block) {
     if (progress.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
     const std::int64_t lo = begin + block * kSitePlanes;
     const std::int64_t hi = std::min(lo + kSitePlanes, end);
@@ -82,9 +80,9 @@ void sites_in_planes(const InsideVoxels& voxels, const Point3& weights, std::int
 
 /// The pass along z, of a block [z][y][x].
 void sites_through_planes(const Size3& block, const Point3& weights, NearestSite* sites) {
-  tbb::parallel_for(tbb::blocked_range<std::int64_t>(0, block.y), [&](const auto& range) {
+  parallel_parts(std::int64_t{0}, block.y, 1, [&](std::int64_t begin, std::int64_t end) {
     SiteColumns columns(block.z, weights, 2);
-    for (std::int64_t y = range.begin(); y != range.end(); ++y) {
+    for (std::int64_t y = begin; y != end; ++y) {
       columns.run(sites + y * block.x, block.x, block.x * block.y);
     }
   });

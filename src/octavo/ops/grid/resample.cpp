@@ -1,7 +1,5 @@
 #include "octavo/ops/grid/resample.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,6 +11,7 @@
 
 #include "octavo/core/error.h"
 #include "octavo/core/memory_limit.h"
+#include "octavo/threads/parallel_for.h"
 
 namespace octavo {
 
@@ -363,7 +362,7 @@ void Resampler::fill(const Box& box, std::byte* voxels) const {
   for (int axis = 0; axis < 3; ++axis) {
     tiles[axis] = (box.hi[axis] - box.lo[axis] + kTileSide - 1) / kTileSide;
   }
-  tbb::parallel_for(std::int64_t{0}, tiles.voxel_count(), [&](std::int64_t i) {
+  parallel_for(std::int64_t{0}, tiles.voxel_count(), [&](std::int64_t i) {
     const Index3 lo{box.lo.x + i % tiles.x * kTileSide,
                     box.lo.y + i / tiles.x % tiles.y * kTileSide,
                     box.lo.z + i / (tiles.x * tiles.y) * kTileSide};
@@ -403,7 +402,7 @@ MaskTree resampled_mask(const FileReader& labels, const Affine& to_source, const
   MaskBuilder builder(size);
   const Size3 grid{(size.x + kSide - 1) / kSide, (size.y + kSide - 1) / kSide, 1};
   for (std::int64_t z = 0; z < size.z; z += kSide) {
-    tbb::parallel_for(std::int64_t{0}, grid.voxel_count(), [&](std::int64_t i) {
+    parallel_for(std::int64_t{0}, grid.voxel_count(), [&](std::int64_t i) {
       if (progress.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
       const Index3 lo{i % grid.x * kSide, i / grid.x * kSide, z};
       const Box box = intersection(box_of(size), {lo, {lo.x + kSide, lo.y + kSide, lo.z + kSide}});

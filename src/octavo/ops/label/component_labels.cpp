@@ -1,8 +1,5 @@
 #include "octavo/ops/label/component_labels.h"
 
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -16,6 +13,8 @@
 #include "octavo/core/memory_limit.h"
 #include "octavo/octree/tree_child.h"
 #include "octavo/ops/label/label_pieces.h"
+#include "octavo/threads/parallel_for.h"
+#include "octavo/threads/per_thread.h"
 
 namespace octavo {
 
@@ -180,10 +179,10 @@ LabelTree labels_of_components(const Components& found, std::size_t kept,
   const auto is_stopped = [watcher] { return watcher != nullptr && watcher->is_cancelled(); };
   const std::vector<Cell> cells = CellCollector(found, kept, max_bytes).collect();
   std::vector<LabelPart> parts(cells.size());
-  tbb::enumerable_thread_specific<LabelFold> folds;
+  PerThread<LabelFold> folds;
   // With the map that they are joined to, twice.
   std::atomic<std::uint64_t> bytes = cells.size() * sizeof(LabelPart);
-  tbb::parallel_for(std::size_t{0}, cells.size(), [&](std::size_t i) {
+  parallel_for(std::size_t{0}, cells.size(), [&](std::size_t i) {
     if (is_stopped()) return;
     parts[i] = {cells[i].code, CellFolder(found, kept, folds.local()).folded(cells[i])};
     const std::uint64_t own = memory_bytes(parts[i].arrays);

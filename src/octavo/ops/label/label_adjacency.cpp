@@ -1,8 +1,5 @@
 #include "octavo/ops/label/label_adjacency.h"
 
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <map>
 #include <optional>
@@ -10,6 +7,8 @@
 
 #include "octavo/core/error.h"
 #include "octavo/ops/label/label_block.h"
+#include "octavo/threads/parallel_for.h"
+#include "octavo/threads/per_thread.h"
 
 namespace octavo {
 
@@ -121,8 +120,8 @@ std::vector<LabelContact> label_contacts(const FileReader& labels, Connectivity 
   const Adjacency adjacency(labels, connectivity);
   const Size3 grid = labels.levels().brick_grid(0);
   const ProgressScope scope(progress, "touch", grid.voxel_count(), "bricks");
-  tbb::enumerable_thread_specific<CountsByPair> of_threads;
-  tbb::parallel_for(std::int64_t{0}, grid.voxel_count(), [&](std::int64_t i) {
+  PerThread<CountsByPair> of_threads;
+  parallel_for(std::int64_t{0}, grid.voxel_count(), [&](std::int64_t i) {
     if (progress.is_cancelled()) {
       throw Error(ErrorKind::cancelled, "stopped while comparing labels");
     }

@@ -1,8 +1,5 @@
 #include "octavo/ops/label/label_build.h"
 
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -19,6 +16,8 @@
 #include "octavo/octree/word_steps.h"
 #include "octavo/ops/label/label_pieces.h"
 #include "octavo/ops/mask/mask_pieces.h"
+#include "octavo/threads/parallel_for.h"
+#include "octavo/threads/per_thread.h"
 
 namespace octavo {
 
@@ -226,7 +225,7 @@ class Layers {
       const auto at = static_cast<std::int64_t>(i);
       return Index3{at % cubes_.x, at / cubes_.x, layer};
     };
-    tbb::parallel_for(std::size_t{0}, found.size(), [&](std::size_t i) {
+    parallel_for(std::size_t{0}, found.size(), [&](std::size_t i) {
       const Index3 at = cube_at(i);
       const Index3 lo{at.x * kCubeSide, at.y * kCubeSide, at.z * kCubeSide};
       const Box cube = child_box(lo, 0, kCubeSide);
@@ -250,7 +249,7 @@ class Layers {
   Size3 cubes_;  // of 64^3 voxels, per axis
   std::vector<LabelPart> parts_;
   std::uint64_t bytes_ = 0;
-  tbb::enumerable_thread_specific<LabelFold> folds_;
+  PerThread<LabelFold> folds_;
 };
 
 // Takes the bricks of a file.
@@ -298,8 +297,8 @@ class FileLabels {
   const FileReader& reader_;
   int level_;
   LabelChoice choice_;
-  tbb::enumerable_thread_specific<std::vector<std::byte>> voxels_;
-  tbb::enumerable_thread_specific<LabelWords> words_;
+  PerThread<std::vector<std::byte>> voxels_;
+  PerThread<LabelWords> words_;
 };
 
 // What a mask has in a cube.
@@ -436,8 +435,8 @@ LabelTree labels_of_masks(const Size3& size, std::span<const LabelMask> masks) {
     begin = end;
   }
   std::vector<LabelPart> parts(cubes.size());
-  tbb::enumerable_thread_specific<LabelFold> folds;
-  tbb::parallel_for(std::size_t{0}, cubes.size(), [&](std::size_t i) {
+  PerThread<LabelFold> folds;
+  parallel_for(std::size_t{0}, cubes.size(), [&](std::size_t i) {
     parts[i] = {cubes[i].front().piece.code, MaskFolder(folds.local()).folded(cubes[i])};
   });
   return join_labels(size, std::move(parts));

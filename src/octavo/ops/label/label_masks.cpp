@@ -1,8 +1,5 @@
 #include "octavo/ops/label/label_masks.h"
 
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <atomic>
 #include <cstddef>
@@ -16,6 +13,8 @@
 #include "octavo/ops/label/label_build.h"
 #include "octavo/ops/label/label_portions.h"
 #include "octavo/ops/mask/mask_pieces.h"
+#include "octavo/threads/parallel_for.h"
+#include "octavo/threads/per_thread.h"
 
 namespace octavo {
 
@@ -69,7 +68,7 @@ class Union {
         });
     const std::size_t full = parts.size();
     parts.resize(full + places.size());
-    tbb::parallel_for(std::size_t{0}, places.size(),
+    parallel_for(std::size_t{0}, places.size(),
                       [&](std::size_t i) { parts[full + i] = part_of(places[i]); });
     std::erase_if(parts, [](const MaskPart& part) { return part.pieces.empty(); });
     std::sort(parts.begin(), parts.end(), is_before);
@@ -158,8 +157,8 @@ class AllMasks {
           });
         });
     std::vector<std::vector<LabelMaskPart>> found(places.size());
-    tbb::enumerable_thread_specific<LabelPortions> portions(tree_);
-    tbb::parallel_for(std::size_t{0}, places.size(),
+    PerThread<LabelPortions> portions([this] { return LabelPortions(tree_); });
+    parallel_for(std::size_t{0}, places.size(),
                       [&](std::size_t i) { found[i] = parts_of(places[i], portions.local()); });
     for (std::vector<LabelMaskPart>& parts : found) {
       parts_.insert(parts_.end(), std::make_move_iterator(parts.begin()),

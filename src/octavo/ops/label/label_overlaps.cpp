@@ -1,14 +1,13 @@
 #include "octavo/ops/label/label_overlaps.h"
 
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cstddef>
 #include <map>
 #include <unordered_map>
 
 #include "octavo/core/error.h"
+#include "octavo/threads/parallel_for.h"
+#include "octavo/threads/per_thread.h"
 
 namespace octavo {
 
@@ -79,8 +78,8 @@ class Overlaps {
   std::vector<LabelOverlap> make() {
     PairCounts above;
     collect(a_.rank_count() - 1, root_of(a_), root_of(b_), above);
-    tbb::enumerable_thread_specific<PairCounts> of_threads;
-    tbb::parallel_for(std::size_t{0}, places_.size(), [&](std::size_t i) {
+    PerThread<PairCounts> of_threads;
+    parallel_for(std::size_t{0}, places_.size(), [&](std::size_t i) {
       count_cubes(1, places_[i].first, places_[i].second, of_threads.local());
     });
     std::map<std::uint64_t, std::uint64_t> all(above.counts().begin(), above.counts().end());

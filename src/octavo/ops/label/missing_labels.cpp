@@ -1,12 +1,11 @@
 #include "octavo/ops/label/missing_labels.h"
 
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <atomic>
 
 #include "octavo/core/error.h"
+#include "octavo/threads/parallel_for.h"
+#include "octavo/threads/per_thread.h"
 
 namespace octavo {
 
@@ -27,8 +26,8 @@ class LabelSearch {
                 });
     with_voxel_type(reader_.description().type, [&](auto tag) {
       using T = typename decltype(tag)::type;
-      tbb::enumerable_thread_specific<std::vector<T>> spaces;
-      tbb::parallel_for(std::size_t{0}, bricks.size(), [&](std::size_t i) {
+      PerThread<std::vector<T>> spaces;
+      parallel_for(std::size_t{0}, bricks.size(), [&](std::size_t i) {
         if (watcher.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
         search<T>(bricks[i], spaces.local());
       });

@@ -1,8 +1,5 @@
 #include "octavo/ops/mask/components.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <atomic>
 #include <limits>
@@ -12,6 +9,7 @@
 #include "octavo/core/error.h"
 #include "octavo/core/memory_limit.h"
 #include "octavo/ops/mask/mask_pieces.h"
+#include "octavo/threads/parallel_for.h"
 
 namespace octavo {
 
@@ -81,8 +79,8 @@ void for_each_part(std::uint64_t word, Connectivity connectivity, Take take) {
 
 template <class F>
 void in_parallel(std::size_t count, F&& f) {
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kGrain), [&](const auto& range) {
-    for (std::size_t i = range.begin(); i < range.end(); ++i) f(i);
+  parallel_parts(std::size_t{0}, count, kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) f(i);
   });
 }
 

@@ -1,8 +1,5 @@
 #include "octavo/ops/mask/file_mask.h"
 
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -14,6 +11,8 @@
 #include "octavo/octree/tree_child.h"
 #include "octavo/octree/word_steps.h"
 #include "octavo/ops/mask/mask_pieces.h"
+#include "octavo/threads/parallel_for.h"
+#include "octavo/threads/per_thread.h"
 
 namespace octavo {
 
@@ -67,7 +66,7 @@ class FileMask {
     std::uint64_t bytes = 0;
     for (std::int64_t z = planes_.first; z < planes_.end; z += kCellSide) {
       std::vector<MaskPart> layer(static_cast<std::size_t>(columns * rows));
-      tbb::parallel_for(std::int64_t{0}, columns * rows, [&](std::int64_t i) {
+      parallel_for(std::int64_t{0}, columns * rows, [&](std::int64_t i) {
         if (progress_.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
         layer[static_cast<std::size_t>(i)] =
             cell({i % columns * kCellSide, i / columns * kCellSide, z});
@@ -220,7 +219,7 @@ class FileMask {
   Size3 size_;
   PlanesOfPart planes_;
   std::vector<MaskPart> parts_;  // a cell each
-  tbb::enumerable_thread_specific<Workspace> spaces_;
+  PerThread<Workspace> spaces_;
 };
 
 }  // namespace

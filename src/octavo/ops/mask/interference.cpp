@@ -1,14 +1,12 @@
 #include "octavo/ops/mask/interference.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_reduce.h>
-
 #include <algorithm>
 #include <bit>
 #include <utility>
 
 #include "octavo/core/error.h"
 #include "octavo/ops/mask/neighborhood.h"
+#include "octavo/threads/parallel_for.h"
 
 namespace octavo {
 
@@ -85,10 +83,10 @@ class Meeting {
       }
       return found;
     }
-    const Interference below = tbb::parallel_reduce(
-        tbb::blocked_range<int>(0, 64, 1), Interference(),
-        [&](const tbb::blocked_range<int>& range, Interference so_far) {
-          for (int bit = range.begin(); bit < range.end(); ++bit) {
+    const Interference below = parallel_reduce(
+        0, 64, 1, Interference(),
+        [&](int begin, int end, Interference so_far) {
+          for (int bit = begin; bit < end; ++bit) {
             if ((entered >> bit & 1) != 0) so_far = sum(so_far, meet_child(bit));
           }
           return so_far;

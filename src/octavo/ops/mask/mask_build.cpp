@@ -1,7 +1,5 @@
 #include "octavo/ops/mask/mask_build.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,6 +11,7 @@
 #include "octavo/core/error.h"
 #include "octavo/core/levels.h"
 #include "octavo/ops/mask/mask_kernels.h"
+#include "octavo/threads/parallel_for.h"
 
 namespace octavo {
 
@@ -127,7 +126,7 @@ void MaskBuilder::finish_layer() {
   if (layer_ == cubes_.z)
     throw Error(ErrorKind::invalid_argument, "more layers than the volume has");
   std::vector<MaskPart> parts(static_cast<std::size_t>(cubes_.x * cubes_.y));
-  tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) {
+  parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) {
     const auto at = static_cast<std::int64_t>(i);
     std::uint64_t* const words = words_.data() + i * kWordsPerCube;
     if (std::all_of(words, words + kWordsPerCube, [](std::uint64_t word) { return word == 0; })) {
@@ -177,7 +176,7 @@ MaskTree make_mask(const BrickView& volume, const ValueWindow& window) {
     // Four planes, 64 rows of each: read one behind the other, words of few cubes.
     const std::int64_t slabs = (planes + 3) / 4;
     const std::int64_t strips = (volume.size.y + kCubeSide - 1) / kCubeSide;
-    tbb::parallel_for(std::int64_t{0}, slabs * strips, [&](std::int64_t task) {
+    parallel_for(std::int64_t{0}, slabs * strips, [&](std::int64_t task) {
       const Index3 corner{0, task % strips * kCubeSide, z + 4 * (task / strips)};
       BrickView block = volume;
       block.size = {volume.size.x, std::min(kCubeSide, volume.size.y - corner.y),

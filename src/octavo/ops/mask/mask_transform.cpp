@@ -1,7 +1,5 @@
 #include "octavo/ops/mask/mask_transform.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <cstdlib>
@@ -11,6 +9,7 @@
 #include "octavo/ops/mask/mask_pieces.h"
 #include "octavo/ops/mask/set_operations.h"
 #include "octavo/ops/mask/word_neighbors.h"
+#include "octavo/threads/parallel_for.h"
 
 namespace octavo {
 
@@ -37,7 +36,7 @@ MaskTree made_in_parts(const Size3& size, int rank, std::size_t count, std::size
                        const Make& make) {
   const std::size_t tasks = std::max<std::size_t>(words / kWordsPerTask, 1);
   std::vector<MaskPart> parts(std::min(tasks, count));
-  tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) {
+  parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) {
     parts[i].below = arrays_below(rank);
     const std::size_t end = (i + 1) * count / parts.size();
     for (std::size_t at = i * count / parts.size(); at < end; ++at) make(at, parts[i]);

@@ -1,7 +1,5 @@
 #include "octavo/ops/mask/morphology.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -19,6 +17,7 @@
 #include "octavo/ops/mask/set_operations.h"
 #include "octavo/ops/mask/surface_voxels.h"
 #include "octavo/ops/mask/word_rows.h"
+#include "octavo/threads/parallel_for.h"
 
 namespace octavo {
 
@@ -390,7 +389,7 @@ MaskTree dilate(const MaskTree& mask, const Reach& reach, Progress& progress,
   std::vector<MaskPart> parts(targets.size());
   MemoryWatch watch(max_bytes);
   const ProgressScope scope(progress, "grow", static_cast<std::int64_t>(targets.size()), "cubes");
-  tbb::parallel_for(std::size_t{0}, targets.size(), [&](std::size_t i) {
+  parallel_for(std::size_t{0}, targets.size(), [&](std::size_t i) {
     if (progress.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
     GrownCube cube(surface, reach, targets[i]);
     parts[i] = targets[i].is_covered ? cube.make_covered() : cube.make();

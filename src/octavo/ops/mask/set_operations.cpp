@@ -1,7 +1,5 @@
 #include "octavo/ops/mask/set_operations.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <utility>
@@ -9,6 +7,7 @@
 
 #include "octavo/core/error.h"
 #include "octavo/ops/mask/mask_pieces.h"
+#include "octavo/threads/parallel_for.h"
 
 namespace octavo {
 
@@ -161,7 +160,7 @@ MaskTree combined(const MaskTree& a, const MaskTree& b) {
   while (rank > 1 && a.cubes(rank).size() + b.cubes(rank).size() < 4 * tasks) --rank;
   const std::vector<Pair> pairs = pairs_at(a, b, rank);
   std::vector<MaskPart> parts(std::min(tasks, pairs.size()));
-  tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) {
+  parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) {
     MaskPart& part = parts[i];
     part.below = arrays_below(rank);
     Combiner<kOperation> combiner(a, b, part.below);

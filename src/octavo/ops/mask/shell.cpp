@@ -1,7 +1,5 @@
 #include "octavo/ops/mask/shell.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <numeric>
@@ -9,6 +7,7 @@
 #include <vector>
 
 #include "octavo/octree/word_steps.h"
+#include "octavo/threads/parallel_for.h"
 
 namespace octavo {
 
@@ -88,7 +87,7 @@ class Marker {
     marked_.cubes[static_cast<std::size_t>(rank)][place].full = seen(item.bits, beside);
     const std::uint64_t mixed = item.cube->mixed;
     if (rank >= kSplitRank && (mixed & (mixed - 1)) != 0) {
-      tbb::parallel_for(0, 64, [&](int bit) {
+      parallel_for(0, 64, [&](int bit) {
         if ((mixed >> bit & 1) != 0) mark_child(rank, item, beside, bit);
       });
       return;

@@ -1,13 +1,12 @@
 #include "octavo/ops/mask/surface_voxels.h"
 
-#include <tbb/parallel_for.h>
-
 #include <bit>
 #include <vector>
 
 #include "octavo/core/error.h"
 #include "octavo/ops/mask/mask_pieces.h"
 #include "octavo/ops/mask/neighborhood.h"
+#include "octavo/threads/parallel_for.h"
 
 namespace octavo {
 
@@ -80,7 +79,7 @@ MaskTree surface_voxels(const MaskTree& mask, const Progress& watcher) {
   std::vector<Task> tasks;
   collect(mask, mask.rank_count() - 1, 0, around_root(mask), tasks);
   std::vector<MaskPart> parts(tasks.size());
-  tbb::parallel_for(std::size_t{0}, tasks.size(), [&](std::size_t i) {
+  parallel_for(std::size_t{0}, tasks.size(), [&](std::size_t i) {
     if (watcher.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
     parts[i] = surface_of(mask, tasks[i]);
   });

@@ -1,14 +1,13 @@
 #include "octavo/ops/measure/label_moments.h"
 
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cstddef>
 #include <map>
 
 #include "octavo/ops/label/label_portions.h"
 #include "octavo/ops/measure/cube_moments.h"
+#include "octavo/threads/parallel_for.h"
+#include "octavo/threads/per_thread.h"
 
 namespace octavo {
 
@@ -22,7 +21,9 @@ using SumsByLabel = std::map<std::uint32_t, MomentSums>;
 class LabelMoments {
  public:
   explicit LabelMoments(const LabelTree& tree)
-      : tree_(tree), sums_(tree.labels().size()), portions_(tree) {}
+      : tree_(tree),
+        sums_(tree.labels().size()),
+        portions_([&tree] { return LabelPortions(tree); }) {}
 
   std::vector<MomentSums> make() {
     const std::vector<LabelPlace> places = label_places(
@@ -32,7 +33,7 @@ class LabelMoments {
         });
     for (std::size_t begin = 0; begin < places.size(); begin += kCubesAtOnce) {
       std::vector<SumsByLabel> of_cubes(std::min(kCubesAtOnce, places.size() - begin));
-      tbb::parallel_for(std::size_t{0}, of_cubes.size(), [&](std::size_t i) {
+      parallel_for(std::size_t{0}, of_cubes.size(), [&](std::size_t i) {
         of_cubes[i] = sums_in(places[begin + i], portions_.local());
       });
       for (const SumsByLabel& of_cube : of_cubes) {
@@ -66,7 +67,7 @@ class LabelMoments {
 
   const LabelTree& tree_;
   std::vector<MomentSums> sums_;
-  tbb::enumerable_thread_specific<LabelPortions> portions_;
+  PerThread<LabelPortions> portions_;
 };
 
 }  // namespace

@@ -1,12 +1,10 @@
 #include "octavo/ops/measure/mask_moments.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_reduce.h>
-
 #include <bit>
 #include <vector>
 
 #include "octavo/ops/measure/cube_moments.h"
+#include "octavo/threads/parallel_for.h"
 
 namespace octavo {
 
@@ -68,10 +66,10 @@ MomentSums mask_moments(const MaskTree& mask) {
   const Traversal traversal(mask);
   MomentSums above;
   const std::vector<Place> places = traversal.gather(above);
-  const MomentSums below = tbb::parallel_reduce(
-      tbb::blocked_range<std::size_t>(0, places.size(), 4), MomentSums{},
-      [&](const tbb::blocked_range<std::size_t>& range, MomentSums sums) {
-        for (std::size_t i = range.begin(); i < range.end(); ++i) {
+  const MomentSums below = parallel_reduce(
+      std::size_t{0}, places.size(), 4, MomentSums{},
+      [&](std::size_t begin, std::size_t end, MomentSums sums) {
+        for (std::size_t i = begin; i < end; ++i) {
           traversal.add_cube(1, places[i].place, places[i].corner, sums);
         }
         return sums;

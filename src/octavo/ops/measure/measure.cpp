@@ -1,7 +1,5 @@
 #include "octavo/ops/measure/measure.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -12,6 +10,7 @@
 #include "octavo/ops/label/label_block.h"
 #include "octavo/ops/measure/moment_sums.h"
 #include "octavo/ops/measure/percentiles.h"
+#include "octavo/threads/parallel_for.h"
 
 namespace octavo {
 
@@ -142,7 +141,7 @@ class Measurement {
     for (std::int64_t first = begin; first < last; first += kBricksAtOnce) {
       const std::int64_t end = std::min(last, first + kBricksAtOnce);
       std::vector<Made> of_bricks(static_cast<std::size_t>(end - first));
-      tbb::parallel_for(first, end, [&](std::int64_t i) {
+      parallel_for(first, end, [&](std::int64_t i) {
         if (progress.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped while measuring");
         of_bricks[static_cast<std::size_t>(i - first)] =
             make(Index3{i % grid_.x, i / grid_.x % grid_.y, i / (grid_.x * grid_.y)});

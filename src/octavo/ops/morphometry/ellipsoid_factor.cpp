@@ -1,7 +1,5 @@
 #include "octavo/ops/morphometry/ellipsoid_factor.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -10,6 +8,7 @@
 #include "octavo/core/vectors.h"
 #include "octavo/octree/mask_accessor.h"
 #include "octavo/ops/morphometry/ellipsoid_search.h"
+#include "octavo/threads/parallel_for.h"
 
 namespace octavo {
 
@@ -255,7 +254,7 @@ std::optional<EllipsoidFactors> ellipsoid_factors(const ThicknessClass& asked,
   const MaskAccessor mask(asked.mask);
   const EllipsoidGrower grower(asked, mask, spacing_mm);
   std::vector<GrownEllipsoid> grown(static_cast<std::size_t>(ellipsoid_count(balls)));
-  tbb::parallel_for(std::size_t{0}, grown.size(), [&](std::size_t i) {
+  parallel_for(std::size_t{0}, grown.size(), [&](std::size_t i) {
     if (progress.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
     grown[i] = grower.grow(balls[i * balls.size() / grown.size()], i);
     progress.advance(1);
@@ -266,7 +265,7 @@ std::optional<EllipsoidFactors> ellipsoid_factors(const ThicknessClass& asked,
                      return one.volume() > other.volume();
                    });
   std::vector<HeldCenter> centers(grown.size());
-  tbb::parallel_for(std::size_t{0}, grown.size(),
+  parallel_for(std::size_t{0}, grown.size(),
                     [&](std::size_t i) { centers[i] = held_center(grown, grown[i]); });
   EllipsoidFactors factors;
   factors.ellipsoids = grown.size();

@@ -1,8 +1,5 @@
 #include "octavo/ops/morphometry/fitting_balls.h"
 
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_sort.h>
-
 #include <algorithm>
 #include <cmath>
 #include <span>
@@ -10,6 +7,8 @@
 #include "octavo/core/error.h"
 #include "octavo/core/vectors.h"
 #include "octavo/ops/distance/site_shares.h"
+#include "octavo/threads/parallel_for.h"
+#include "octavo/threads/parallel_sort.h"
 
 namespace octavo {
 
@@ -349,7 +348,7 @@ std::vector<FittingBall> fitting_balls(const ThicknessClass& asked, const Point3
     planes.load(field, z - 1, end + 1);
     const BallFinder finder(asked, spacing_mm, planes);
     std::vector<std::vector<FittingBall>> found(static_cast<std::size_t>(end - z));
-    tbb::parallel_for(z, end, [&](std::int64_t plane) {
+    parallel_for(z, end, [&](std::int64_t plane) {
       if (progress.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
       found[static_cast<std::size_t>(plane - z)] = finder.in_plane(plane);
     });
@@ -358,7 +357,7 @@ std::vector<FittingBall> fitting_balls(const ThicknessClass& asked, const Point3
     }
     progress.advance(end - z);
   }
-  tbb::parallel_sort(all.begin(), all.end(), [](const FittingBall& a, const FittingBall& b) {
+  parallel_sort(all, [](const FittingBall& a, const FittingBall& b) {
     return a.radius_mm != b.radius_mm ? a.radius_mm > b.radius_mm : a.center < b.center;
   });
   return all;

@@ -1,7 +1,5 @@
 #include "octavo/ops/morphometry/intercept_lengths.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -11,6 +9,7 @@
 #include "octavo/core/vectors.h"
 #include "octavo/octree/mask_accessor.h"
 #include "octavo/ops/measure/measure.h"
+#include "octavo/threads/parallel_for.h"
 
 namespace octavo {
 
@@ -158,7 +157,7 @@ std::optional<Anisotropy> anisotropy(const MaskTree& mask, const MaskTree* regio
   if (region != nullptr) in_region.emplace(*region);
   const LineSampler sampler(in_mask, in_region ? &*in_region : nullptr, mask.size(), spacing_mm);
   std::vector<double> per_mm(kLineDirections);
-  tbb::parallel_for(0, kLineDirections, [&](int i) {
+  parallel_for(0, kLineDirections, [&](int i) {
     if (progress.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
     per_mm[static_cast<std::size_t>(i)] = sampler.intercepts_per_mm(direction_at(i));
     progress.advance(1);

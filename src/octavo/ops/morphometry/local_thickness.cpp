@@ -1,11 +1,11 @@
 #include "octavo/ops/morphometry/local_thickness.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <utility>
+
+#include "octavo/threads/parallel_for.h"
 
 namespace octavo {
 
@@ -230,7 +230,7 @@ void LocalThickness::read(std::int64_t begin, std::int64_t end, float* mm) const
     near.push_back(static_cast<std::uint32_t>(i));
   }
   const std::int64_t plane = asked_.mask.size().x * asked_.mask.size().y;
-  tbb::parallel_for(begin, end, [&](std::int64_t z) {
+  parallel_for(begin, end, [&](std::int64_t z) {
     Plane painted(asked_, spacing_, z, mm + (z - begin) * plane);
     for (const std::uint32_t i : near) {
       if (painted.is_done()) break;

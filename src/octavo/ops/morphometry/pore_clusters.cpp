@@ -4,6 +4,8 @@
 #include <limits>
 #include <utility>
 
+#include "octavo/threads/parallel_for.h"
+
 namespace octavo {
 
 namespace {
@@ -79,7 +81,7 @@ class PoreMerger {
   void for_row_groups(Work work) {
     const std::int64_t rows = made_.clusters.row_count();
     const std::int64_t groups = (rows + kBlockRowsAtOnce - 1) / kBlockRowsAtOnce;
-    tbb::parallel_for(std::int64_t{0}, groups, [&](std::int64_t i) {
+    parallel_for(std::int64_t{0}, groups, [&](std::int64_t i) {
       network_.stop_if_cancelled();
       work(i * kBlockRowsAtOnce, std::min((i + 1) * kBlockRowsAtOnce, rows));
     });

@@ -9,8 +9,6 @@
 // pores of the outermost planes are half a voxel from where the concentration is held.
 #pragma once
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -21,6 +19,7 @@
 #include "octavo/core/error.h"
 #include "octavo/core/geometry.h"
 #include "octavo/core/progress.h"
+#include "octavo/threads/parallel_for.h"
 
 namespace octavo {
 
@@ -99,7 +98,7 @@ class PoreNetwork {
   /// Calls work(row) for all rows, in parallel. Throws Error{cancelled}.
   template <class Work>
   void for_rows(Work work) const {
-    tbb::parallel_for(std::int64_t{0}, group_count(), [&](std::int64_t i) {
+    parallel_for(std::int64_t{0}, group_count(), [&](std::int64_t i) {
       in_group(i, work);
     });
   }
@@ -108,7 +107,7 @@ class PoreNetwork {
   template <class Sum>
   double sum_of_rows(Sum sum) const {
     std::vector<double> parts(static_cast<std::size_t>(group_count()));
-    tbb::parallel_for(std::int64_t{0}, group_count(), [&](std::int64_t i) {
+    parallel_for(std::int64_t{0}, group_count(), [&](std::int64_t i) {
       double part = 0;
       in_group(i, [&](const PoreRow& row) { part += sum(row); });
       parts[static_cast<std::size_t>(i)] = part;

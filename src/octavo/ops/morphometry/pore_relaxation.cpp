@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "octavo/threads/parallel_for.h"
+
 namespace octavo {
 
 namespace {
@@ -15,7 +17,7 @@ void for_block_rows(const PoreClusters& clusters, const PoreNetwork& network, Wo
   const auto count = static_cast<std::int64_t>(clusters.count());
   const std::int64_t at_once =
       std::max<std::int64_t>(1, rows * kClustersAtOnce / std::max<std::int64_t>(1, count));
-  tbb::parallel_for(std::int64_t{0}, (rows + at_once - 1) / at_once, [&](std::int64_t i) {
+  parallel_for(std::int64_t{0}, (rows + at_once - 1) / at_once, [&](std::int64_t i) {
     network.stop_if_cancelled();
     for (std::int64_t r = i * at_once; r < std::min((i + 1) * at_once, rows); ++r) work(r);
   });
@@ -148,7 +150,7 @@ void PoreRelaxation::visit(std::size_t number) {
 template <class Work>
 void PoreRelaxation::for_clusters(const Level& level, Work work) const {
   const auto count = static_cast<std::int64_t>(level.balance.size());
-  tbb::parallel_for(std::int64_t{0}, (count + kClustersAtOnce - 1) / kClustersAtOnce,
+  parallel_for(std::int64_t{0}, (count + kClustersAtOnce - 1) / kClustersAtOnce,
                     [&](std::int64_t part) {
                       const std::int64_t end = std::min((part + 1) * kClustersAtOnce, count);
                       for (std::int64_t i = part * kClustersAtOnce; i < end; ++i) {

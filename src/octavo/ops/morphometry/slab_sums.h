@@ -1,14 +1,13 @@
 // Measures of a mask that are sums over slabs of planes.
 #pragma once
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cstdint>
 #include <vector>
 
 #include "octavo/core/error.h"
 #include "octavo/core/progress.h"
+#include "octavo/threads/parallel_for.h"
 
 namespace octavo {
 
@@ -20,7 +19,7 @@ Sums sum_of_slabs(std::int64_t planes, Progress& progress, Measure&& measure) {
   constexpr std::int64_t kPlanes = 16;
   const std::int64_t slabs = (planes + kPlanes - 1) / kPlanes;
   std::vector<Sums> parts(static_cast<std::size_t>(slabs));
-  tbb::parallel_for(std::int64_t{0}, slabs, [&](std::int64_t i) {
+  parallel_for(std::int64_t{0}, slabs, [&](std::int64_t i) {
     if (progress.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
     const std::int64_t begin = i * kPlanes;
     const std::int64_t end = std::min(begin + kPlanes, planes);

@@ -1,7 +1,5 @@
 #include "octavo/ops/similarity/similar_cubes.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -15,6 +13,7 @@
 #include "octavo/core/error.h"
 #include "octavo/octree/o_code.h"
 #include "octavo/ops/similarity/cube_turns.h"
+#include "octavo/threads/parallel_for.h"
 
 namespace octavo {
 
@@ -272,7 +271,7 @@ class SimilarWork {
     std::vector<SeenCube> cubes(codes.size());
     std::vector<CubeMatch> matches(codes.size());
     std::vector<std::uint8_t> is_asked(codes.size());
-    tbb::parallel_for(std::size_t{0}, codes.size(), [&](std::size_t i) {
+    parallel_for(std::size_t{0}, codes.size(), [&](std::size_t i) {
       const Box box = box_of(OCode{found_.level, codes[i]});
       cubes[i] = seen(box.lo, false);
       is_asked[i] = !cubes[i].is_uniform && !has_state(box, kReplaced) && !has_state(box, kInUse);

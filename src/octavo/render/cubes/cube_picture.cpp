@@ -1,7 +1,5 @@
 #include "octavo/render/cubes/cube_picture.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,6 +8,7 @@
 #include "octavo/render/cubes/cube_traversal.h"
 #include "octavo/render/cubes/face_raster.h"
 #include "octavo/render/cubes/nearest_rows.h"
+#include "octavo/threads/parallel_for.h"
 
 namespace octavo {
 
@@ -135,7 +134,7 @@ Picture draw(std::span<const PaintedMask> masks, const View& view, const CubeSty
   const Scene scene(masks, view, style);
   Picture picture = make_picture(view.width, view.height, 3);
   const std::int64_t bands = (view.height + kBandRows - 1) / kBandRows;
-  tbb::parallel_for(std::int64_t{0}, bands, [&](std::int64_t band) {
+  parallel_for(std::int64_t{0}, bands, [&](std::int64_t band) {
     const std::int64_t begin = band * kBandRows;
     PixelRows rows(view, begin, std::min(view.height, begin + kBandRows), packed(style.background));
     LeafPainter<Rows> painter(scene, rows);

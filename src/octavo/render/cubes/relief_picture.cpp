@@ -1,7 +1,5 @@
 #include "octavo/render/cubes/relief_picture.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,6 +11,7 @@
 #include "octavo/render/cubes/cube_traversal.h"
 #include "octavo/render/cubes/face_raster.h"
 #include "octavo/render/cubes/nearest_rows.h"
+#include "octavo/threads/parallel_for.h"
 
 namespace octavo {
 
@@ -380,7 +379,7 @@ Picture draw_relief(std::span<const PaintedMask> masks, const View& view, const 
   const ReliefScene scene(masks, fine, style, field, kept);
   Picture picture = make_picture(view.width, view.height, 3);
   const std::int64_t bands = (view.height + kBandRows - 1) / kBandRows;
-  tbb::parallel_for(std::int64_t{0}, bands, [&](std::int64_t band) {
+  parallel_for(std::int64_t{0}, bands, [&](std::int64_t band) {
     const std::int64_t begin = band * kBandRows;
     const std::int64_t end = std::min(view.height, begin + kBandRows);
     copy_mean(scene.draw(begin * side, end * side), side, begin, end, picture);

@@ -1,13 +1,12 @@
 #include "octavo/render/rays/occupied_spans.h"
 
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "octavo/core/vectors.h"
+#include "octavo/threads/parallel_for.h"
+#include "octavo/threads/per_thread.h"
 
 namespace octavo {
 
@@ -240,9 +239,9 @@ OccupiedSpans::OccupiedSpans(const RayFrame& frame, std::int64_t width, std::int
   const std::int64_t columns = tiles_along(width) * kBlocksAlong;
   const std::int64_t rows = tiles_along(height) * kBlocksAlong;
   const BoxProjector projector(frame, width, height);
-  tbb::enumerable_thread_specific<SpanBlocks> of_threads(columns, rows);
+  PerThread<SpanBlocks> of_threads([&] { return SpanBlocks(columns, rows); });
   const std::array<std::int32_t, 3>& grid = frame.bricks.grid;
-  tbb::parallel_for(std::int32_t{0}, grid[0] * grid[1] * grid[2], [&](std::int32_t number) {
+  parallel_for(std::int32_t{0}, grid[0] * grid[1] * grid[2], [&](std::int32_t number) {
     OccupiedBoxes(frame, projector, of_threads.local()).add_brick(number);
   });
   for (const SpanBlocks& blocks : of_threads) {

@@ -1,7 +1,5 @@
 #include "octavo/render/rays/ray_bricks.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,6 +10,7 @@
 #include <utility>
 
 #include "octavo/core/error.h"
+#include "octavo/threads/parallel_for.h"
 
 namespace octavo {
 
@@ -277,7 +276,7 @@ void RayBricks::load_samples(std::span<const std::int32_t> bricks) {
   if (look_source_ != nullptr) {
     load_layer(bricks, looks_.get(),
                [&](const Box& box, std::uint16_t* out) { look_source_->read(box, out); });
-    tbb::parallel_for(std::size_t{0}, bricks.size(), [&](std::size_t i) { find_sets(slot_of(i)); });
+    parallel_for(std::size_t{0}, bricks.size(), [&](std::size_t i) { find_sets(slot_of(i)); });
   }
   with_voxel_type(source_.type(), [&](auto id) {
     using T = typename decltype(id)::type;
@@ -287,7 +286,7 @@ void RayBricks::load_samples(std::span<const std::int32_t> bricks) {
       source_.read(box, read.data());
       for (std::size_t i = 0; i < read.size(); ++i) out[i] = pooled_value<Pooled>(read[i], scale_);
     });
-    tbb::parallel_for(std::size_t{0}, bricks.size(), [&](std::size_t i) {
+    parallel_for(std::size_t{0}, bricks.size(), [&](std::size_t i) {
       find_ends<Pooled>(slot_of(i));
       set_cube_bounds(slot_of(i));
     });
@@ -298,7 +297,7 @@ void RayBricks::load_samples(std::span<const std::int32_t> bricks) {
 /// read  (box, out) reads a box, dense
 template <class Value, class Read>
 void RayBricks::load_layer(std::span<const std::int32_t> bricks, Value* layer, const Read& read) {
-  tbb::parallel_for(std::size_t{0}, bricks.size(), [&](std::size_t i) {
+  parallel_for(std::size_t{0}, bricks.size(), [&](std::size_t i) {
     const Box own = own_box(bricks[i]);
     std::vector<Value> values(static_cast<std::size_t>(own.size().voxel_count()));
     read(own, values.data());
@@ -314,10 +313,10 @@ void RayBricks::load_layer(std::span<const std::int32_t> bricks, Value* layer, c
     if (i == 0 || aprons[i].neighbor != aprons[i - 1].neighbor) begins.push_back(i);
   }
   begins.push_back(aprons.size());
-  tbb::parallel_for(std::size_t{1}, begins.size(), [&](std::size_t i) {
+  parallel_for(std::size_t{1}, begins.size(), [&](std::size_t i) {
     fill_aprons(std::span(aprons).subspan(begins[i - 1], begins[i] - begins[i - 1]), layer, read);
   });
-  tbb::parallel_for(std::size_t{0}, bricks.size(),
+  parallel_for(std::size_t{0}, bricks.size(),
                     [&](std::size_t i) { repeat_outermost(bricks[i], layer); });
 }
 

@@ -1,7 +1,5 @@
 #include "octavo/render/rays/ray_caster.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -13,6 +11,7 @@
 #include "octavo/render/rays/occupied_spans.h"
 #include "octavo/render/rays/ray_camera.h"
 #include "octavo/render/rays/ray_meshes.h"
+#include "octavo/threads/parallel_for.h"
 
 namespace octavo {
 
@@ -123,7 +122,7 @@ void cross_region(RayBricks& bricks, RayFrame& frame, RayField& field,
     const RayClock::time_point began = RayClock::now();
     frame.bricks = bricks.tables();
     std::atomic<std::int64_t> samples = 0;
-    tbb::parallel_for(std::size_t{0}, waiting.size(), [&](std::size_t i) {
+    parallel_for(std::size_t{0}, waiting.size(), [&](std::size_t i) {
       if (how.watcher.is_cancelled()) return;
       const std::size_t number = waiting[i];
       RayTile& tile = field.tiles[number];

@@ -1,7 +1,5 @@
 #include "octavo/render/rays/ray_meshes.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -11,6 +9,7 @@
 #include "octavo/core/text.h"
 #include "octavo/core/vectors.h"
 #include "octavo/render/rays/mesh_raster.h"
+#include "octavo/threads/parallel_for.h"
 
 namespace octavo {
 
@@ -492,7 +491,7 @@ std::vector<TileLayers> RayMeshes::layers(const RayFrame& frame, std::int64_t wi
   MeshTiles tiles(meshes_, options_, frame, width, height);
   tiles.sort(watcher);
   std::vector<TileLayers> layers(tiles.tile_count());
-  tbb::parallel_for(std::size_t{0}, layers.size(), [&](std::size_t i) {
+  parallel_for(std::size_t{0}, layers.size(), [&](std::size_t i) {
     if (!watcher.is_cancelled()) layers[i] = tiles.layers(i);
   });
   if (watcher.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");

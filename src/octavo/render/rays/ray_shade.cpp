@@ -1,7 +1,5 @@
 #include "octavo/render/rays/ray_shade.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,6 +8,7 @@
 
 #include "octavo/core/error.h"
 #include "octavo/core/vectors.h"
+#include "octavo/threads/parallel_for.h"
 
 namespace octavo {
 
@@ -238,7 +237,7 @@ void RayShade::fill(std::vector<std::uint8_t>& shares, const Progress& watcher,
                     Share&& share_of) const {
   const Size3& size = levels_.front().size;
   shares.assign(static_cast<std::size_t>(size.voxel_count()), 255);
-  tbb::parallel_for(std::int64_t{0}, size.z, [&](std::int64_t z) {
+  parallel_for(std::int64_t{0}, size.z, [&](std::int64_t z) {
     for (std::int64_t y = 0; y < size.y; ++y) {
       if (watcher.is_cancelled()) return;
       for (std::int64_t x = 0; x < size.x; ++x) {

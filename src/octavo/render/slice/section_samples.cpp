@@ -1,7 +1,5 @@
 #include "octavo/render/slice/section_samples.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,6 +8,7 @@
 #include <string>
 
 #include "octavo/core/error.h"
+#include "octavo/threads/parallel_for.h"
 
 namespace octavo {
 
@@ -234,7 +233,7 @@ void sample_tiles(const SectionTiles& tiles, std::int64_t first, std::int64_t en
     sample_tiles(tiles, middle, end, result);
     return;
   }
-  tbb::parallel_for(first, end, [&](std::int64_t number) { tiles.sample(number, result); });
+  parallel_for(first, end, [&](std::int64_t number) { tiles.sample(number, result); });
 }
 
 }  // namespace

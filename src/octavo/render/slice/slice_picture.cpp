@@ -1,7 +1,5 @@
 #include "octavo/render/slice/slice_picture.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -14,6 +12,7 @@
 #include "octavo/render/numbers.h"
 #include "octavo/render/slice/montage.h"
 #include "octavo/render/slice/section_samples.h"
+#include "octavo/threads/parallel_for.h"
 
 namespace octavo {
 
@@ -144,7 +143,7 @@ class SlicePainter {
   }
 
   void draw_grey(const SectionSamples& samples, const PixelArea& cell, Picture& picture) const {
-    tbb::parallel_for(std::int64_t{0}, samples.height, [&](std::int64_t y) {
+    parallel_for(std::int64_t{0}, samples.height, [&](std::int64_t y) {
       for (std::int64_t x = 0; x < samples.width; ++x) {
         const std::uint8_t grey = window_.grey(samples.at(x, y));
         picture.set(cell.x + x, cell.y + y, {grey, grey, grey});

@@ -1,14 +1,14 @@
 #include "octavo/render/transparency/line_integrals.h"
 
-#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_pipeline.h>
-#include <tbb/task_arena.h>
 
 #include <limits>
 #include <memory>
 
 #include "octavo/core/error.h"
 #include "octavo/render/transparency/class_octree.h"
+#include "octavo/threads/arena.h"
+#include "octavo/threads/per_thread.h"
 
 namespace octavo {
 
@@ -194,7 +194,7 @@ std::vector<typename Model::Cell> draw_volume(const ClassOctree& octree, const V
   const ProgressScope scope(progress, "picture", static_cast<std::int64_t>(pieces.size()),
                             "blocks");
   LineBuffer<Model> whole({0, 0, lines.width, lines.height});
-  tbb::enumerable_thread_specific<Scratch> scratches;
+  PerThread<Scratch> scratches;
   std::size_t next = 0;
   const auto take = [&](tbb::flow_control& flow) -> std::size_t {
     if (next < pieces.size()) return next++;
@@ -222,7 +222,7 @@ std::vector<typename Model::Cell> draw_volume(const ClassOctree& octree, const V
     counts.leaves += drawn->leaves;
     progress.advance(1);
   };
-  const auto tokens = static_cast<std::size_t>(2 * tbb::this_task_arena::max_concurrency());
+  const auto tokens = static_cast<std::size_t>(2 * arena_threads());
   using Drawn = std::shared_ptr<DrawnPiece<Model>>;
   tbb::parallel_pipeline(
       tokens, tbb::make_filter<void, std::size_t>(tbb::filter_mode::serial_in_order, take) &

@@ -1,7 +1,5 @@
 #include "octavo/render/transparency/transparency.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,6 +8,7 @@
 
 #include "octavo/core/error.h"
 #include "octavo/core/vectors.h"
+#include "octavo/threads/parallel_for.h"
 
 namespace octavo {
 
@@ -135,7 +134,7 @@ Picture draw_lattice(const LineField& field, const Lattice& lattice, const View&
   const double v_x = -lattice.across.y / area, v_y = lattice.across.x / area;
   const double lines_per_pixel = std::max({std::hypot(u_x, v_x), std::hypot(u_y, v_y)});
   const int points = static_cast<int>(std::clamp(std::ceil(lines_per_pixel), 1.0, 8.0));
-  tbb::parallel_for(std::int64_t{0}, view.height, [&](std::int64_t y) {
+  parallel_for(std::int64_t{0}, view.height, [&](std::int64_t y) {
     for (std::int64_t x = 0; x < view.width; ++x) {
       std::array<double, 4> sum{};
       for (int i = 0; i < points * points; ++i) {

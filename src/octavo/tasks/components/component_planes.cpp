@@ -1,8 +1,5 @@
 #include "octavo/tasks/components/component_planes.h"
 
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <utility>
 
@@ -13,6 +10,8 @@
 #include "octavo/tasks/components/components_in_parts.h"
 #include "octavo/tasks/inputs.h"
 #include "octavo/tasks/masks.h"
+#include "octavo/threads/parallel_for.h"
+#include "octavo/threads/per_thread.h"
 
 namespace octavo {
 
@@ -153,9 +152,9 @@ std::unique_ptr<const MaskOfPart> ComponentPlanes::opened(const WorkPart& part) 
 void ComponentPlanes::fill_slab(std::int64_t begin, std::int64_t end, std::span<std::byte> slab) {
   if (begin < part_begin_ || begin >= part_end_) open_part_of(begin);
   const Size3& size = description_.size;
-  tbb::enumerable_thread_specific<std::vector<std::uint32_t>> labels_of_threads;
+  PerThread<std::vector<std::uint32_t>> labels_of_threads;
   context_.on_threads([&] {
-    tbb::parallel_for(std::int64_t{0}, (size.y + kBandRows - 1) / kBandRows, [&](std::int64_t i) {
+    parallel_for(std::int64_t{0}, (size.y + kBandRows - 1) / kBandRows, [&](std::int64_t i) {
       const Box rows{{0, i * kBandRows, begin},
                      {size.x, std::min((i + 1) * kBandRows, size.y), end}};
       std::vector<std::uint32_t>& labels = labels_of_threads.local();

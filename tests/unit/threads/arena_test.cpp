@@ -1,0 +1,48 @@
+#include "octavo/threads/arena.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <atomic>
+#include <chrono>
+#include <stdexcept>
+#include <thread>
+
+#include "octavo/threads/parallel_for.h"
+
+namespace octavo {
+namespace {
+
+TEST(Arena, HasTheThreadsThatAreAskedFor) {
+  const int outside = arena_threads();
+  EXPECT_GE(outside, 1);
+  for (const int threads : {1, 2, 5}) {
+    run_in_arena(threads, [&] { EXPECT_EQ(arena_threads(), threads); });
+  }
+  run_in_arena(0, [&] { EXPECT_EQ(arena_threads(), outside); });
+}
+
+TEST(Arena, HandsOnWhatIsThrown) {
+  EXPECT_THROW(run_in_arena(2, [] { throw std::runtime_error("failed"); }), std::runtime_error);
+  EXPECT_THROW(run_isolated([] { throw std::runtime_error("failed"); }), std::runtime_error);
+}
+
+TEST(Arena, KeepsAThreadThatWaitsFromOtherTurns) {
+  const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, 4);
+  std::atomic<int> entered_twice = 0;
+  run_in_arena(4, [&] {
+    parallel_for(0, 1000, [&](int) {
+      thread_local bool is_within = false;
+      if (is_within) ++entered_twice;
+      is_within = true;
+      run_isolated([] {
+        parallel_for(0, 4, [](int) { std::this_thread::sleep_for(std::chrono::microseconds(50)); });
+      });
+      is_within = false;
+    });
+  });
+  EXPECT_EQ(entered_twice, 0);
+}
+
+}  // namespace
+}  // namespace octavo
