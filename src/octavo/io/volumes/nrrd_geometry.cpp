@@ -1,7 +1,9 @@
 #include "octavo/io/volumes/nrrd_geometry.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string>
@@ -177,15 +179,46 @@ void take_axis_mins(const NrrdHeader& header, const NrrdSpaceAxes& space,
                            "as the borders of the first voxels: " + escaped(header.path()));
 }
 
+/// The distances that "axis mins" and "axis maxs" make, below 0 where an axis runs backwards; "nan"
+/// for axes of which they say none. They are borders of cells or centers of nodes, as above.
+/// sizes  voxels along each axis in space
+std::vector<double> steps_between(const NrrdHeader& header, const NrrdSpaceAxes& space,
+                                  const Size3& sizes) {
+  std::vector<double> steps(space.axis_count, std::numeric_limits<double>::quiet_NaN());
+  if (!header.has("axis mins") || !header.has("axis maxs")) return steps;
+  const std::vector<double> mins = header.field("axis mins").numbers();
+  const std::vector<double> maxs = header.field("axis maxs").numbers();
+  if (mins.size() != space.axis_count || maxs.size() != space.axis_count) {
+    reject(header.path(), "axis mins and axis maxs: " + std::to_string(space.axis_count) +
+                              " numbers expected, " + std::to_string(mins.size()) + " and " +
+                              std::to_string(maxs.size()) + " found");
+  }
+  const std::vector<std::string> centers = centers_of(header, space.axis_count);
+  const std::array<std::int64_t, 3> counts = {sizes.x, sizes.y, sizes.z};
+  for (std::size_t i = 0; i < space.axes.size(); ++i) {
+    const std::size_t axis = space.axes[i];
+    const std::int64_t count = counts[i] - (centers[axis] == "node" ? 1 : 0);
+    const double step = (maxs[axis] - mins[axis]) / static_cast<double>(count);
+    if (count > 0 && std::isfinite(step) && step != 0) steps[axis] = step;
+  }
+  return steps;
+}
+
 /// Headers without space directions: spacings only, below 0 where an axis runs backwards; "nan"
-/// says that an axis has none. False when an axis in space has none.
+/// says that an axis has none, which may have borders instead. False when an axis in space has
+/// neither.
 bool read_spacings(const NrrdHeader& header, const NrrdSpaceAxes& space,
                    const SourceOptions& options, SourceFacts& facts) {
-  if (!header.has("spacings")) return false;
-  const std::vector<double> steps = header.field("spacings").numbers();
-  if (steps.size() != space.axis_count) {
-    reject(header.path(), "spacings: " + std::to_string(space.axis_count) +
-                              " numbers expected, " + std::to_string(steps.size()) + " found");
+  std::vector<double> steps = steps_between(header, space, facts.description.size);
+  if (header.has("spacings")) {
+    const std::vector<double> given = header.field("spacings").numbers();
+    if (given.size() != space.axis_count) {
+      reject(header.path(), "spacings: " + std::to_string(space.axis_count) +
+                                " numbers expected, " + std::to_string(given.size()) + " found");
+    }
+    for (const std::size_t axis : space.axes) {
+      if (std::isfinite(given[axis])) steps[axis] = given[axis];
+    }
   }
   for (const std::size_t axis : space.axes) {
     if (!std::isfinite(steps[axis])) return false;

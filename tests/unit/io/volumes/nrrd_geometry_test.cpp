@@ -121,6 +121,42 @@ TEST(NrrdGeometry, TheOriginIsWhereAxisMinsSay) {
   EXPECT_TRUE(contains(with_hints(open_source({path}, {})->warnings()), "the origin is left out"));
 }
 
+TEST(NrrdGeometry, BordersOfAxesGiveTheirSpacing) {
+  const TempFolder folder;
+  const std::string path = folder.file("a.nrrd");
+  // Of 4 x 3 x 2 voxels
+  struct Row {
+    std::string lines;
+    Point3 spacing;
+    Point3 origin;
+  };
+  for (const auto& [lines, spacing, origin] : std::vector<Row>{
+           {"axis mins: 0 10 20\naxis maxs: 2 16 25\ncenters: cell cell cell",
+            {0.5, 2, 2.5}, {0.25, 11, 21.25}},
+           {"axis mins: 0 10 20\naxis maxs: 6 16 25\ncenters: node node node",
+            {2, 3, 5}, {0, 10, 20}},
+           {"axis mins: 2 10 20\naxis maxs: 0 16 25\ncenters: cell cell cell",
+            {0.5, 2, 2.5}, {1.75, 11, 21.25}},
+           {"spacings: nan 7 nan\naxis mins: 0 10 20\naxis maxs: 2 16 25\ncenters: cell cell cell",
+            {0.5, 7, 2.5}, {0.25, 13.5, 21.25}},
+           {"axis mins: 0 10 20\naxis maxs: 2 16 25\ncenters: cell cell cell\n"
+            "units: \"cm\" \"mm\" \"mm\"", {5, 2, 2.5}, {2.5, 11, 21.25}}}) {
+    write_nrrd(path, lines);
+    const auto source = open_source({path}, {});
+    EXPECT_EQ(source->description().geometry.spacing_mm, spacing) << lines;
+    EXPECT_EQ(source->description().geometry.origin_mm, origin) << lines;
+    EXPECT_TRUE(contains(source->description().metadata.text(), "\"spacing_known\":true")) << lines;
+  }
+  for (const char* lines : {"axis mins: 0 10 20\naxis maxs: 2 10 25", "axis maxs: 2 16 25",
+                            "axis mins: 0 nan 20\naxis maxs: 2 16 25"}) {
+    write_nrrd(path, lines);
+    EXPECT_TRUE(contains(open_source({path}, {})->description().metadata.text(),
+                         "\"spacing_known\":false")) << lines;
+  }
+  write_nrrd(path, "axis mins: 0 10 20\naxis maxs: 2 16");
+  expect_rejected(path, {"3 numbers expected, 3 and 2 found"});
+}
+
 TEST(NrrdGeometry, AnAxisRunsBackwardsWhereItsSpacingIsNegative) {
   const TempFolder folder;
   const std::string path = folder.file("a.nrrd");
