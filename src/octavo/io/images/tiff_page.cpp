@@ -7,11 +7,13 @@
 #include <cstdarg>
 #include <cstdio>
 #include <cstring>
+#include <map>
 #include <optional>
 #include <vector>
 
 #include "octavo/core/checked.h"
 #include "octavo/io/images/tiff_directory.h"
+#include "octavo/io/images/tiff_loss.h"
 #include "octavo/io/source/alternating_values.h"
 #include "octavo/io/source/claimed_bytes.h"
 
@@ -56,9 +58,15 @@ std::optional<StoredType> stored_type_of(std::uint16_t bits, std::uint16_t forma
   }
 }
 
-bool is_lossy_compression(std::uint16_t compression) {
-  return compression == COMPRESSION_JPEG || compression == COMPRESSION_OJPEG ||
-         compression == COMPRESSION_LERC || compression == COMPRESSION_WEBP;
+/// Kinds of compression that libtiff has no decoder for; others it knows by name.
+std::string compression_name(std::uint16_t compression) {
+  static const std::map<std::uint16_t, const char*> kNames = {
+      {33003, "JPEG 2000"}, {33004, "JPEG 2000"}, {33005, "JPEG 2000"}, {34712, "JPEG 2000"},
+      {33007, "JPEG"},      {34892, "JPEG"},      {34933, "PNG"},       {34934, "JPEG XR"},
+      {22610, "JPEG XR"},   {50002, "JPEG XL"},   {52546, "JPEG XL"}};
+  if (const auto found = kNames.find(compression); found != kNames.end()) return found->second;
+  const TIFFCodec* codec = TIFFFindCODEC(compression);
+  return codec == nullptr ? "kind " + std::to_string(compression) : codec->name;
 }
 
 /// How many bytes of voxels a byte of the file can stand for; nothing where that is not known.
@@ -110,6 +118,20 @@ void TiffFile::reject(const std::string& why) const {
   throw Error(ErrorKind::source_rejected, why + cause, path_);
 }
 
+bool TiffFile::is_lossy(const StoredType& type, std::uint16_t compression) const {
+  std::array<std::byte, kBlockStartBytes> start{};
+  tmsize_t found = 0;
+  if (has_varying_loss(compression)) {
+    const auto length = static_cast<tmsize_t>(start.size());
+    found = TIFFIsTiled(handle_) != 0 ? TIFFReadRawTile(handle_, 0, start.data(), length)
+                                      : TIFFReadRawStrip(handle_, 0, start.data(), length);
+    message_->clear();  // reading the block tells what is wrong with it
+  }
+  const std::span<const std::byte> bytes(start);
+  return is_lossy_block(compression, type,
+                        bytes.first(static_cast<std::size_t>(std::max<tmsize_t>(found, 0))));
+}
+
 TiffPage TiffFile::page() {
   TiffPage page;
   page.directory_offset = TIFFCurrentDirOffset(handle_);
@@ -144,7 +166,11 @@ TiffPage TiffFile::page() {
   }
   page.type = *type;
   const auto compression = tag_or<std::uint16_t>(handle_, TIFFTAG_COMPRESSION, COMPRESSION_NONE);
-  page.is_lossy = is_lossy_compression(compression);
+  if (TIFFIsCODECConfigured(compression) == 0) {
+    reject("compression of " + compression_name(compression) + " (" + std::to_string(compression) +
+           ") is not read here; save it with Deflate or LZW, or uncompressed");
+  }
+  page.is_lossy = is_lossy(*type, compression);
   if (const auto ratio = ratio_of(compression)) {
     const std::uint64_t pixels =
         static_cast<std::uint64_t>(page.width) * static_cast<std::uint64_t>(page.height);

@@ -29,7 +29,7 @@ struct TiffPage {
   bool is_min_white = false;      ///< smaller values are brighter
   bool has_palette = false;       ///< values are numbers of colors
   bool is_reduced = false;        ///< a thumbnail of another page
-  bool is_lossy = false;          ///< the compression changes values (JPEG)
+  bool is_lossy = false;          ///< the compression may have changed values
   int orientation = 1;            ///< 1: first row at the top, first column at the left
 };
 
@@ -78,6 +78,8 @@ class TiffFile {
 
  private:
   [[noreturn]] void reject(const std::string& why) const;
+  /// Of the current page.
+  bool is_lossy(const StoredType& type, std::uint16_t compression) const;
   void read_strips(const TiffPage& page, std::int64_t sample, std::span<std::byte> plane);
   /// Some programs fill the last strip with rows behind the page. libtiff, where it inflates with
   /// libdeflate, then leaves the end of the strip unset without a word; so all rows are asked for

@@ -441,7 +441,8 @@ void add_warnings(const TiffStack& stack, SourceFacts& facts) {
   }
   if (std::any_of(stack.planes.begin(), stack.planes.end(),
                   [](const TiffPlane& plane) { return plane.page.is_lossy; })) {
-    facts.warnings.push_back("the voxels were compressed with loss (JPEG) before they came here");
+    facts.warnings.push_back("the voxels were compressed before they came here in a way that "
+                             "loses, or does not say that it loses nothing (JPEG, LERC, WebP)");
     facts.noted.lossy_source = true;
   }
 }

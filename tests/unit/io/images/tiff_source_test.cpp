@@ -73,6 +73,26 @@ TEST(TiffSource, JpegIsReportedAsALoss) {
   EXPECT_TRUE(contains(source->description().metadata.text(), "\"lossy_source\":true"));
 }
 
+TEST(TiffSource, CompressionWithoutADecoderIsNamed) {
+  const TempFolder folder;
+  TiffSample sample;
+  sample.pages = {counted(12, 1)};
+  write_tiff(folder.file("a.tif"), sample);
+  const std::string whole = read_file(folder.file("a.tif"));
+  const std::string entry = bytes_of<std::uint16_t>({TIFFTAG_COMPRESSION, 3, 1, 0, 1});
+  ASSERT_NE(whole.find(entry), std::string::npos);
+  for (const auto& [number, name] : std::vector<std::pair<std::uint16_t, std::string>>{
+           {34712, "JPEG 2000 (34712)"}, {50002, "JPEG XL (50002)"}, {777, "kind 777"}}) {
+    std::string bytes = whole;
+    bytes.replace(whole.find(entry), entry.size(),
+                  bytes_of<std::uint16_t>({TIFFTAG_COMPRESSION, 3, 1, 0, number}));
+    write_file(folder.file("a.tif"), bytes);
+    const Error error = source_error({folder.file("a.tif")});
+    EXPECT_EQ(error.kind(), ErrorKind::source_rejected);
+    EXPECT_TRUE(contains(error, "compression of " + name)) << error.what();
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(
     Tiff, TiffSourceLayout,
     ::testing::Values(
