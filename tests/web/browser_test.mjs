@@ -112,6 +112,42 @@ test("a page takes the package, its worker and its wasm from another origin", as
   }
 });
 
+test("what is no signal, place or address is named in a page as it is in Node.js", async () => {
+  files.files.set("/scan.8vo", Buffer.from(golden("small-int16.8vo")));
+  const found = await inChromium(async (browser) => {
+    const page = await newPage(browser, site.url);
+    return page.evaluate(async (url) => {
+      const { createPool, open } = await import("/dist/reader.js");
+      const scan = await open(url);
+      const all = { lo: [0, 0, 0], hi: scan.size };
+      const failures = [];
+      for (const call of [
+        () => open(url, { signal: 3 }),
+        () => scan.read(all, 0, { signal: 3 }),
+        () => scan.plan(all, 0, { signal: {} }),
+        () => createPool({ wasm: 42 }),
+        () => createPool({ worker: {} }),
+        () => createPool({ wasm: "http://[" }),
+      ]) {
+        failures.push(await call().then(() => "", ({ kind, message }) => `${kind}: ${message}`));
+      }
+      // Signals of another frame are signals as well.
+      const frame = document.body.appendChild(document.createElement("iframe"));
+      const { signal } = new frame.contentWindow.AbortController();
+      return { failures, count: (await scan.read(all, 0, { signal })).length };
+    }, `${files.url}/scan.8vo`);
+  });
+  assert.deepEqual(found.failures, [
+    "invalid_argument: signal is 3, no AbortSignal",
+    "invalid_argument: signal is 3, no AbortSignal",
+    "invalid_argument: signal is [object Object], no AbortSignal",
+    "invalid_argument: wasm is 42, no address and no path",
+    "invalid_argument: worker is [object Object], no address and no path",
+    "invalid_argument: http://[: no address",
+  ]);
+  assert.ok(found.count > 0);
+});
+
 test("a dropped file opens without a request", async () => {
   const found = await inChromium(async (browser) => {
     const page = await newPage(browser, site.url);

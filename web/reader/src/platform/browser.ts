@@ -3,6 +3,7 @@
 // Bundlers know worker.js and octavo.wasm by the very words `new Worker(new URL("...",
 // import.meta.url)` and `new URL("...", import.meta.url)`, and bring the files along.
 import type { ErrorKind } from "../api.js";
+import { addressAt } from "../given.js";
 import { fetchModule } from "./fetch_module.js";
 import type { Platform, WorkerPort } from "./platform.js";
 
@@ -50,7 +51,7 @@ export const platform: Platform = {
   coreCount: () => navigator.hardwareConcurrency || 4,
   startWorker(place) {
     const address = (place === undefined
-      ? new URL("./worker.js", import.meta.url) : new URL(place, platform.baseAddress())).href;
+      ? new URL("./worker.js", import.meta.url) : addressAt(place, platform.baseAddress())).href;
     const worker = isFar(address) ? startFar(address)
       : place !== undefined ? startAt(address)
         // Bundlers call what they make of it by that name.
@@ -60,7 +61,7 @@ export const platform: Platform = {
   },
   compile(place) {
     return fetchModule((place === undefined
-      ? new URL("./octavo.wasm", import.meta.url) : new URL(place, platform.baseAddress())).href);
+      ? new URL("./octavo.wasm", import.meta.url) : addressAt(place, platform.baseAddress())).href);
   },
   expectListeners: () => undefined,
 };

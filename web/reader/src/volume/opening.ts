@@ -4,7 +4,7 @@ import type { Decoders } from "../decode/decoders.js";
 import { createVolume, Engine, EngineFile } from "../decode/engine.js";
 import { WorkerPool } from "../decode/pool.js";
 import { failureOf, OctavoError } from "../errors.js";
-import { countOr } from "../numbers.js";
+import { countOr, requireSignal } from "../given.js";
 import { platform } from "../platform/browser.js";
 import { FileBytes, type PlacedBytes, type WaitOptions } from "../store/file_bytes.js";
 import { fetcherOf } from "../store/fetchers.js";
@@ -44,6 +44,7 @@ export const open: Open = async (source, options) => {
 };
 
 async function opened(source: Source, options: OpenOptions): Promise<Volume> {
+  requireSignal(options.signal);
   if (options.signal) platform.expectListeners(options.signal);
   const pool = options.pool ?? await sharedPool();
   if (!isDecoders(pool)) {

@@ -6,6 +6,7 @@ import type {
 import type { DecodedBox, Decoders, PoolFile } from "../decode/decoders.js";
 import type { EngineFile } from "../decode/engine.js";
 import { cancelled, failureOf, OctavoError } from "../errors.js";
+import { requireSignal } from "../given.js";
 import { platform } from "../platform/browser.js";
 import { ShortAnswer } from "../store/fetchers.js";
 import type { FileBytes, WaitOptions } from "../store/file_bytes.js";
@@ -222,6 +223,7 @@ export class OpenVolume implements Volume {
   /** What `work` gives; its failures are those of this package and end what they have to end. */
   private async named<T>(signal: AbortSignal | undefined, work: () => Promise<T>): Promise<T> {
     this.throwIfEnded("replaced", "closed");
+    requireSignal(signal);
     if (signal?.aborted) throw cancelled(this.name, signal);
     if (signal) platform.expectListeners(signal);
     try {
