@@ -15,13 +15,14 @@ namespace {
 
 constexpr VerbText kMpiRenderText = {
     "render", "Draw grey values by rays, seen from a side, by all ranks.",
-    "Modes volume, mip, minip, mean and iso of octavo render, with its options but for --mesh,\n"
-    "--mark, --time-budget, --progressive, --adaptive and --smooth-edges. Each rank owns whole\n"
-    "nodes of the octree and reads what its rays come to in them; colors and opacities are then\n"
-    "composited in the order of the octants, each rank its share of the picture. The picture is\n"
-    "that of one machine within a level of grey of 255.\n\n"
+    "Modes volume, mip, minip, mean and iso of octavo render, with its options but for\n"
+    "--time-budget, --progressive, --adaptive and --smooth-edges. Each rank owns whole nodes of\n"
+    "the octree and reads what its rays come to in them; colors and opacities, those of meshes\n"
+    "in its nodes among them, are then composited in the order of the octants, each rank its\n"
+    "share of the picture. The picture is that of one machine within a level of grey of 255.\n\n"
     "Examples:\n"
     "  mpirun -n 4 octavo-mpi render head.8vo --mode volume --transfer skin -o head.png\n"
+    "  mpirun -n 8 octavo-mpi render head.8vo --mesh implant.ply=steel:0.6 -o implant.png\n"
     "  mpirun -n 64 octavo-mpi render scan.8vo --mode iso --isovalue 90 --turntable 36 "
     "-o turn.apng"};
 

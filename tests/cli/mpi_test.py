@@ -264,6 +264,28 @@ class PicturesByRanks(ByRanks):
             self.assertGreater(max(one), 100)
             self.assertLessEqual(max(abs(a - b) for a, b in zip(one, parts)), 1)
 
+    def test_meshes_are_in_the_picture_of_ranks_as_in_that_of_one_process(self):
+        self.expect(0, "phantom", "--size", "140,130,100", "-o", "head.mhd")
+        self.expect(0, "build", "head.mhd", "--preset", "fast", "-q", "-o", "head.8vo")
+        # A bar from one side of the head to the other, which sticks out of the volume.
+        (self.folder / "bar.obj").write_text(
+            "v -40 60 40\nv 180 66 52\nv 180 66 60\nv -40 60 48\n"
+            "v -40 72 44\nv 180 78 56\nf 1 2 3 4\nf 4 3 6 5\nf 5 6 2 1\n")
+        view = ("--azimuth", "200", "--size", "160x120", "--transfer", "skin",
+                "--mesh", "bar.obj=red:0.7", "--mark", "70,65,95=top")
+        self.expect(0, "render", "head.8vo", "--mode", "volume", *view, "-o", "one.png")
+        job = self.start(3, "render", "head.8vo", *view, "-o", "ranks.png")
+        _, error = job.communicate()
+        self.assertEqual(job.returncode, 0, error)
+        self.assertEqual(error.count("does not say how the patient lies"), 1, error)
+        one, parts = (render_test.read_png(self.folder / name) for name in
+                      ("one.png", "ranks.png"))
+        red = [pixel for row in one for pixel in row if pixel[0] > 100 > 2 * pixel[1]]
+        self.assertGreater(len(red), 100)
+        self.assertLessEqual(max(abs(a - b) for row, other in zip(one, parts)
+                                 for pixel, at in zip(row, other)
+                                 for a, b in zip(pixel, at)), 1)
+
     def test_what_ranks_do_not_draw_is_rejected(self):
         self.expect(0, "phantom", "--size", "20,20,20", "-o", "head.mhd")
         self.expect(0, "build", "head.mhd", "-q", "-o", "head.8vo")

@@ -1,5 +1,7 @@
 #include "octavo/dist/communicator.h"
 
+#include <utility>
+
 #include "octavo/file/byte_codec.h"
 
 namespace octavo {
@@ -58,6 +60,23 @@ std::vector<Bytes> Communicator::collect(ByteSpan bytes) {
   all.emplace_back(bytes.begin(), bytes.end());
   for (int other = 1; other < size(); ++other) all.push_back(receive(other));
   return all;
+}
+
+std::vector<Bytes> Communicator::exchange(std::vector<Bytes> outgoing) {
+  std::vector<Bytes> incoming(outgoing.size());
+  incoming[static_cast<std::size_t>(rank())] =
+      std::move(outgoing[static_cast<std::size_t>(rank())]);
+  // Pairs speak in turns, so that none waits for another that waits.
+  for (int round = 1; round < 2 * size(); ++round) {
+    const int other = rank() ^ round;
+    if (other >= size()) continue;
+    const auto at = static_cast<std::size_t>(other);
+    if (rank() < other) send(other, outgoing[at]);
+    incoming[at] = receive(other);
+    if (rank() > other) send(other, outgoing[at]);
+    outgoing[at].clear();
+  }
+  return incoming;
 }
 
 }  // namespace octavo

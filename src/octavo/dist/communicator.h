@@ -42,6 +42,10 @@ class Communicator {
   /// Collective: what each rank gives, at rank 0 by their numbers; nothing at the others.
   std::vector<Bytes> collect(ByteSpan bytes);
 
+  /// Collective: what each rank has for each other one, and gets of each, by their numbers.
+  /// outgoing  one for each rank
+  std::vector<Bytes> exchange(std::vector<Bytes> outgoing);
+
   bool is_first() const { return rank() == 0; }
 };
 

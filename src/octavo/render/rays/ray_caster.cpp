@@ -31,12 +31,9 @@ bool is_in_picture(const RayField& field, std::size_t number, std::size_t ray) {
 }
 
 void start_tile(RayTile& tile, const RayFrame& frame, const RayField& field, std::size_t number) {
-  const std::int64_t left = static_cast<std::int64_t>(number) % field.tile_columns() * kRayTileSide;
-  const std::int64_t top = static_cast<std::int64_t>(number) / field.tile_columns() * kRayTileSide;
-  tile.u = static_cast<float>(static_cast<double>(left) + 0.5 -
-                              static_cast<double>(field.width) / 2);
-  tile.v = static_cast<float>(static_cast<double>(top) + 0.5 -
-                              static_cast<double>(field.height) / 2);
+  const auto [u, v] = first_pixel_of(number, field.width, field.height);
+  tile.u = u;
+  tile.v = v;
   if (frame.mode == RayMode::extreme) {
     tile.gathered.fill(-std::numeric_limits<float>::infinity());
   }
@@ -68,14 +65,20 @@ void enter_region(RayTile& tile, const RayFrame& frame, const RayField& field,
   }
 }
 
-/// The stops of the rays of each tile that has layers.
-std::vector<std::unique_ptr<RayStops>> make_stops(const RayField& field) {
-  std::vector<std::unique_ptr<RayStops>> stops(field.tiles.size());
-  if (field.layers.empty()) return stops;
-  for (std::size_t i = 0; i < stops.size(); ++i) {
-    if (!field.layers[field.number_of(i)].is_empty()) stops[i] = std::make_unique<RayStops>();
+/// Layers by tile of the picture, and the stops of the rays of each tile cast that has some.
+struct LayeredTiles {
+  const TileLayers* layers = nullptr;
+  std::vector<std::unique_ptr<RayStops>> stops;
+};
+
+LayeredTiles make_stops(const RayField& field, const TileLayers* layers) {
+  LayeredTiles tiles{layers, {}};
+  tiles.stops.resize(field.tiles.size());
+  if (layers == nullptr) return tiles;
+  for (std::size_t i = 0; i < tiles.stops.size(); ++i) {
+    if (!layers[field.number_of(i)].is_empty()) tiles.stops[i] = std::make_unique<RayStops>();
   }
-  return stops;
+  return tiles;
 }
 
 bool is_waiting(const RayTile& tile) {
@@ -109,8 +112,9 @@ struct RayFollowing {
 };
 
 void cross_region(RayBricks& bricks, RayFrame& frame, RayField& field,
-                  const std::vector<std::unique_ptr<RayStops>>& stops,
-                  const OccupiedSpans* spans, const RayFollowing& how) {
+                  const LayeredTiles& layered, const OccupiedSpans* spans,
+                  const RayFollowing& how) {
+  const auto& stops = layered.stops;
   std::vector<std::size_t> waiting;
   for (std::size_t i = 0; i < field.tiles.size(); ++i) {
     const bool is_empty = spans != nullptr && !stops[i] && !spans->is_any_in(field.number_of(i));
@@ -128,7 +132,7 @@ void cross_region(RayBricks& bricks, RayFrame& frame, RayField& field,
       RayTile& tile = field.tiles[number];
       if (!has_entered) enter_region(tile, frame, field, field.number_of(number));
       if (stops[number]) {
-        samples += follow_through_layers(frame, tile, field.layers[field.number_of(number)],
+        samples += follow_through_layers(frame, tile, layered.layers[field.number_of(number)],
                                          *stops[number], how.follow);
       } else {
         if (spans != nullptr) tile.spans = spans->of_tile(field.number_of(number));
@@ -148,7 +152,28 @@ void cross_region(RayBricks& bricks, RayFrame& frame, RayField& field,
   }
 }
 
+/// Of rays that cross nothing else.
+void pass_all_layers(const RayFrame& frame, RayField& field, const LayeredTiles& layered) {
+  const auto stay = [](const RayFrame&, RayTile&) { return std::int64_t{0}; };
+  for (std::size_t i = 0; i < field.tiles.size(); ++i) {
+    if (!layered.stops[i]) continue;
+    field.tiles[i].waits_for.fill(-1);
+    field.tiles[i].k.fill(kRayDone);
+    follow_through_layers(frame, field.tiles[i], layered.layers[field.number_of(i)],
+                          *layered.stops[i], stay);
+  }
+}
+
 }  // namespace
+
+std::array<float, 2> first_pixel_of(std::size_t tile, std::int64_t width, std::int64_t height) {
+  const auto along = [](std::int64_t tile_place, std::int64_t pixels) {
+    return static_cast<float>(static_cast<double>(tile_place * kRayTileSide) + 0.5 -
+                              static_cast<double>(pixels) / 2);
+  };
+  const auto number = static_cast<std::int64_t>(tile);
+  return {along(number % tiles_along(width), width), along(number / tiles_along(width), height)};
+}
 
 std::uint64_t ray_field_bytes(std::int64_t width, std::int64_t height) {
   return static_cast<std::uint64_t>(tiles_along(width) * tiles_along(height)) * sizeof(RayTile);
@@ -176,8 +201,11 @@ RayField cast_rays(RayBricks& bricks, RayFrame frame, std::span<const RayRegion>
   for (std::size_t i = 0; i < field.tiles.size(); ++i) {
     start_tile(field.tiles[i], frame, field, field.number_of(i));
   }
-  if (frame.meshes) field.layers = frame.meshes->layers(frame, width, height, watcher);
-  const auto stops = make_stops(field);
+  if (frame.meshes && !frame.layers) {
+    field.layers = frame.meshes->layers(frame, width, height, watcher);
+    frame.layers = field.layers.data();
+  }
+  const LayeredTiles layered = make_stops(field, frame.layers);
   std::optional<OccupiedSpans> spans;
   if (frame.mode == RayMode::volume || frame.mode == RayMode::iso) {
     frame.bricks = bricks.tables();
@@ -189,8 +217,9 @@ RayField cast_rays(RayBricks& bricks, RayFrame frame, std::span<const RayRegion>
     frame.whole_low = regions[i].whole_low;
     frame.whole_high = regions[i].whole_high;
     frame.is_last_region = i + 1 == regions.size();
-    cross_region(bricks, frame, field, stops, spans ? &*spans : nullptr, {follow, watcher});
+    cross_region(bricks, frame, field, layered, spans ? &*spans : nullptr, {follow, watcher});
   }
+  if (regions.empty()) pass_all_layers(frame, field, layered);
   return field;
 }
 

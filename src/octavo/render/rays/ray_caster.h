@@ -9,6 +9,7 @@
 // opaque.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -30,7 +31,8 @@ struct RayField {
   std::int64_t height = 0;
   RayTiles tiles;  ///< row by row, as far as they have rays that are cast
   std::vector<std::size_t> numbers;  ///< of the tiles in the picture; none: all are there
-  std::vector<TileLayers> layers;  ///< of the frame's meshes, by tile; none without meshes
+  /// Of the frame's meshes, by tile; none without meshes, or where the frame has layers itself.
+  std::vector<TileLayers> layers;
   /// Taken. Rays that go together in vectors take samples that some of them would skip and leave
   /// others out, so that the count depends on the instruction set, as what rays gather does not.
   std::int64_t samples = 0;
@@ -45,6 +47,9 @@ struct RayField {
   void for_each_pixel(Visit&& visit) const;
 };
 
+/// Column and row of the middle of the first pixel of a tile, from the middle of the picture.
+std::array<float, 2> first_pixel_of(std::size_t tile, std::int64_t width, std::int64_t height);
+
 /// Bytes of a field.
 std::uint64_t ray_field_bytes(std::int64_t width, std::int64_t height);
 
@@ -57,7 +62,7 @@ RayField cast_rays(RayBricks& bricks, RayFrame frame, std::int64_t width, std::i
                    FollowRays follow, const Progress& watcher);
 
 /// The same through regions in place of the frame's box.
-/// regions  in the order of front_to_back
+/// regions  in the order of front_to_back; none: rays meet nothing but layers
 RayField cast_rays(RayBricks& bricks, RayFrame frame, std::span<const RayRegion> regions,
                    std::int64_t width, std::int64_t height, FollowRays follow,
                    const Progress& watcher);

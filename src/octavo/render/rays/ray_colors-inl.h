@@ -49,7 +49,7 @@ HWY_INLINE void composite(const RayFrame& f, const PacketLines& lines, RayMask s
       hn::IfThenElseZero(seen, hn::Mul(part.opacity, hn::Sub(real(1), sums.gathered)));
   PacketLight light{real(kFlatLight), hn::Zero(kRays), hn::Zero(kRays)};
   const bool has_slope = table.gradient_rise > 0;
-  const RayMask is_lit = has_slope ? seen : hn::And(seen, hn::Gt(weight, real(kUnlitWeight)));
+  const RayMask is_lit = has_slope ? seen : hn::And(seen, hn::Gt(weight, real(f.unlit_weight)));
   if (!hn::AllFalse(kRays, is_lit)) {
     const PacketLight full = light_on(f, gradients(), shade_around(f, lines, part.k));
     light = {hn::IfThenElse(is_lit, full.light, light.light),

@@ -35,6 +35,7 @@ namespace octavo {
 
 class MeshShadow;
 class RayMeshes;
+struct TileLayers;
 
 enum class RayMode {
   volume,   ///< colors and opacities of a transfer function, front to back
@@ -184,10 +185,12 @@ struct RayFrame {
   float sign = 1;        ///< extreme, iso: of values
   float isovalue = 0;    ///< times the sign
   float enough = 0.995f; ///< opacity at which a ray ends
+  float unlit_weight = 1.0f / 512;  ///< of volume: steps that give less have flat light
   bool has_cell_gradients = false;  ///< of volume: coarser light, out of a fourth of the samples
   /// By tile, bit i: rays 16 i to 16 i + 15 of it, 4 x 4 pixels, are cast; none: all are.
   const std::uint64_t* chosen = nullptr;
   const RayMeshes* meshes = nullptr;  ///< in the same picture; or none
+  const TileLayers* layers = nullptr;  ///< in their place, of each tile of the picture; or none
   bool is_last_region = true;  ///< what lies behind what rays cross is nothing but layers
   const RayCuts* cuts = nullptr;  ///< or none
   float margin = 0;      ///< that a ray stays before the end of what it skips, in samples
@@ -216,8 +219,6 @@ inline constexpr float kFlatAmbient = 0.25f;
 inline constexpr float kDeepestShadow = 0.15f;
 /// A smaller share of light is none.
 inline constexpr float kNoLight = 1 / 400.0f;
-/// Steps that give less to a picture have that light.
-inline constexpr float kUnlitWeight = 1.0f / 512;
 /// A highlight is the cosine squared so many times.
 inline constexpr int kShineSquares = 5;
 /// Parts of a step in which its length counts: 1 << it.

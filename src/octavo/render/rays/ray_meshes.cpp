@@ -254,9 +254,11 @@ void add_layers(std::span<const Fragment> fragments, std::vector<RayLayer>& laye
 class MeshTiles {
  public:
   MeshTiles(const std::vector<RayMesh>& meshes, const RayMeshes::Options& options,
-            const RayFrame& frame, std::int64_t width, std::int64_t height)
+            const RayFrame& frame, std::int64_t width, std::int64_t height,
+            const TileShare& share)
       : meshes_(meshes),
         options_(options),
+        share_(share),
         camera_(options.geometry, frame),
         light_(frame.light, options.view),
         width_(width),
@@ -369,7 +371,8 @@ class MeshTiles {
     const auto [top, bottom] = tiles(edges.rows(), height_, rows_);
     for (std::int64_t row = top; row < bottom; ++row) {
       for (std::int64_t column = left; column < right; ++column) {
-        visit(static_cast<std::size_t>(row * columns_ + column), number);
+        const auto tile = static_cast<std::size_t>(row * columns_ + column);
+        if (share_.has(tile)) visit(tile, number);
       }
     }
   }
@@ -454,6 +457,7 @@ class MeshTiles {
 
   const std::vector<RayMesh>& meshes_;
   const RayMeshes::Options& options_;
+  TileShare share_;
   MeshCamera camera_;
   MeshLight light_;
   std::int64_t width_;
@@ -487,8 +491,9 @@ RayMeshes::RayMeshes(std::vector<RayMesh> meshes, const Options& options)
 }
 
 std::vector<TileLayers> RayMeshes::layers(const RayFrame& frame, std::int64_t width,
-                                          std::int64_t height, const Progress& watcher) const {
-  MeshTiles tiles(meshes_, options_, frame, width, height);
+                                          std::int64_t height, const Progress& watcher,
+                                          const TileShare& share) const {
+  MeshTiles tiles(meshes_, options_, frame, width, height, share);
   tiles.sort(watcher);
   std::vector<TileLayers> layers(tiles.tile_count());
   parallel_for(std::size_t{0}, layers.size(), [&](std::size_t i) {

@@ -37,6 +37,14 @@ inline constexpr double kSharpCosine = 0.7;
 std::optional<std::array<double, 2>> place_in_picture(const Geometry& geometry,
                                                       const RayFrame& frame, const Point3& world);
 
+/// Every count-th of the tiles of a picture, the first of them being tile `first`.
+struct TileShare {
+  std::size_t first = 0;
+  std::size_t count = 1;
+
+  bool has(std::size_t tile) const { return tile % count == first; }
+};
+
 /// The surfaces of a picture.
 class RayMeshes {
  public:
@@ -52,10 +60,11 @@ class RayMeshes {
 
   /// The layers of all rays of a picture, tile by tile as in RayField.
   /// frame  with camera and light
+  /// share  of the tiles; the others have no layers
   /// Uses the threads of the caller's arena; the result does not depend on them.
   /// Throws Error{limit_exceeded} where lists take more than the memory, Error{cancelled}
   std::vector<TileLayers> layers(const RayFrame& frame, std::int64_t width, std::int64_t height,
-                                 const Progress& watcher) const;
+                                 const Progress& watcher, const TileShare& share = {}) const;
 
  private:
   std::vector<RayMesh> meshes_;

@@ -401,7 +401,7 @@ class PortableFollower {
     float weight = opacity * (1 - tile_.gathered[number_]);
     PortableLight light{kFlatLight, 0, 0};
     const bool has_slope = f_.table.gradient_rise > 0;
-    if (has_slope || weight > kUnlitWeight) {
+    if (has_slope || weight > f_.unlit_weight) {
       const RayPlace gradient = f_.has_cell_gradients
                                     ? cell_gradient_at<kIsWide>(f_.bricks, middle)
                                     : gradient_at<kIsWide>(f_.bricks, middle);

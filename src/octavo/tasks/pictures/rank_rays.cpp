@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "octavo/core/error.h"
-#include "octavo/render/rays/octree_nodes.h"
+#include "octavo/tasks/pictures/rank_layers.h"
 
 namespace octavo {
 
@@ -39,6 +39,7 @@ SentTile sent_tile(const RayTile& tile, std::size_t run, std::size_t number) {
 /// what is enough and all: this ends it in the middle.
 float share_behind(float gathered, float behind, const RayFrame& frame) {
   if (gathered >= frame.enough) return 0;
+  if (gathered <= 0) return 1;
   const float share = 1 - gathered;
   const float most = 0.5f * (1 + frame.enough) - gathered;
   return share * behind > most ? most / behind : share;
@@ -76,33 +77,8 @@ std::vector<SentTile> tiles_of(ByteSpan bytes) {
   return tiles;
 }
 
-/// Collective: what each rank has for each other one. Pairs speak in turns, so that none waits for
-/// another that waits.
-std::vector<Bytes> exchanged(std::vector<Bytes> outgoing, Communicator& ranks) {
-  const int size = ranks.size();
-  std::vector<Bytes> incoming(outgoing.size());
-  incoming[static_cast<std::size_t>(ranks.rank())] =
-      std::move(outgoing[static_cast<std::size_t>(ranks.rank())]);
-  for (int round = 1; round < 2 * size; ++round) {
-    const int other = ranks.rank() ^ round;
-    if (other >= size) continue;
-    const auto at = static_cast<std::size_t>(other);
-    if (ranks.rank() < other) ranks.send(other, outgoing[at]);
-    incoming[at] = ranks.receive(other);
-    if (ranks.rank() > other) ranks.send(other, outgoing[at]);
-    outgoing[at].clear();
-  }
-  return incoming;
-}
-
-/// Runs of nodes that follow each other in the order and are this rank's.
-struct NodeRun {
-  std::size_t place = 0;
-  std::vector<RayRegion> regions;
-};
-
-std::vector<NodeRun> own_runs(const RayFrame& frame, std::span<const RayRegion> regions,
-                              const Communicator& ranks) {
+/// All runs, in the order in which rays come to them.
+std::vector<NodeRun> runs_in_order(const RayFrame& frame, int rank_count) {
   const BrickTables& tables = frame.bricks;
   const Size3 grid{tables.grid[0], tables.grid[1], tables.grid[2]};
   std::vector<bool> is_seen(static_cast<std::size_t>(grid.voxel_count()));
@@ -110,19 +86,30 @@ std::vector<NodeRun> own_runs(const RayFrame& frame, std::span<const RayRegion> 
     is_seen[i] = frame.mode == RayMode::extreme || tables.brick_bounds[i] > 0;
   }
   const std::int64_t side = std::int64_t{1} << tables.shift;
-  const std::vector<OctreeNode> nodes =
-      nodes_in_order(share_octree(grid, is_seen, ranks.size()), frame, side);
   std::vector<NodeRun> runs;
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
-    if (nodes[i].rank != ranks.rank()) continue;
-    const bool continues = i > 0 && nodes[i - 1].rank == ranks.rank();
-    if (!continues) runs.push_back({i, {}});
-    for (const RayRegion& region : regions_in(nodes[i], regions, side)) {
-      runs.back().regions.push_back(region);
+  for (const OctreeNode& node :
+       nodes_in_order(share_octree(grid, is_seen, rank_count), frame, side)) {
+    if (runs.empty() || runs.back().rank != node.rank) runs.push_back({node.rank, {}});
+    runs.back().nodes.push_back(node);
+  }
+  return runs;
+}
+
+std::vector<RayRegion> regions_of(const NodeRun& run, const RankPicture& picture) {
+  const std::int64_t side = std::int64_t{1} << picture.frame.bricks.shift;
+  std::vector<RayRegion> inside;
+  for (const OctreeNode& node : run.nodes) {
+    for (const RayRegion& region : regions_in(node, picture.regions, side)) {
+      inside.push_back(region);
     }
   }
-  std::erase_if(runs, [](const NodeRun& run) { return run.regions.empty(); });
-  return runs;
+  return inside;
+}
+
+/// The layers of all tiles, or none.
+const TileLayers* layers_in(const RunLayers& layers, std::size_t run) {
+  const auto found = layers.find(run);
+  return found == layers.end() ? nullptr : found->second.data();
 }
 
 void start_field(RayField& field, std::int64_t width, std::int64_t height, RayMode mode) {
@@ -140,17 +127,30 @@ void start_field(RayField& field, std::int64_t width, std::int64_t height, RayMo
 RayField cast_by_ranks(RayBricks& bricks, const RayFrame& frame,
                        std::span<const RayRegion> regions, std::int64_t width,
                        std::int64_t height, Communicator& ranks, const TaskContext& context) {
+  // Whose nodes lie where, and the layers of meshes in them.
+  const RankPicture picture{frame, regions, width, height};
+  const std::vector<NodeRun> runs = runs_in_order(frame, ranks.size());
+  RunLayers layers;
+  if (frame.meshes) layers = layers_of_runs(picture, runs, ranks, context.watcher());
+  const bool has_depth = frame.mode == RayMode::volume;
+
   // Own nodes, and what each rank is to composite of them.
   const auto count = static_cast<std::size_t>(ranks.size());
   const std::int64_t loaded_before = bricks.loaded_count();
   std::vector<Bytes> outgoing(count);
   RayField result;
-  for (const NodeRun& run : own_runs(frame, regions, ranks)) {
-    const RayField field = cast_rays(bricks, frame, run.regions, width, height,
+  for (std::size_t run = 0; run < runs.size(); ++run) {
+    if (runs[run].rank != ranks.rank()) continue;
+    RayFrame of_run = frame;
+    of_run.meshes = nullptr;
+    if (has_depth) of_run.layers = layers_in(layers, run);
+    const std::vector<RayRegion> inside = regions_of(runs[run], picture);
+    if (inside.empty() && of_run.layers == nullptr) continue;
+    const RayField field = cast_rays(bricks, of_run, inside, width, height,
                                      follow_rays_function(), context.watcher());
     for (std::size_t i = 0; i < field.tiles.size(); ++i) {
       if (!is_anything_gathered(field.tiles[i], frame.mode)) continue;
-      append_tile(outgoing[i % count], sent_tile(field.tiles[i], run.place, i));
+      append_tile(outgoing[i % count], sent_tile(field.tiles[i], run, i));
     }
     result.samples += field.samples;
     result.cast_seconds += field.cast_seconds;
@@ -161,7 +161,7 @@ RayField cast_by_ranks(RayBricks& bricks, const RayFrame& frame,
 
   // Tiles in order.
   std::vector<SentTile> tiles;
-  for (const Bytes& bytes : exchanged(std::move(outgoing), ranks)) {
+  for (const Bytes& bytes : ranks.exchange(std::move(outgoing))) {
     for (const SentTile& tile : tiles_of(bytes)) tiles.push_back(tile);
   }
   std::sort(tiles.begin(), tiles.end(), [](const SentTile& a, const SentTile& b) {
@@ -183,6 +183,7 @@ RayField cast_by_ranks(RayBricks& bricks, const RayFrame& frame,
   result.height = height;
   if (!ranks.is_first()) return result;
   start_field(result, width, height, frame.mode);
+  if (!has_depth && !layers.empty()) result.layers = std::move(layers.begin()->second);
   for (const Bytes& bytes : all) {
     for (const SentTile& tile : tiles_of(bytes)) {
       composite_behind(tile, frame, result.tiles.at(tile.tile));

@@ -4,8 +4,9 @@
 //     ranks            nodes in order, runs of own ones      -> tiles of colors and opacities
 //     tiles / ranks    each composites a share of the tiles -> rank 0
 //
-// A rank reads only bricks that its own nodes need. The picture is that of one machine, but for
-// roundings and for rays that would have ended in front of another rank's nodes.
+// A rank reads only bricks that its own nodes need, and meets the meshes that lie in them. The
+// picture is that of one machine, but for roundings and for rays that would have ended in front of
+// another rank's nodes.
 //
 // Source  thesis 5; sort-last compositing: Molnar et al., A sorting classification of parallel
 //         rendering (1994)

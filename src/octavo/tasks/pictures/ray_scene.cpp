@@ -47,6 +47,9 @@ RayMode ray_mode_of(RenderMode mode) {
   }
 }
 
+/// Meshes cut steps into parts that give less each, but together as much.
+constexpr float kUnlitBesideMeshes = 1.0f / 8192;
+
 /// Lists of layers where there are meshes, and of what throws shadows: each a share of the memory
 /// limit.
 constexpr std::uint64_t kLayerShare = 8;
@@ -143,6 +146,7 @@ class RayScene final : public RenderScene {
     frame.mode = mode_;
     frame.bricks = bricks_.tables();
     frame.has_cell_gradients = asked_.is_moving;
+    if (!meshes_.is_empty()) frame.unlit_weight = kUnlitBesideMeshes;
     frame.sign = sign_;
     frame.isovalue = isovalue_;
     if (table_) frame.table = table_->table();

@@ -561,12 +561,15 @@ RenderResult render_by_ranks(const RenderOptions& options, Communicator& ranks,
   if (!is_ray_mode(options.mode)) {
     reject_render("ranks draw modes volume, mip, minip, mean and iso", "ranks.mode");
   }
-  if (!options.meshes.empty() || !options.marks.empty() || options.time_budget_s ||
-      options.is_progressive || options.is_adaptive || options.has_smooth_edges) {
-    reject_render("ranks draw no meshes, marks and coarse pictures, and one ray for each pixel",
+  if (options.time_budget_s || options.is_progressive || options.is_adaptive ||
+      options.has_smooth_edges) {
+    reject_render("ranks draw no coarse pictures first, and one ray for each pixel",
                   "ranks.options");
   }
-  return render_for(options, context, &ranks);
+  // All come to the same warnings.
+  TaskContext own = context;
+  if (!ranks.is_first()) own.on_warning = {};
+  return render_for(options, own, &ranks);
 }
 
 }  // namespace octavo

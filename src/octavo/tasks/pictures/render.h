@@ -201,8 +201,8 @@ RenderResult render(const RenderOptions& options, const TaskContext& context);
 
 /// Collective: pictures of rays by all ranks of a job, whose first one writes them. They are those
 /// of render, but for roundings.
-/// Throws  as render and Communicator; Error{invalid_argument} for other modes, meshes, marks and
-///         passes
+/// Throws  as render and Communicator; Error{invalid_argument} for other modes, passes, and
+///         other than one ray for each pixel
 RenderResult render_by_ranks(const RenderOptions& options, Communicator& ranks,
                              const TaskContext& context);
 

@@ -79,6 +79,7 @@ struct RaySetup {
   std::vector<RayMesh> meshes;
   std::vector<RayRegion> regions;  ///< in place of `shown`, in any order
   bool keeps_order = false;        ///< of regions
+  const TileLayers* layers = nullptr;  ///< in place of those of meshes; then regions may be none
   ShadeTable shade;
   const LookSource* looks = nullptr;
   LookTable look_table;
@@ -135,11 +136,12 @@ CastScene cast_scene(const RayVolume<T>& volume, const RaySetup& setup) {
   frame.cuts = kept.cuts();
   const RayMeshes meshes(setup.meshes, {volume.geometry, scene.view, setup.memory_bytes});
   if (!setup.meshes.empty()) frame.meshes = &meshes;
+  frame.layers = setup.layers;
   NoProgress silent;
   tbb::task_arena arena(setup.threads);
   arena.execute([&] {
     std::vector<RayRegion> regions = setup.regions;
-    if (regions.empty()) {
+    if (regions.empty() && setup.layers == nullptr) {
       for (const Box& box : without_boxes(shown, setup.removed)) regions.push_back(region_of(box));
     }
     if (!setup.keeps_order) regions = front_to_back(regions, frame);

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
+#include <utility>
 
 #include "octavo/core/error.h"
 #include "octavo/dist/thread_ranks.h"
@@ -109,6 +111,52 @@ TEST_F(RankRays, MasksAndLabelsAreSeenAsOnOneMachine) {
   expect_as_on_one_machine();
 }
 
+TEST_F(RankRays, MeshesAndMarksAreInOrderAsOnOneMachine) {
+  // Bars through all of it and far out, across the faces of nodes and along them; sheets at faces.
+  const auto write_mesh = [&](const std::string& name, const std::string& rows) {
+    std::ofstream(folder_.file(name)) << rows;
+    return folder_.file(name);
+  };
+  const std::string bar = write_mesh("bar.obj",
+                                     "v -60 20 30\nv 210 90 110\nv 210 96 110\nv -60 26 30\n"
+                                     "f 1 2 3\nf 1 3 4\n");
+  const std::string sheet = write_mesh("sheet.obj",
+                                       "v 63.6 -20 -20\nv 64.2 160 -20\nv 64.2 160 170\n"
+                                       "v 63.6 -20 170\nf 1 2 3\nf 1 3 4\n"
+                                       "v -20 63.8 -20\nv 170 63.8 -20\nv 170 64.3 170\n"
+                                       "v -20 64.3 170\nf 5 6 7\nf 5 7 8\n");
+  options_.meshes = {{bar, Color{220, 40, 30}, 1}, {sheet, Color{40, 90, 220}, 0.4}};
+  options_.marks = {{{70, 60, 138}, "top", std::nullopt}};
+  options_.removed.resize(1);
+  options_.removed[0].lo = {90, 60, 75};
+  for (const RenderMode mode : {RenderMode::volume, RenderMode::mip, RenderMode::mean,
+                                RenderMode::iso}) {
+    options_.mode = mode;
+    options_.isovalue.reset();
+    if (mode == RenderMode::iso) options_.isovalue = 150;
+    expect_as_on_one_machine();
+    options_.angle_degrees = 50;
+    options_.view.azimuth_degrees = 215;
+    expect_as_on_one_machine();
+  }
+}
+
+TEST_F(RankRays, MeshesThatRaysMeetDozensOfTimesTakeNoLightFromWhatLiesBehind) {
+  std::ofstream sheets(folder_.file("sheets.obj"));
+  for (int i = 0; i < 160; ++i) {
+    const double y = 10 + 0.31 * i;
+    for (const auto& [x, z] : {std::pair{-20, -20}, {170, -20}, {170, 170}, {-20, 170}}) {
+      sheets << "v " << x << ' ' << y + 0.002 * x << ' ' << z << '\n';
+    }
+    sheets << "f " << 4 * i + 1 << ' ' << 4 * i + 2 << ' ' << 4 * i + 3 << ' ' << 4 * i + 4 << '\n';
+  }
+  sheets.close();
+  options_.meshes = {{folder_.file("sheets.obj"), Color{200, 200, 200}, 0.01}};
+  options_.mode = RenderMode::volume;
+  options_.view.azimuth_degrees = 10;
+  expect_as_on_one_machine();
+}
+
 TEST_F(RankRays, OptionsThatRanksDoNotHaveAreRejected) {
   const auto expect_rejected = [&](const RenderOptions& options) {
     run_thread_ranks(1, [&](Communicator& ranks) {
@@ -119,7 +167,7 @@ TEST_F(RankRays, OptionsThatRanksDoNotHaveAreRejected) {
   options_.mode = RenderMode::cubes;
   expect_rejected(options_);
   options_.mode = RenderMode::volume;
-  options_.marks = {{{1, 2, 3}, "here", std::nullopt}};
+  options_.is_adaptive = true;
   expect_rejected(options_);
 }
 
