@@ -10,6 +10,7 @@
 #include "octavo/core/checked.h"
 #include "octavo/core/error.h"
 #include "octavo/core/text.h"
+#include "octavo/io/dicom/dicom_coded.h"
 #include "octavo/io/source/claimed_bytes.h"
 #include "octavo/io/source/described_source.h"
 #include "octavo/io/source/source_file.h"
@@ -18,7 +19,6 @@ namespace octavo {
 
 namespace {
 
-constexpr const char* kRunLengths = "1.2.840.10008.1.2.5";
 constexpr std::string_view kJpegs = "1.2.840.10008.1.2.4.";  // two digits more
 
 [[noreturn]] void reject_more(const DicomLayout& layout, std::uint64_t pictures) {
@@ -74,7 +74,7 @@ bool starts_picture(const SourceFile& file, const ByteRun& fragment, bool is_run
 
 /// The fragments that start a compressed picture.
 std::vector<ByteRun> picture_starts(const DicomLayout& layout) {
-  const bool is_run_lengths = layout.transfer_syntax == kRunLengths;
+  const bool is_run_lengths = has_run_lengths(layout);
   const SourceFile file(layout.path);
   std::vector<ByteRun> starts;
   std::ranges::copy_if(layout.pixels.fragments, std::back_inserter(starts),
@@ -88,7 +88,7 @@ std::vector<ByteRun> picture_starts(const DicomLayout& layout) {
 /// a byte can say that all voxels are alike, however many there are.
 std::optional<std::uint64_t> widest_ratio(const DicomLayout& layout) {
   const std::string_view syntax = layout.transfer_syntax;
-  if (syntax == kRunLengths) return kPackBitsRatio;
+  if (has_run_lengths(layout)) return kPackBitsRatio;
   if (!syntax.starts_with(kJpegs) || syntax.size() != kJpegs.size() + 2) return std::nullopt;
   const auto sample_bytes = static_cast<std::uint64_t>((layout.bits_allocated + 7) / 8);
   switch (syntax[kJpegs.size()]) {
@@ -120,7 +120,8 @@ void check_compressed(const DicomLayout& layout) {
   const bool one_each = pixels.fragments.size() == frames;
   const bool has_table = pixels.frame_offsets.size() == frames;
   if (pixels.fragments.size() > frames) {
-    const std::uint64_t pictures = picture_starts(layout).size();
+    const std::uint64_t pictures =
+        pixels.picture_count ? *pixels.picture_count : picture_starts(layout).size();
     if (pictures > frames) reject_more(layout, pictures);
   }
   if (pixels.fragments.empty() || (frames > 1 && !one_each && !has_table)) {
@@ -153,6 +154,7 @@ void find_frame_starts(DicomLayout& layout) {
   if (frames < 2 || pixels.fragments.size() <= frames || pixels.frame_offsets.size() == frames)
     return;
   const std::vector<ByteRun> starts = picture_starts(layout);
+  pixels.picture_count = starts.size();
   const std::uint64_t first = pixels.fragments.front().offset;
   if (starts.size() != frames || starts.front().offset != first) return;
   pixels.frame_offsets.clear();

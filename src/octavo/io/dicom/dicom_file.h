@@ -70,6 +70,7 @@ struct DicomPixels {
   std::shared_ptr<InflatedFile> inflated;  ///< what `native` counts in; null: the file itself
   std::vector<std::uint64_t> frame_offsets;  ///< of the basic offset table, when it is there
   std::vector<ByteRun> fragments;    ///< encapsulated: without the basic offset table
+  std::optional<std::size_t> picture_count;  ///< fragments that start a picture, once asked for
 };
 
 struct DicomFile {

@@ -10,6 +10,7 @@
 #include "octavo/core/unset_bytes.h"
 #include "octavo/io/dicom/dicom_coded.h"
 #include "octavo/io/dicom/dicom_palette.h"
+#include "octavo/io/dicom/dicom_real_values.h"
 #include "octavo/io/source/alternating_values.h"
 #include "octavo/io/source/byte_order.h"
 #include "octavo/io/source/described_source.h"
@@ -270,6 +271,7 @@ VoxelType dicom_voxel_type(const DicomLayout& layout) {
   }
   require_readable_colors(layout);
   const VoxelType stored = integer_type(layout);
+  if (layout.has_real_values) return VoxelType::float32;
   if (layout.color_table == nullptr) return stored;
   return layout.color_table->bits == 8 ? VoxelType::uint8 : VoxelType::uint16;
 }
@@ -290,11 +292,12 @@ void read_dicom_frame(const DicomSlice& slice, std::span<std::byte> plane) {
   const DicomLayout& layout = *slice.layout;
   if (layout.is_label_map()) return read_label_map(slice, plane);
   if (layout.tile_count > 1) return read_tile(slice, plane);
-  if (layout.color_table == nullptr) return read_stored(slice, plane);
+  if (layout.color_table == nullptr && !slice.made_real_by) return read_stored(slice, plane);
   const VoxelType type = integer_type(layout);
   UnsetBytes values(static_cast<std::size_t>(layout.columns * layout.rows) *
                     bytes_per_value(type));
   read_stored(slice, values.bytes());
+  if (slice.made_real_by) return make_real(*slice.made_real_by, type, values.bytes(), plane);
   look_up_colors(*layout.color_table, type, values.bytes(), plane);
 }
 

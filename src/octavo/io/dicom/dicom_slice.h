@@ -70,6 +70,7 @@ struct DicomLayout {
   bool has_burned_in_text = false;         ///< Burned In Annotation is YES
   bool shows_who_it_is = false;            ///< Recognizable Visual Features is YES
   bool is_slide = false;          ///< frames are tiles of one picture
+  bool has_real_values = false;   ///< voxels are float32, made of stored values slice by slice
   std::int64_t tiles_across = 1;  ///< of a mosaic in each direction; columns and rows are a tile's
   std::int64_t tile_count = 1;    ///< of a mosaic
   std::shared_ptr<const DicomColorTable> color_table;  ///< of the color that is taken; null: none
@@ -106,6 +107,7 @@ struct DicomSlice {
   std::optional<double> thickness_mm;
   std::optional<double> spacing_mm;                   ///< Spacing Between Slices; by some the gap
   DicomValues values;                                 ///< what its stored values stand for
+  std::optional<Rescale> made_real_by;                ///< where the layout has real values
   std::optional<double> instance_number;
   std::optional<std::int64_t> in_stack_position;      ///< of a frame: In-Stack Position Number
   std::int64_t channel = 0;  ///< of a color picture: the sample that is taken

@@ -11,6 +11,7 @@
 #include "octavo/io/dicom/dicom_palette.h"
 #include "octavo/io/dicom/dicom_pixels.h"
 #include "octavo/io/dicom/dicom_plane.h"
+#include "octavo/io/dicom/dicom_real_values.h"
 #include "octavo/io/dicom/dicom_segments.h"
 #include "octavo/io/dicom/dicom_series.h"
 #include "octavo/io/dicom/dicom_strays.h"
@@ -156,7 +157,9 @@ PlaneFiles files_of(const DicomStack& stack) {
     files.of_plane.push_back(range);
   }
   const bool is_one_each = files.paths.size() == stack.slices.size();
-  if (is_one_each && !stack.leaves_out_empty && stack.slices.size() > 1) {
+  // Some slices alone do not tell that others have another rescale.
+  const bool tells_values = !stack.slices.front().made_real_by;
+  if (is_one_each && tells_values && !stack.leaves_out_empty && stack.slices.size() > 1) {
     files.outline = SliceOutline{stack.planes, stack.tilt, stack.padding};
   }
   return files;
@@ -229,6 +232,7 @@ std::unique_ptr<PlaneSource> open_dicom_source(const std::vector<std::string>& f
   } else {
     for (DicomSlice& slice : slices) slice.channel = choice.channel;
   }
+  slices = take_real_values(std::move(slices), warnings);
   DicomStack stack = prove_stack(std::move(slices), options);
   SourceFacts facts = describe(stack, options);
   facts.warnings.insert(facts.warnings.begin(), warnings.begin(), warnings.end());
