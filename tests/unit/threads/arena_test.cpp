@@ -7,6 +7,7 @@
 #include <chrono>
 #include <stdexcept>
 #include <thread>
+#include <vector>
 
 #include "octavo/threads/parallel_for.h"
 
@@ -25,6 +26,43 @@ TEST(Arena, HasTheThreadsThatAreAskedFor) {
 TEST(Arena, HandsOnWhatIsThrown) {
   EXPECT_THROW(run_in_arena(2, [] { throw std::runtime_error("failed"); }), std::runtime_error);
   EXPECT_THROW(run_isolated([] { throw std::runtime_error("failed"); }), std::runtime_error);
+}
+
+TEST(Arena, IsForOneCallerAlone) {
+  std::atomic<int> wrong = 0;
+  const auto call = [&](int threads) {
+    for (int i = 0; i < 50; ++i) {
+      std::atomic<int> turns = 0;
+      std::atomic<int> inside = 0;
+      run_in_arena(threads, [&] {
+        if (arena_threads() != threads) ++wrong;
+        parallel_for(0, 8, [&](int) {
+          if (++inside > threads) ++wrong;
+          // Another arena, though of as many threads.
+          run_in_arena(threads, [&] { parallel_for(0, 3, [&](int) { ++turns; }); });
+          --inside;
+        });
+      });
+      if (turns != 24) ++wrong;
+    }
+  };
+  std::vector<std::jthread> callers;
+  for (int i = 0; i < 40; ++i) callers.emplace_back(call, 1 + i % 4);
+  callers.clear();
+  EXPECT_EQ(wrong, 0);
+}
+
+TEST(Arena, IsUsedAgainAfterWhatIsThrown) {
+  for (int i = 0; i < 100; ++i) {
+    std::atomic<int> turns = 0;
+    EXPECT_THROW(run_in_arena(2, [&] {
+                   parallel_for(0, 100, [&](int at) {
+                     if (at == 50) throw std::runtime_error("failed");
+                   });
+                 }), std::runtime_error);
+    run_in_arena(2, [&] { parallel_for(0, 100, [&](int) { ++turns; }); });
+    ASSERT_EQ(turns, 100);
+  }
 }
 
 TEST(Arena, KeepsAThreadThatWaitsFromOtherTurns) {
