@@ -6,11 +6,14 @@ usage: check_unity.py [ROOT]
 A unity build joins sources of one library, so that their anonymous namespaces become one. Which
 ones it joins changes with every new source; so within a library no two sources may have
 
-- a type or a constant of the same name, or an alias of that name for another type
+- a type, a constant or an enumerator of the same name, or an alias of that name for another type
 - a function of the same name with parameters that one call fits alike: `const T&` and `T` are
-  the same, and so is a function that a header of the library or of core defines
+  the same
+
+nor may a source name anything in that way like a header that others of them read and it does not.
 """
 
+import functools
 import pathlib
 import re
 import sys
@@ -20,6 +23,8 @@ WHAT_IS_NO_CODE = re.compile(
     re.DOTALL)
 DIRECTIVE = re.compile(r"^[ \t]*#(?:[^\n]*\\\n)*[^\n]*", re.MULTILINE)
 TYPE = re.compile(r"^(?:struct|class|union|enum(?: class| struct)?)\s+(?:\[\[.*?\]\]\s*)?(\w+)")
+UNSCOPED = re.compile(r"^enum\b(?!\s+(?:class|struct)\b)")
+INCLUDE = re.compile(r'^\s*#\s*include\s*"([^"]+)"', re.MULTILINE)
 ALIAS = re.compile(r"^using\s+\w+\s*=")
 APART = re.compile(r"set_source_files_properties\(([^)]*)SKIP_UNITY_BUILD_INCLUSION", re.DOTALL)
 QUALIFIED = re.compile(r"[\w\]>]\s*::\s*~?\w+\s*\($")
@@ -45,17 +50,18 @@ def closing(text: str, start: int, pair: str) -> int:
 
 
 def statements(text: str):
-    """Heads of what a namespace declares: what stands before a body or a semicolon."""
+    """What a namespace declares: what stands before a body or a semicolon, and the body."""
     head = ""
     i = 0
     while i < len(text):
         if text[i] == "{":
             # Braces behind a function's parameters or a type are a body, others a value.
-            yield head.strip()
-            i = closing(text, i, "{}")
+            end = closing(text, i, "{}")
+            yield head.strip(), text[i + 1:end - 1]
+            i = end
             head = ""
         elif text[i] == ";":
-            yield head.strip()
+            yield head.strip(), ""
             head = ""
             i += 1
         elif text[i] == "(":
@@ -109,27 +115,60 @@ def name_of(head: str) -> str | None:
     return f"{called.group(1).strip()}({parameter_types(parameters)})"
 
 
-def names_in(path: pathlib.Path) -> set[str]:
-    text = code_of(path)
+def names_within(text: str, namespace: str) -> set[str]:
+    """What the namespaces that an expression finds the beginnings of declare themselves."""
     names = set()
-    for start in re.finditer(r"\bnamespace\s*\{", text):
+    for start in re.finditer(namespace, text):
         end = closing(text, start.end() - 1, "{}")
-        names |= {name_of(head) for head in statements(text[start.end():end - 1])}
-    return names - {None}
+        for head, body in statements(text[start.end():end - 1]):
+            names.add(name_of(head))
+            if UNSCOPED.match(head):
+                # Their enumerators are names of the namespace.
+                names |= {one.split("=")[0].strip() for one in body.split(",")}
+    return names - {None, ""}
 
 
-def functions_of_headers(root: pathlib.Path) -> dict:
-    """What headers of each room define in namespace octavo itself: functions, and where."""
-    rooms = {}
-    for path in sorted((root / "src/octavo").rglob("*.h")):
-        functions = rooms.setdefault(path.relative_to(root / "src/octavo").parts[0], {})
-        text = code_of(path)
-        for start in re.finditer(r"\bnamespace\s+octavo\s*\{", text):
-            end = closing(text, start.end() - 1, "{}")
-            for head in statements(text[start.end():end - 1]):
-                if head.startswith("inline ") and "(" in head:
-                    functions[name_of(head)] = path
-    return rooms
+@functools.cache
+def names_in(path: pathlib.Path) -> set[str]:
+    """What the anonymous namespaces of a source declare."""
+    return names_within(code_of(path), r"\bnamespace\s*\{")
+
+
+@functools.cache
+def names_of_header(path: pathlib.Path) -> dict:
+    """What a header declares in namespace octavo itself, by the names alone."""
+    names = {}
+    for name in names_within(code_of(path), r"\bnamespace\s+octavo\s*\{"):
+        names.setdefault(bare(name), set()).add(name)
+    return names
+
+
+def bare(name: str) -> str:
+    """The name alone, of an alias or of a function with its parameters as well."""
+    return name.split("=")[0].split()[1] if name.startswith("using ") else name.split("(")[0]
+
+
+def are_one(a: str, b: str) -> bool:
+    """Whether two declarations of one name cannot stand side by side."""
+    if a.startswith("using ") and b.startswith("using "):
+        return a != b  # the same alias twice is one
+    if "(" in a and "(" in b:
+        return a == b
+    return True
+
+
+@functools.cache
+def headers_of(root: pathlib.Path, path: pathlib.Path) -> frozenset:
+    """The headers of the tree that a file reads, directly or not."""
+    found, waiting = set(), [path]
+    while waiting:
+        for name in INCLUDE.findall(waiting.pop().read_text()):
+            for folder in (root / "src", root / "cli"):
+                header = folder / name
+                if header.exists() and header not in found:
+                    found.add(header)
+                    waiting.append(header)
+    return frozenset(found)
 
 
 def sources_by_target(root: pathlib.Path) -> dict:
@@ -147,25 +186,30 @@ def sources_by_target(root: pathlib.Path) -> dict:
     return targets
 
 
-def check(root: pathlib.Path) -> list[str]:
+def clashes(root: pathlib.Path, paths: list[pathlib.Path]) -> list[str]:
+    """What sources that may be compiled together name alike."""
     errors = []
+    first = {}
+    all_headers = sorted(set().union(*(headers_of(root, path) for path in paths)))
+    for path in paths:
+        # What a source reads itself its own compilation judges.
+        others = [header for header in all_headers if header not in headers_of(root, path)]
+        for name in sorted(names_in(path)):
+            known = first.setdefault(bare(name), [])
+            clash = [other for other, same in known if other != path and are_one(name, same)]
+            known.append((path, name))
+            clash += [header for header in others
+                      for same in names_of_header(header).get(bare(name), ())
+                      if are_one(name, same)]
+            if clash:
+                errors.append(f"{path.relative_to(root)}: {clash[0].relative_to(root)} names "
+                              f"{name} as well")
+    return errors
+
+
+def check(root: pathlib.Path) -> list[str]:
     libraries = sources_by_target(root)
-    headers = functions_of_headers(root)
-    for (folder, _), paths in libraries.items():
-        seen = {**headers.get("core", {}), **headers.get(folder.name, {})}
-        first = {}
-        for path in paths:
-            for name in sorted(names_in(path)):
-                if name in seen:
-                    errors.append(f"{path.relative_to(root)}: {seen[name].relative_to(root)} "
-                                  f"names {name} as well")
-                # The same alias twice is one.
-                is_alias = name.startswith("using ")
-                key = name.split("=")[0].split()[1] if is_alias else name
-                other, same = first.setdefault(key, (path, name))
-                if other != path and not (is_alias and same == name):
-                    errors.append(f"{path.relative_to(root)}: {other.relative_to(root)} names "
-                                  f"{name} as well")
+    errors = [error for paths in libraries.values() for error in clashes(root, paths)]
     if len(libraries) < 10:
         errors.append(f"only {len(libraries)} libraries found under {root}")
     return errors

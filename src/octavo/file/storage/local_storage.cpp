@@ -86,7 +86,7 @@ bool lock_created(int descriptor, const std::string& path) {
 }
 
 // To whom a file or folder is open.
-struct Access {
+struct FileAccess {
   mode_t mode;
   uid_t owner;
   gid_t group;
@@ -96,16 +96,16 @@ struct Access {
 constexpr mode_t kPermissions = S_IRWXU | S_IRWXG | S_IRWXO;
 
 // What stands at `path`, links followed; nothing unless it is of that type.
-std::optional<Access> access_of(const std::string& path, mode_t type) {
+std::optional<FileAccess> access_of(const std::string& path, mode_t type) {
   struct stat status {};
   if (::stat(path.c_str(), &status) != 0 || (status.st_mode & S_IFMT) != type) return std::nullopt;
   const bool has_list = ::getxattr(path.c_str(), "system.posix_acl_access", nullptr, 0) > 0;
-  return Access{status.st_mode & kPermissions, status.st_uid, status.st_gid, has_list};
+  return FileAccess{status.st_mode & kPermissions, status.st_uid, status.st_gid, has_list};
 }
 
 // Opens what was created for its owner alone to those of `access`. File systems without
 // permissions do without.
-void open_to(int descriptor, const Access& access) noexcept {
+void open_to(int descriptor, const FileAccess& access) noexcept {
   constexpr auto kSameOwner = static_cast<uid_t>(-1);
   mode_t mode = access.mode;
   const bool has_group = ::fchown(descriptor, access.owner, access.group) == 0 ||
@@ -293,7 +293,7 @@ class LocalStorage final : public Storage {
 
   std::unique_ptr<StorageFile> create_replacement(const std::string& path,
                                                   const std::string& target) override {
-    std::optional<Access> access = access_of(target, S_IFREG);
+    std::optional<FileAccess> access = access_of(target, S_IFREG);
     // Whoever continues or repairs it has to open it again.
     if (access) access->mode |= S_IRUSR | S_IWUSR;
     return create_file(path, access);
@@ -486,7 +486,7 @@ class LocalStorage final : public Storage {
   }
 
   static std::unique_ptr<StorageFile> create_file(const std::string& path,
-                                                  const std::optional<Access>& access) {
+                                                  const std::optional<FileAccess>& access) {
     for (int attempt = 0; attempt < kMaxCreateTries; ++attempt) {
       auto file = std::make_unique<LocalFile>(path);
       if (!file->open(path, O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW, access ? 0600 : 0666)) {

@@ -12,7 +12,7 @@ namespace octavo {
 namespace {
 
 /// Along and against each axis.
-constexpr std::size_t kDirections = 6;
+constexpr std::size_t kWaysOut = 6;
 constexpr float kInwardShare = 0.5f;
 constexpr float kOutwardShare = -0.5f;
 /// Points of different corners stay apart when they are rounded.
@@ -20,8 +20,8 @@ constexpr float kLongest = 0.5f - 1.0f / 256;
 
 /// The points beside one, by direction.
 struct NetNeighbors {
-  std::array<std::uint32_t, kDirections> points{};
-  std::array<std::uint8_t, kDirections> quad_counts{};  // at the edge to each; 0: no edge
+  std::array<std::uint32_t, kWaysOut> points{};
+  std::array<std::uint8_t, kWaysOut> quad_counts{};  // at the edge to each; 0: no edge
 
   bool is_junction(std::size_t direction) const { return quad_counts[direction] > 2; }
 };
@@ -49,8 +49,8 @@ std::vector<NetNeighbors> neighbors_of(const SurfaceNet& net) {
   // Lines that end are no lines: their last points follow all around them.
   for (NetNeighbors& own : neighbors) {
     std::size_t count = 0;
-    for (std::size_t d = 0; d < kDirections; ++d) count += own.is_junction(d) ? 1u : 0u;
-    for (std::size_t d = 0; d < kDirections; ++d) {
+    for (std::size_t d = 0; d < kWaysOut; ++d) count += own.is_junction(d) ? 1u : 0u;
+    for (std::size_t d = 0; d < kWaysOut; ++d) {
       if (count >= 2 && !own.is_junction(d)) own.quad_counts[d] = 0;
     }
   }
@@ -61,7 +61,7 @@ NetOffset moved(const NetNeighbors& own, const std::vector<NetOffset>& offsets, 
                 float share) {
   NetOffset sum{};
   float count = 0;
-  for (std::size_t d = 0; d < kDirections; ++d) {
+  for (std::size_t d = 0; d < kWaysOut; ++d) {
     if (own.quad_counts[d] == 0) continue;
     const NetOffset& other = offsets[own.points[d]];
     for (std::size_t axis = 0; axis < 3; ++axis) sum[axis] += other[axis];
