@@ -135,7 +135,7 @@ void tell_of_mixture(DicomStack& stack) {
         SharedName{"Diffusion b-value (0018,9087)", &DicomLayout::b_value, true},
         SharedName{"Temporal Position Identifier (0020,0100)", &DicomLayout::temporal_position,
                    true},
-        SharedName{"Image Type (0008,0008)", &DicomLayout::image_type, true}}) {
+        SharedName{"Image Type (0008,0008)", &DicomLayout::picture_kind, true}}) {
     const auto two = find_two(stack.slices, name);
     if (!two) continue;
     const auto& [first, other] = *two;

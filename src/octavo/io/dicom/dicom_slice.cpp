@@ -1,5 +1,6 @@
 #include "octavo/io/dicom/dicom_slice.h"
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 #include <utility>
@@ -66,6 +67,20 @@ std::string setting_text(const DicomSet& data, DicomTag tag, const std::string& 
   return value ? precise_text(std::round(*value * 10) / 10) + unit : "";
 }
 
+/// What tells a magnitude from a phase, or water from fat: Image Type without whether the picture
+/// is original. Of CT slices some may be sums (ADD) of thinner ones.
+std::string picture_kind(const std::string& image_type) {
+  std::string kind;
+  std::size_t number = 0;
+  for (std::size_t at = 0; at < image_type.size(); ++number) {
+    const std::size_t end = std::min(image_type.find('\\', at), image_type.size());
+    const std::string value = image_type.substr(at, end - at);
+    if (number >= 2 && value != "ADD") kind += (kind.empty() ? "" : "\\") + value;
+    at = end + 1;
+  }
+  return kind;
+}
+
 /// Whether the frames are tiles of a larger picture, as of a slide under a microscope.
 bool is_slide(const DicomSet& data, const DicomLayout& layout) {
   const std::int64_t columns = data.unsigned_value(0x00480006).value_or(0);
@@ -110,6 +125,7 @@ DicomLayout read_layout(const DicomFile& file) {
   layout.temporal_position = data.text(0x00200100);
   layout.modality = data.text(0x00080060);
   layout.image_type = data.text(0x00080008);
+  layout.picture_kind = picture_kind(layout.image_type);
   layout.photometric = data.text(0x00280004);
   layout.frame_of_reference = data.text(0x00200052);
   layout.pet_units = data.text(0x00541001);

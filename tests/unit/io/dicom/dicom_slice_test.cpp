@@ -442,12 +442,16 @@ TEST(SourceDicomMixture, OfKernelsPositionsAndEchoesBringsAWarning) {
            {0x00189087, "FD", {bytes_of<double>({0}), bytes_of<double>({1000})},
             "0 s/mm2 in s0 and 1000 s/mm2 in s1"},
            {0x00200100, "IS", {"1", "2"}, "Temporal Position Identifier (0020,0100)"},
-           {0x00080008, "CS", {"ORIGINAL\\PRIMARY\\M", "ORIGINAL\\PRIMARY\\P"}, "Image Type"}}) {
+           {0x00080008, "CS", {"ORIGINAL\\PRIMARY\\M", "DERIVED\\PRIMARY\\P"},
+            "Image Type (0008,0008) is M in s0 and P in s1"}}) {
     write_alternating(folder, row.tag, row.vr, row.values);
     const auto source = open_source({folder.path()}, {});
     ASSERT_EQ(source->warnings().size(), 1U) << row.word;
     EXPECT_TRUE(contains(source->warnings().front(), row.word));
   }
+  write_alternating(folder, 0x00080008, "CS", {"ORIGINAL\\PRIMARY\\AXIAL",
+                                               "DERIVED\\SECONDARY\\AXIAL\\ADD"});
+  EXPECT_TRUE(open_source({folder.path()}, {})->warnings().empty());
   write_alternating(folder, 0x00180081, "DS", {"10", "10.02"});
   EXPECT_TRUE(open_source({folder.path()}, {})->warnings().empty());
 }
