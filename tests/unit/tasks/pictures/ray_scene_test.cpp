@@ -1,15 +1,21 @@
 // Modes of render that cast rays, from files.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <fstream>
 #include <functional>
 #include <limits>
 #include <memory>
+#include <utility>
 
 #include "octavo/core/error.h"
+#include "octavo/core/vectors.h"
+#include "octavo/mesh/formats/mesh_reader.h"
 #include "octavo/tasks/pictures/render.h"
 #include "octavo/tasks/pictures/transfer_file.h"
+#include "octavo/tasks/surface.h"
 #include "support/built_file.h"
 #include "support/read_png.h"
 
@@ -134,6 +140,112 @@ TEST_F(RayScenes, AnIsosurfaceHasTheOutlineOfTheMesh) {
     }
   }
   EXPECT_NEAR((highest - lowest) * result_.pixel_mm, 2 * 50.05, 2 * result_.pixel_mm);
+}
+
+/// Pixels whose middles triangles cover.
+/// middle  of the grid, world space
+std::vector<bool> covered_pixels(const TriangleMesh& mesh, const View& view,
+                                 const Point3& middle) {
+  std::vector<bool> covered(static_cast<std::size_t>(view.width * view.height));
+  for (const MeshTriangle& triangle : mesh.triangles) {
+    std::array<std::array<double, 2>, 3> at{};
+    for (std::size_t i = 0; i < 3; ++i) {
+      const MeshPoint& p = mesh.points[triangle[i]];
+      const Point3 off = difference({p[0], p[1], p[2]}, middle);
+      at[i] = {static_cast<double>(view.width) / 2 + dot(off, view.right) / view.pixel_mm,
+               static_cast<double>(view.height) / 2 - dot(off, view.up) / view.pixel_mm};
+    }
+    const auto [left, right] = std::minmax({at[0][0], at[1][0], at[2][0]});
+    const auto [top, bottom] = std::minmax({at[0][1], at[1][1], at[2][1]});
+    for (auto y = static_cast<std::int64_t>(top); y <= static_cast<std::int64_t>(bottom); ++y) {
+      for (auto x = static_cast<std::int64_t>(left); x <= static_cast<std::int64_t>(right); ++x) {
+        std::array<double, 3> sides{};
+        for (std::size_t i = 0; i < 3; ++i) {
+          const auto& a = at[i];
+          const auto& b = at[(i + 1) % 3];
+          sides[i] = (b[0] - a[0]) * (static_cast<double>(y) + 0.5 - a[1]) -
+                     (b[1] - a[1]) * (static_cast<double>(x) + 0.5 - a[0]);
+        }
+        const auto [lowest, highest] = std::minmax({sides[0], sides[1], sides[2]});
+        if (lowest >= 0 || highest <= 0) {
+          covered.at(static_cast<std::size_t>(y * view.width + x)) = true;
+        }
+      }
+    }
+  }
+  return covered;
+}
+
+/// How many pixels of one have none of the other within one pixel.
+int pixels_far_from(const std::vector<bool>& of, const std::vector<bool>& other,
+                    const View& view) {
+  int far = 0;
+  for (std::int64_t y = 1; y + 1 < view.height; ++y) {
+    for (std::int64_t x = 1; x + 1 < view.width; ++x) {
+      bool is_near = !of[static_cast<std::size_t>(y * view.width + x)];
+      for (std::int64_t around = 0; around < 9; ++around) {
+        const std::int64_t at = (y - 1 + around / 3) * view.width + x - 1 + around % 3;
+        is_near = is_near || other[static_cast<std::size_t>(at)];
+      }
+      if (!is_near) ++far;
+    }
+  }
+  return far;
+}
+
+TEST_F(RayScenes, TheSilhouetteOfAnIsosurfaceIsThatOfTheSurfaceWithinAPixel) {
+  // A lump with hollows, bumps and noise, on an oblique, left-handed grid of long voxels.
+  testing::Volume volume;
+  volume.description.size = {70, 60, 44};
+  volume.description.type = VoxelType::int16;
+  volume.description.geometry = {
+      {5, -20, 40}, {0.8, 1, 1.5}, {0.8, 0, 0.6, 0, 1, 0, 0.6, 0, -0.8}};
+  volume.description.metadata = Metadata::read(R"({"spacing_known":true,"place_known":true})");
+  visit_cells(box_of(volume.description.size), {1, 1, 1}, [&](const Index3& at) {
+    const auto x = static_cast<double>(at.x);
+    const auto y = static_cast<double>(at.y);
+    const auto z = static_cast<double>(at.z);
+    const double r = std::hypot((x - 34) * 0.8, y - 30, (z - 21) * 1.5);
+    const double bumps = 300 * std::sin(x / 4) * std::cos(y / 5) * std::sin(z / 3);
+    const auto noise = static_cast<double>((at.x * 73 + at.y * 151 + at.z * 283) % 29);
+    const auto value = static_cast<std::int16_t>(1400 - 50 * r + bumps + noise);
+    const auto* const bytes = reinterpret_cast<const std::byte*>(&value);
+    volume.voxels.insert(volume.voxels.end(), bytes, bytes + sizeof value);
+    return true;
+  });
+  testing::build_volume(volume, folder_.file("lump.8vo"), 1);
+
+  SurfaceOptions surface_options;
+  surface_options.input = folder_.file("lump.8vo");
+  surface_options.output = {folder_.file("lump.ply"), false};
+  surface_options.isovalue = 400;
+  surface(surface_options, context_);
+  const std::string ply = testing::bytes_of_file(surface_options.output.path);
+  const TriangleMesh mesh =
+      read_mesh(Bytes(ply.begin(), ply.end()), MeshFormat::ply, 1 << 28).mesh;
+  ASSERT_GT(mesh.triangles.size(), 5000u);
+
+  options_.input = folder_.file("lump.8vo");
+  options_.background = {255, 0, 255};
+  for (const auto& [azimuth, elevation] : {std::pair{20.0, 15.0}, {115.0, -40.0}, {270.0, 80.0}}) {
+    options_.view.azimuth_degrees = azimuth;
+    options_.view.elevation_degrees = elevation;
+    options_.level = 0;
+    const Picture picture = draw(RenderMode::iso);
+    const Size3 size = volume.description.size;
+    const Geometry& geometry = volume.description.geometry;
+    const View view = make_view(geometry, size, box_of(size), viewpoint_at(azimuth, elevation),
+                                {options_.width, options_.height, 1, result_.pixel_mm});
+    std::vector<bool> seen;
+    for (std::size_t i = 0; i < picture.pixels.size(); i += 3) {
+      seen.push_back(picture.pixels[i + 1] != 0);
+    }
+    const std::vector<bool> covered =
+        covered_pixels(mesh, view, geometry.to_world({34.5, 29.5, 21.5}));
+    EXPECT_GT(std::count(seen.begin(), seen.end(), true), 1000) << azimuth;
+    EXPECT_EQ(pixels_far_from(seen, covered, view), 0) << azimuth;
+    EXPECT_EQ(pixels_far_from(covered, seen, view), 0) << azimuth;
+  }
 }
 
 TEST_F(RayScenes, TheLevelFollowsThePixels) {
