@@ -85,7 +85,7 @@ class BesideVtk(unittest.TestCase):
             "--no-scale-bar", "-f", "--json", "-o", "p.png"))
         return picture_of_file(self.folder / "p.png"), said["pixel_mm"]
 
-    def vtk_picture(self, points, pixel_mm, is_mip):
+    def vtk_picture(self, points, pixel_mm, is_mip, body=None):
         image = vtk.vtkImageData()
         image.SetDimensions(*SIZE)
         image.SetSpacing(*SPACING)
@@ -117,6 +117,8 @@ class BesideVtk(unittest.TestCase):
         volume.SetProperty(look)
         view = vtk.vtkRenderer()
         view.AddVolume(volume)
+        if body:
+            view.AddActor(body)
         window = vtk.vtkRenderWindow()
         window.SetOffScreenRendering(1)
         window.SetSize(PIXELS, PIXELS)
@@ -151,6 +153,38 @@ class BesideVtk(unittest.TestCase):
         ours, pixel_mm = self.draw("--mode", "volume", "--transfer", "t.json")
         theirs = self.vtk_picture(POINTS, pixel_mm, False)
         self.assertGreater(theirs.max(), 100)
+        self.assertGreaterEqual(ssim(ours, theirs), LOWEST)
+
+    def test_a_body_of_triangles_in_the_volume(self):
+        # An opaque ball that the shell hides in part, in fog.
+        ball = vtk.vtkSphereSource()
+        ball.SetCenter(66, 30, 70)
+        ball.SetRadius(17)
+        ball.SetThetaResolution(60)
+        ball.SetPhiResolution(60)
+        writer = vtk.vtkSTLWriter()
+        writer.SetInputConnection(ball.GetOutputPort())
+        writer.SetFileName(str(self.folder / "ball.stl"))
+        writer.SetFileTypeToBinary()
+        writer.Write()
+        mapper = vtk.vtkPolyDataMapper()
+        mapper.SetInputConnection(ball.GetOutputPort())
+        body = vtk.vtkActor()
+        body.SetMapper(mapper)
+        look = body.GetProperty()
+        look.SetColor(220 / 255, 60 / 255, 50 / 255)
+        look.SetAmbient(0.22)
+        look.SetDiffuse(0.78)
+        look.SetSpecular(0.16)
+        look.SetSpecularPower(32)
+        ours, pixel_mm = self.draw("--mode", "volume", "--transfer", "t.json", "--mesh",
+                                   "ball.stl=#dc3c32")
+        without, _ = self.draw("--mode", "volume", "--transfer", "t.json")
+        theirs = self.vtk_picture(POINTS, pixel_mm, False, body)
+        # Where it is seen it is a part of the picture, and where it is hidden it is not.
+        seen = numpy.abs(ours - without) > 8
+        self.assertGreater(seen.sum(), 1500)
+        self.assertLess(numpy.median(numpy.abs(ours - theirs)[seen]), 8)
         self.assertGreaterEqual(ssim(ours, theirs), LOWEST)
 
     def test_the_highest_value(self):
