@@ -1,12 +1,11 @@
 #include "octavo/builder/tree_bricks.h"
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <span>
 #include <type_traits>
 
-#include "octavo/builder/crypto_hasher.h"
+#include "octavo/builder/sha256_lanes.h"
 #include "octavo/core/bytes.h"
 #include "octavo/core/crc32c.h"
 #include "octavo/core/error.h"
@@ -125,28 +124,40 @@ class BricksOf final : public TreeBricks {
     const auto hash_slab = [&](std::int64_t slab) {
       const std::int64_t z = first + slab * kSlabPlanes;
       const std::int64_t planes = std::min(kSlabPlanes, end - z);
-      std::array<std::unique_ptr<Hasher>, kSlabPlanes> hashers;
-      for (auto& hasher : hashers) hasher = make_crypto_hasher();
+      Sha256Lanes lanes(static_cast<std::size_t>(planes), zero_states_);
+      const std::int64_t zero_rows = rows_of_zeros(z, planes);
+      lanes.add_zeros(static_cast<std::uint64_t>(zero_rows * size.x) * sizeof(T));
       std::vector<T> voxels;
-      for (std::int64_t y = 0; y < size.y; y += rows) {
+      for (std::int64_t y = zero_rows; y < size.y; y += rows) {
         if (watcher.is_cancelled()) return;
         const Box box{{0, y, z}, {size.x, std::min(size.y, y + rows), z + planes}};
-        voxels.resize(static_cast<std::size_t>(box.size().voxel_count()));
+        const auto voxel_count = static_cast<std::size_t>(box.size().voxel_count());
+        voxels.resize(voxel_count);
         fill_voxels(tree_, box, voxels.data());
-        for (std::int64_t plane = 0; plane < planes; ++plane) {
-          hashers[static_cast<std::size_t>(plane)]->add(bytes_of_plane(voxels, plane, planes));
-        }
+        lanes.add({reinterpret_cast<const std::uint8_t*>(voxels.data()), voxel_count * sizeof(T)});
       }
-      for (std::int64_t plane = 0; plane < planes; ++plane) {
-        digests[static_cast<std::size_t>(slab * kSlabPlanes + plane)] =
-            hashers[static_cast<std::size_t>(plane)]->digest();
-      }
+      const std::vector<Sha256Digest> found = lanes.digests();
+      std::copy(found.begin(), found.end(), digests.begin() + slab * kSlabPlanes);
     };
     run_isolated([&] {
       parallel_for(std::int64_t{0}, divided_up(end - first, kSlabPlanes), hash_slab);
     });
     if (watcher.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped while hashing planes");
     return digests;
+  }
+
+  // So many of the first rows of planes have only zeros, as far as whole cells tell.
+  std::int64_t rows_of_zeros(std::int64_t z, std::int64_t planes) const {
+    std::int64_t rows = tree_.size().y;
+    const Box slab{{0, 0, z}, {tree_.size().x, rows, z + planes}};
+    const auto uniform = [&](const Box& part, std::uint32_t label) {
+      if (labels_of(tree_)[label] != 0) rows = std::min(rows, part.lo.y);
+    };
+    const auto stored = [&](std::uint64_t, const Index3& corner) {
+      rows = std::min(rows, corner.y);
+    };
+    visit_tree_cells(tree_, slab, uniform, stored);
+    return rows;
   }
 
   // Rows of a strip of four planes, a multiple of the side of a word.
@@ -190,6 +201,7 @@ class BricksOf final : public TreeBricks {
   const Levels& levels_;
   Size3 side_;
   Size3 grid_;
+  mutable ZeroStates zero_states_;
 };
 
 }  // namespace
