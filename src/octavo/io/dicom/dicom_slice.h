@@ -49,7 +49,7 @@ struct DicomLayout {
   std::string temporal_position; ///< Temporal Position Identifier
   std::string modality;
   std::string image_type;
-  std::string picture_kind;      ///< Image Type behind its second value, as "M\\ND"
+  std::string picture_kind;      ///< Image Type behind its second value, as "M\ND"
   std::string photometric;
   std::string frame_of_reference;
   std::string pet_units;  ///< Units (0054,1001)

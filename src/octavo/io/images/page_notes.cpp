@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cmath>
 #include <iterator>
+#include <map>
 #include <optional>
 #include <string_view>
 #include <vector>
@@ -43,6 +44,47 @@ std::vector<PlaneAxis> listed_axes(std::string_view text) {
   return text.empty() ? std::vector<PlaneAxis>() : axes;
 }
 
+/// Behind the value that starts at `at`: where a comma or the end of what holds it stands, or the
+/// end of the text. What Python writes is not always JSON (NaN), and may be longer than other
+/// texts from strangers; so only strings and brackets are looked at.
+std::size_t end_of_value(std::string_view text, std::size_t at) {
+  std::size_t depth = 0;
+  bool is_string = false;
+  for (; at < text.size(); ++at) {
+    const char c = text[at];
+    if (is_string) {
+      if (c == '\\') ++at;
+      is_string = c != '"';
+    } else if (c == '"') {
+      is_string = true;
+    } else if (c == '{' || c == '[') {
+      ++depth;
+    } else if (c == '}' || c == ']' || c == ',') {
+      if (depth == 0) return at;
+      if (c != ',') --depth;
+    }
+  }
+  return text.size();
+}
+
+/// The values in an object as they are written, by the names as they are written; nothing where the
+/// text is no whole object.
+std::map<std::string_view, std::string_view> values_of(std::string_view text) {
+  std::map<std::string_view, std::string_view> values;
+  for (std::size_t at = 0; text.ends_with('}') && at + 1 < text.size();) {
+    const std::size_t end = end_of_value(text, at + 1);
+    const std::string_view member = trimmed(text.substr(at + 1, end - at - 1));
+    const std::size_t name_end = member.find('"', 1);
+    if (member.starts_with('"') && name_end != std::string_view::npos) {
+      const std::string_view rest = trimmed(member.substr(name_end + 1));
+      if (rest.starts_with(':')) values[member.substr(1, name_end - 1)] = trimmed(rest.substr(1));
+    }
+    if (end + 1 >= text.size()) return end < text.size() ? values : decltype(values)();
+    at = end;
+  }
+  return {};
+}
+
 /// What one of tifffile's texts says of an array; no axes where the text is none of these.
 struct ShapedText {
   std::vector<PlaneAxis> axes;  ///< the last one fastest
@@ -59,18 +101,18 @@ ShapedText shaped_text(std::string_view text) {
   }
   if (!text.starts_with('{')) return shaped;
   try {
-    const JsonObject members = json_members(text);
-    if (members.json_of("shape").empty()) return shaped;
-    for (const std::string_view item : json_items(members.json_of("shape"))) {
+    auto members = values_of(text);
+    if (members["shape"].empty()) return shaped;
+    for (const std::string_view item : json_items(members["shape"])) {
       JsonReader size(item);
       size.next();
       const std::optional<std::int64_t> count = size.integer();
       if (!count || *count < 1 || shaped.axes.size() == kMaxAxes) return {};
       shaped.axes.push_back({'Q', *count});
     }
-    shaped.is_truncated = members.json_of("truncated") == "true";
-    if (members.json_of("axes").empty()) return shaped;
-    JsonReader names(members.json_of("axes"));
+    shaped.is_truncated = members["truncated"] == "true";
+    if (members["axes"].empty()) return shaped;
+    JsonReader names(members["axes"]);
     if (names.next() != JsonToken::string || names.string().size() != shaped.axes.size()) {
       return shaped;
     }

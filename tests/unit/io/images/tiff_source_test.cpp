@@ -380,8 +380,20 @@ TEST(TiffSource, OtherFormsOfTheTextOfTifffileAreRead) {
     const std::string voxels = grown_to_three_planes(folder, sample);
     EXPECT_EQ(voxels_of(*open_source({folder.file("a.tif")}, {})), voxels) << text;
   }
+  // What Python writes beside is not always JSON, and may be long and deep.
+  std::string list = "1";
+  for (int i = 0; i < 70000; ++i) list += ", 1";
+  for (const std::string& value :
+       {std::string("NaN"), std::string("-Infinity"), "[" + list + "]", std::string(30, '[') +
+        std::string(30, ']'), '"' + std::string(70000, 'x') + '"', std::string(R"("a\"}, {")")}) {
+    sample.description = R"({"shape": [3, 3, 4], "x": )" + value + R"(, "truncated": true})";
+    const std::string voxels = grown_to_three_planes(folder, sample);
+    EXPECT_EQ(voxels_of(*open_source({folder.file("a.tif")}, {})), voxels) << value.substr(0, 40);
+  }
   // Texts that are none
-  for (const char* text : {"shape=(3, 3, 4", "shape=(3, -1, 4)", "shape=()", "shape=(3, x, 4)"}) {
+  for (const char* text : {"shape=(3, 3, 4", "shape=(3, -1, 4)", "shape=()", "shape=(3, x, 4)",
+                           R"({"x": {"shape": [3, 3, 4]}})", R"({"x": "}, {\"shape\": [3, 3, 4]"})",
+                           R"({"shape": [3, 3, 4], "x": ")", "{", "{}", R"({"shape"})"}) {
     sample.description = text;
     grown_to_three_planes(folder, sample);
     EXPECT_EQ(open_source({folder.file("a.tif")}, {})->description().size.z, 1) << text;
