@@ -123,6 +123,7 @@ class RayScene final : public RenderScene {
       throw Error(ErrorKind::invalid_argument, "the cuts leave no voxel of the volume")
           .with_field("cuts");
     }
+    if (looks_) looks_->warn_of_missing(asked_, context_);
     rescale_ = volume.rescale;
     if (rescale_.slope == 0) {
       throw Error(ErrorKind::invalid_argument,

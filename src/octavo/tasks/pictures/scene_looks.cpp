@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <map>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "octavo/core/error.h"
 #include "octavo/core/text.h"
+#include "octavo/ops/label/missing_labels.h"
 #include "octavo/render/label_color.h"
 #include "octavo/tasks/masks.h"
 #include "octavo/tasks/pictures/transfer_file.h"
@@ -128,10 +130,10 @@ SceneLooks::SceneLooks(const RenderOptions& options, const FileReader& grey, int
   }
   labels_ = std::make_unique<SceneLabels>(options.label_map, grey, options.input, level, kAsLabels,
                                             context);
-  set_looks(options, context);
+  set_looks(options);
 }
 
-void SceneLooks::set_looks(const RenderOptions& options, const TaskContext& context) {
+void SceneLooks::set_looks(const RenderOptions& options) {
   const FileReader& reader = labels_->reader();
   const std::int64_t highest = reader.range().max;
   if (highest > kHighestLabel) {
@@ -170,10 +172,28 @@ void SceneLooks::set_looks(const RenderOptions& options, const TaskContext& cont
     const AskedLabelLook usual;
     set(label, resolved(at != asked.end() ? at->second : is_chosen ? others : usual, label));
   }
-  for (const auto& [label, look] : asked) {
-    if (label > highest) {
-      context.warn(options.label_map + ": no voxel has " + label_words(names, label));
+}
+
+void SceneLooks::warn_of_missing(const RenderOptions& options, const TaskContext& context) const {
+  if (!labels_) return;
+  const FileReader& reader = labels_->reader();
+  const LabelNames& names = reader.description().metadata.facts().labels;
+  std::set<std::int64_t> asked;
+  const auto add = [&](const AskedLabels& labels) {
+    for (const std::int64_t label : labels_of(labels, names, options.label_map)) {
+      asked.insert(label);
     }
+  };
+  add(options.labels);
+  for (const AskedLabelLook& look : options.label_looks) {
+    if (!look.labels.is_empty()) add(look.labels);
+  }
+  if (asked.empty()) return;
+  const std::vector<std::int64_t> labels(asked.begin(), asked.end());
+  std::vector<std::int64_t> missing;
+  context.on_threads([&] { missing = missing_labels(reader, 0, labels, context.watcher()); });
+  for (const std::int64_t label : missing) {
+    context.warn(options.label_map + ": no voxel has " + label_words(names, label));
   }
 }
 

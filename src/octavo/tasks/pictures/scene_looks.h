@@ -65,6 +65,10 @@ class SceneLooks final : public LookSource {
   LookSet within(const Box& box) const override;
   void read(const Box& box, std::uint16_t* out) const override;
 
+  /// Warns of labels of the options that no voxel of the label map has.
+  /// Throws as missing_labels
+  void warn_of_missing(const RenderOptions& options, const TaskContext& context) const;
+
   LookTable table() const { return {begins_.data(), colors_.data()}; }
   /// Functions of labels; function i of the sets is number i - 1 here, 0 that of the whole picture.
   const std::vector<TransferFunction>& functions() const { return functions_; }
@@ -81,7 +85,7 @@ class SceneLooks final : public LookSource {
     std::uint32_t color = 0;
   };
 
-  void set_looks(const RenderOptions& options, const TaskContext& context);
+  void set_looks(const RenderOptions& options);
   Resolved resolved(const AskedLabelLook& asked, std::int64_t label);
   std::int32_t function_number(const TransferFunction& function);
   void set(std::int64_t label, const Resolved& look);

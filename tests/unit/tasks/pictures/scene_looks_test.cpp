@@ -113,6 +113,14 @@ TEST_F(LooksBesideGrey, OneIsChosenOneIsHiddenAndOneIsATransferFunction) {
   draw();
   ASSERT_FALSE(warnings_.empty());
   EXPECT_NE(warnings_.back().find("label 9"), std::string::npos);
+  // Between labels that are there; each is warned of once, whatever else reads the label map.
+  warnings_.clear();
+  options_.label_looks.back().labels.numbers = {1, 2};
+  options_.has_shadows = true;
+  draw();
+  ASSERT_EQ(warnings_.size(), 1u);
+  EXPECT_NE(warnings_.back().find("no voxel has label 2"), std::string::npos);
+  options_.has_shadows = false;
 }
 
 TEST_F(LooksBesideGrey, AMaskHidesWhatIsNotInItInEveryMode) {
