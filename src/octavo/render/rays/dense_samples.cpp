@@ -4,22 +4,36 @@
 #include <cmath>
 #include <cstddef>
 #include <cstring>
+#include <limits>
+#include <type_traits>
+#include <vector>
 
 namespace octavo {
 
 namespace {
 
+/// Row under row, so that samples side by side are joined at once.
 template <class T>
 SampleRange range_in(const T* samples, const Size3& size, const Box& box) {
-  SampleRange range = kNoSamples;
+  const auto width = static_cast<std::size_t>(box.size().x);
+  std::vector<T> low(width, std::numeric_limits<T>::max());
+  std::vector<T> high(width, std::numeric_limits<T>::lowest());
   for (std::int64_t z = box.lo.z; z < box.hi.z; ++z) {
     for (std::int64_t y = box.lo.y; y < box.hi.y; ++y) {
-      const T* const row = samples + (z * size.y + y) * size.x;
-      for (std::int64_t x = box.lo.x; x < box.hi.x; ++x) {
-        const auto value = static_cast<double>(row[x]);
-        if (std::isfinite(value)) range = joined_range(range, {value, value});
+      const T* const row = samples + (z * size.y + y) * size.x + box.lo.x;
+      for (std::size_t x = 0; x < width; ++x) {
+        if constexpr (std::is_floating_point_v<T>) {
+          if (!std::isfinite(row[x])) continue;
+        }
+        low[x] = std::min(low[x], row[x]);
+        high[x] = std::max(high[x], row[x]);
       }
     }
+  }
+  SampleRange range = kNoSamples;
+  for (std::size_t x = 0; x < width; ++x) {
+    if (low[x] > high[x]) continue;  // no finite one
+    range = joined_range(range, {static_cast<double>(low[x]), static_cast<double>(high[x])});
   }
   return range;
 }
