@@ -124,18 +124,25 @@ void require_one_space(const std::vector<DicomSlice>& slices) {
   }
 }
 
+/// Settings that the slices of one volume share.
+constexpr SharedName kSettings[] = {
+    {"Convolution Kernel (0018,1210)", &DicomLayout::kernel, true},
+    {"Patient Position (0018,5100)", &DicomLayout::patient_position, true},
+    {"Echo Time (0018,0081)", &DicomLayout::echo, true},
+    {"Inversion Time (0018,0082)", &DicomLayout::inversion, true},
+    {"Flip Angle (0018,1314)", &DicomLayout::flip_angle, true},
+    {"Diffusion b-value (0018,9087)", &DicomLayout::b_value, true},
+    {"Temporal Position Identifier (0020,0100)", &DicomLayout::temporal_position, true},
+    {"Image Type (0008,0008)", &DicomLayout::picture_kind, true}};
+
+/// What tells several pictures of one place apart beside these.
+constexpr SharedName kRepetitions[] = {
+    {"Trigger Time (0018,1060)", &DicomLayout::trigger, true},
+    {"Acquisition Number (0020,0012)", &DicomLayout::acquisition, true}};
+
 /// Slices of several volumes may be mixed though no two lie at one place.
 void tell_of_mixture(DicomStack& stack) {
-  for (const SharedName& name :
-       {SharedName{"Convolution Kernel (0018,1210)", &DicomLayout::kernel, true},
-        SharedName{"Patient Position (0018,5100)", &DicomLayout::patient_position, true},
-        SharedName{"Echo Time (0018,0081)", &DicomLayout::echo, true},
-        SharedName{"Inversion Time (0018,0082)", &DicomLayout::inversion, true},
-        SharedName{"Flip Angle (0018,1314)", &DicomLayout::flip_angle, true},
-        SharedName{"Diffusion b-value (0018,9087)", &DicomLayout::b_value, true},
-        SharedName{"Temporal Position Identifier (0020,0100)", &DicomLayout::temporal_position,
-                   true},
-        SharedName{"Image Type (0008,0008)", &DicomLayout::picture_kind, true}}) {
+  for (const SharedName& name : kSettings) {
     const auto two = find_two(stack.slices, name);
     if (!two) continue;
     const auto& [first, other] = *two;
@@ -160,6 +167,24 @@ UnsetBytes voxels_of(const DicomSlice& slice) {
   return voxels;
 }
 
+/// Why two slices at one place are of several volumes; nothing where no setting says so.
+std::string difference_of(const DicomSlice& kept, const DicomSlice& slice) {
+  const auto told_by = [&](const SharedName& name) -> std::string {
+    const std::string& first = (*kept.layout).*name.of;
+    const std::string& other = (*slice.layout).*name.of;
+    if (first.empty() || other.empty() || first == other) return {};
+    return std::string("of several volumes, for ") + name.what + " is " + escaped(first) +
+           " and " + escaped(other) + ": build each of them from its own files";
+  };
+  for (const SharedName& name : kSettings) {
+    if (std::string text = told_by(name); !text.empty()) return text;
+  }
+  for (const SharedName& name : kRepetitions) {
+    if (std::string text = told_by(name); !text.empty()) return text;
+  }
+  return {};
+}
+
 /// Rejects a slice at the height of the one kept before it, unless it is its copy at the same
 /// place and copies may go.
 void require_copy(const DicomSlice& kept, const DicomSlice& slice, double sideways_mm,
@@ -172,6 +197,8 @@ void require_copy(const DicomSlice& kept, const DicomSlice& slice, double sidewa
   const Point3& at = *kept.position_mm;
   const std::string place = pair + " lie at the same position (" + precise_text(at[0]) + ", " +
                             precise_text(at[1]) + ", " + mm_text(at[2]) + ")";
+  const std::string difference = difference_of(kept, slice);
+  if (!may_drop && !difference.empty()) reject(slice, place + "; " + difference);
   if (!may_drop) {
     throw Error(ErrorKind::source_rejected, place + "; remove one of them", slice.layout->path)
         .with_field("drop_duplicates");

@@ -123,6 +123,8 @@ DicomLayout read_layout(const DicomFile& file) {
     layout.b_value = precise_text(*b_value) + " s/mm2";
   }
   layout.temporal_position = data.text(0x00200100);
+  layout.acquisition = data.text(0x00200012);
+  layout.trigger = setting_text(data, 0x00181060, " ms");
   layout.modality = data.text(0x00080060);
   layout.image_type = data.text(0x00080008);
   layout.picture_kind = picture_kind(layout.image_type);

@@ -47,6 +47,8 @@ struct DicomLayout {
   std::string flip_angle;        ///< to a tenth
   std::string b_value;           ///< Diffusion b-value
   std::string temporal_position; ///< Temporal Position Identifier
+  std::string acquisition;       ///< Acquisition Number
+  std::string trigger;           ///< Trigger Time to a tenth
   std::string modality;
   std::string image_type;
   std::string picture_kind;      ///< Image Type behind its second value, as "M\ND"

@@ -485,6 +485,34 @@ TEST(SourceDicomExtent, OfTilesOfASlideIsRejected) {
   EXPECT_EQ(open_source({folder.file("a.dcm")}, with_spacing(1, 1, 1))->description().size.z, 4);
 }
 
+TEST(SourceDicomMixture, OfVolumesAtOnePlaceIsToldByWhatTellsThemApart) {
+  struct Row {
+    std::uint32_t tag;
+    const char* vr;
+    std::vector<std::string> values;
+    const char* words;
+  };
+  const TempFolder folder;
+  for (const Row& row : std::vector<Row>{
+           {0x00180081, "DS", {"10", "20"}, "Echo Time (0018,0081) is 10 ms and 20 ms"},
+           {0x00200100, "IS", {"1", "2"}, "Temporal Position Identifier (0020,0100) is 1 and 2"},
+           {0x00181060, "DS", {"0", "80"}, "Trigger Time (0018,1060) is 0 ms and 80 ms"},
+           {0x00200012, "IS", {"3", "4"}, "Acquisition Number (0020,0012) is 3 and 4"}}) {
+    for (std::size_t i = 0; i < 6; ++i) {
+      DicomElements elements = ct_elements(5, 3, 8, 2.0 * static_cast<double>(i % 3));
+      elements.set(row.tag, row.vr, row.values[i / 3]);
+      elements.write(folder.file("s" + std::to_string(i)), kExplicitLittle);
+    }
+    const Error error = source_error({folder.path()});
+    expect_words(error.what(), {"s0 and s3 lie at the same position", row.words});
+    EXPECT_FALSE(contains(error, "drop_duplicates")) << error.what();
+    // Copies are copies whatever they are called.
+    SourceOptions options;
+    options.drop_duplicates = true;
+    EXPECT_EQ(open_source({folder.path()}, options)->description().size.z, 3) << row.words;
+  }
+}
+
 TEST(SourceDicomNumbers, OfFramesInAStackTellTheirOrder) {
   const TempFolder folder;
   DicomElements elements = ct_elements(5, 3, 8);
