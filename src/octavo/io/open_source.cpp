@@ -55,6 +55,18 @@ Format format_of(const std::string& path) {
   return Format::unknown;
 }
 
+/// The header of the pair of files of which `path` holds the voxels (.img); nothing where it is
+/// none.
+std::string header_beside(const std::string& path) {
+  for (const std::string ending : {".img", ".img.gz"}) {
+    if (!has_ending(path, ending)) continue;
+    const std::string stem = path.substr(0, path.size() - ending.size());
+    const std::string header = stem + (ending == ".img" ? ".hdr" : ".hdr.gz");
+    if (std::filesystem::is_regular_file(header)) return header;
+  }
+  return {};
+}
+
 /// What an option of SourceOptions::dicom_option does.
 std::string dicom_work(const std::string& field) {
   if (field == "series") return "one of several series is chosen";
@@ -218,6 +230,10 @@ std::unique_ptr<PlaneSource> open_file(const std::string& path, const SourceOpti
     throw Error(ErrorKind::source_rejected, "the file is empty", path);
   }
   require_no_minc(path);
+  if (const std::string header = header_beside(path); !header.empty()) {
+    reject(path, "the voxels of a pair, whose header stands beside it; give that, " +
+                     escaped(header));
+  }
   throw Error(ErrorKind::source_rejected,
               "not a DICOM, TIFF, PNG, NIfTI, NRRD, MetaImage, VTK, GIPL or OME-Zarr file", path)
       .with_field("raw");

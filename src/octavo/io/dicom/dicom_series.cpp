@@ -421,6 +421,11 @@ DicomStack prove_stack(std::vector<DicomSlice> slices, const SourceOptions& opti
   for (std::size_t i = 0; i < stack.slices.size(); ++i) stack.planes.push_back({i});
   stack.warnings.push_back(
       "positions are not in the files: slices taken in the order of their numbers");
+  if (stack.slices.front().layout->is_cine) {
+    stack.warnings.push_back(
+        "the frames follow one another in time (Frame Increment Pointer (0028,0009) names a time): "
+        "they may be moments of one picture and no planes of a volume");
+  }
   return stack;
 }
 

@@ -81,6 +81,16 @@ std::string picture_kind(const std::string& image_type) {
   return kind;
 }
 
+/// Whether the Frame Increment Pointer of several frames is a time between them.
+bool is_cine(const DicomSet& data, const DicomLayout& layout) {
+  constexpr std::uint16_t kTimeGroup = 0x0018;
+  constexpr std::uint16_t kFrameTime = 0x1063;
+  constexpr std::uint16_t kFrameTimeVector = 0x1065;
+  const std::vector<std::uint16_t> pointer = data.words(0x00280009);
+  return layout.frames > 1 && pointer.size() == 2 && pointer[0] == kTimeGroup &&
+         (pointer[1] == kFrameTime || pointer[1] == kFrameTimeVector);
+}
+
 /// Whether the frames are tiles of a larger picture, as of a slide under a microscope.
 bool is_slide(const DicomSet& data, const DicomLayout& layout) {
   const std::int64_t columns = data.unsigned_value(0x00480006).value_or(0);
@@ -154,6 +164,7 @@ DicomLayout read_layout(const DicomFile& file) {
         {segment.unsigned_value(0x00620004).value_or(0), segment.text(0x00620005)});
   }
   layout.frames = frame_count(data, file.path);
+  layout.is_cine = is_cine(data, layout);
   layout.is_slide = is_slide(data, layout);
   if (layout.rows == 0 || layout.columns == 0)
     reject(file.path, "a picture without rows or columns");

@@ -72,6 +72,7 @@ struct DicomLayout {
   bool was_lossy = false;  ///< the header or the transfer syntax says that values were changed
   bool has_burned_in_text = false;         ///< Burned In Annotation is YES
   bool shows_who_it_is = false;            ///< Recognizable Visual Features is YES
+  bool is_cine = false;           ///< frames follow one another in time, as the header says
   bool is_slide = false;          ///< frames are tiles of one picture
   bool has_real_values = false;   ///< voxels are float32, made of stored values slice by slice
   std::int64_t tiles_across = 1;  ///< of a mosaic in each direction; columns and rows are a tile's

@@ -513,6 +513,23 @@ TEST(SourceDicomMixture, OfVolumesAtOnePlaceIsToldByWhatTellsThemApart) {
   }
 }
 
+TEST(SourceDicomMixture, OfMomentsIsToldOf) {
+  const TempFolder folder;
+  DicomElements elements = ct_elements(5, 3, 8);
+  elements.remove(0x00200032);
+  elements.set(kFrames, "IS", "3");
+  elements.set(kPixelData, "OB", counted(45));
+  const auto is_told = [&](const std::vector<std::uint16_t>& pointer) {
+    elements.set(0x00280009, "AT", bytes_of(pointer));
+    elements.write(folder.file("a.dcm"), kExplicitLittle);
+    const auto source = open_source({folder.file("a.dcm")}, with_spacing(1, 1, 1));
+    return contains(with_hints(source->warnings()), "follow one another in time");
+  };
+  EXPECT_TRUE(is_told({0x0018, 0x1063}));
+  EXPECT_TRUE(is_told({0x0018, 0x1065}));
+  EXPECT_FALSE(is_told({0x0018, 0x1060}));
+}
+
 TEST(SourceDicomNumbers, OfFramesInAStackTellTheirOrder) {
   const TempFolder folder;
   DicomElements elements = ct_elements(5, 3, 8);

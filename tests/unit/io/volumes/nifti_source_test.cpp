@@ -46,6 +46,7 @@ TEST(NiftiSource, APairIsReadFromItsOwnFolder) {
   write_file(folder.file("a.hdr"), header);
   EXPECT_TRUE(contains(source_error({folder.file("a.hdr")}), "a.img"));
   write_file(folder.file("a.img"), bytes_of(kStoredValues));
+  EXPECT_TRUE(contains(source_error({folder.file("a.img")}), "give that"));
   EXPECT_EQ(voxels_of(*open_source({folder.file("a.hdr")}, {})), bytes_of(kStoredValues));
 }
 
