@@ -3,19 +3,23 @@
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/string_view.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
 #include <cmath>
 #include <cstring>
 #include <mutex>
 #include <span>
+#include <tuple>
 #include <vector>
 
 #include "call.h"
 #include "octavo/core/sha256.h"
 #include "octavo/file/parallel_read.h"
+#include "octavo/file/storage/round_meter.h"
 #include "octavo/file/storage/sparse_source.h"
 #include "octavo/file/storage/storage.h"
 #include "octavo/file/verify.h"
@@ -31,13 +35,18 @@ namespace {
 /// where there is a function for that, all ranges of a read in one call.
 class PythonBytes final : public ByteSource {
  public:
-  /// fetch  (offsets, lengths) -> bytes of each; or None
-  PythonBytes(nb::object read_at, nb::object fetch, std::uint64_t size, std::string name)
+  /// fetch    (offsets, lengths) -> (bytes of each, seconds that it took, bytes that were asked of
+  ///          the server); or None
+  /// answers  that came before: seconds and bytes
+  PythonBytes(nb::object read_at, nb::object fetch, std::uint64_t size, std::string name,
+              const OpenFile::Answers& answers)
       : read_at_(std::move(read_at)),
         fetch_(std::move(fetch)),
         has_fetch_(!fetch_.is_none()),
         size_(size),
-        name_(std::move(name)) {}
+        name_(std::move(name)) {
+    for (const auto& [seconds, bytes] : answers) meter_.add(seconds, bytes);
+  }
 
   ~PythonBytes() override {
     const nb::gil_scoped_acquire acquire;
@@ -47,6 +56,11 @@ class PythonBytes final : public ByteSource {
 
   std::uint64_t fetched_bytes_kept() const override {
     return has_fetch_ ? std::uint64_t{64} << 20 : 0;
+  }
+
+  std::uint64_t bytes_per_round() const override {
+    const std::lock_guard guard(lock_);
+    return meter_.bytes_per_round();
   }
 
   std::vector<ByteRange> missing(std::span<const ByteRange> ranges) const override {
@@ -75,8 +89,9 @@ class PythonBytes final : public ByteSource {
       lengths.push_back(range.length);
     }
     called(offsets.front(), [&] {
-      const auto brought = nb::cast<nb::list>(fetch_(offsets, lengths));
+      const auto [brought, seconds, asked] = nb::cast<Brought>(fetch_(offsets, lengths));
       const std::lock_guard guard(lock_);
+      meter_.add(seconds, asked);
       for (std::size_t i = 0; i < wanted.size(); ++i) {
         const auto bytes = nb::cast<nb::bytes>(brought[i]);
         if (bytes.size() != lengths[i]) {
@@ -110,6 +125,8 @@ class PythonBytes final : public ByteSource {
   }
 
  private:
+  using Brought = std::tuple<nb::list, double, std::uint64_t>;
+
   /// Runs `work` with the GIL; what Python raises becomes an Error, or ends the call of this
   /// thread.
   template <class Work>
@@ -132,8 +149,9 @@ class PythonBytes final : public ByteSource {
   bool has_fetch_;
   std::uint64_t size_;
   std::string name_;
-  mutable std::mutex lock_;  // of kept_
+  mutable std::mutex lock_;  // of kept_ and meter_
   mutable SparseBytes kept_;
+  mutable RoundMeter meter_;
 };
 
 const CallWatcher& watcher() {
@@ -247,9 +265,9 @@ OpenFile::OpenFile(const std::string& path, std::uint64_t cache_bytes) {
 }
 
 OpenFile::OpenFile(nb::object read_at, nb::object fetch, std::uint64_t size,
-                   const std::string& name, std::uint64_t cache_bytes) {
+                   const std::string& name, std::uint64_t cache_bytes, const Answers& answers) {
   const auto source =
-      std::make_shared<PythonBytes>(std::move(read_at), std::move(fetch), size, name);
+      std::make_shared<PythonBytes>(std::move(read_at), std::move(fetch), size, name, answers);
   forget_ = [source] { source->forget(); };
   source_ = source;
   Call call;
@@ -259,8 +277,9 @@ OpenFile::OpenFile(nb::object read_at, nb::object fetch, std::uint64_t size,
 void bind_reading(nb::module_& module) {
   nb::class_<OpenFile>(module, "OpenFile")
       .def(nb::init<const std::string&, std::uint64_t>(), "path"_a, "cache_bytes"_a)
-      .def(nb::init<nb::object, nb::object, std::uint64_t, const std::string&, std::uint64_t>(),
-           "read_at"_a, "fetch"_a.none(), "size"_a, "name"_a, "cache_bytes"_a)
+      .def(nb::init<nb::object, nb::object, std::uint64_t, const std::string&, std::uint64_t,
+                    const OpenFile::Answers&>(),
+           "read_at"_a, "fetch"_a.none(), "size"_a, "name"_a, "cache_bytes"_a, "answers"_a)
       .def("facts", &facts_of)
       .def("forget", &OpenFile::forget)
       .def("read", &read_box, "start"_a, "stop"_a, "level"_a, "out"_a, "threads"_a)

@@ -7,6 +7,8 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "facts.h"
 #include "octavo/file/reader.h"
@@ -15,13 +17,17 @@ namespace octavo::python {
 
 class OpenFile {
  public:
+  /// Seconds and bytes of each.
+  using Answers = std::vector<std::pair<double, std::uint64_t>>;
+
   /// Of a path. Throws as FileReader::open
   OpenFile(const std::string& path, std::uint64_t cache_bytes);
   /// Of what `read_at(offset, length)` gives as bytes: `size` of them. `name` stands in messages.
-  /// fetch  a function of (offsets, lengths) that gives a list of bytes, for all that a read needs;
-  ///        or None, where bytes are at hand
+  /// fetch    a function of (offsets, lengths) that gives a list of bytes, for all that a read
+  ///          needs, the seconds that took and the bytes it asked for; or None: all is at hand
+  /// answers  of the server so far
   OpenFile(nanobind::object read_at, nanobind::object fetch, std::uint64_t size,
-           const std::string& name, std::uint64_t cache_bytes);
+           const std::string& name, std::uint64_t cache_bytes, const Answers& answers);
 
   const FileReader& reader() const { return *reader_; }
   std::shared_ptr<const FileReader> shared_reader() const { return reader_; }

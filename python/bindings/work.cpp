@@ -29,6 +29,7 @@ class BorrowedSource final : public ByteSource {
     return source_->missing(ranges);
   }
   std::uint64_t fetched_bytes_kept() const override { return source_->fetched_bytes_kept(); }
+  std::uint64_t bytes_per_round() const override { return source_->bytes_per_round(); }
   void fetch(std::span<const ByteRange> ranges) const override { source_->fetch(ranges); }
   std::shared_ptr<const void> hold(std::span<const ByteRange> ranges) const override {
     return source_->hold(ranges);

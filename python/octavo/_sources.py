@@ -4,6 +4,7 @@ import concurrent.futures
 import os
 import re
 import threading
+import time
 import urllib.parse
 
 from . import _octavo
@@ -81,7 +82,7 @@ class _Bytes:
     def open(self, cache_bytes):
         held = self._held
         return _octavo.OpenFile(lambda at, length: held[at:at + length], None, len(held),
-                                self.name, cache_bytes)
+                                self.name, cache_bytes, [])
 
 
 class _Url:
@@ -101,6 +102,7 @@ class _Url:
         self._url = url
         self._blocks = None
         self._ends = {}  # offset: bytes that came with the length of the file
+        self._answers = []  # seconds and bytes of what was asked for when it was opened
         self.name = without_secrets(url)
 
     def forget(self):
@@ -143,36 +145,50 @@ class _Url:
             ranges = [(offset, offset + length) for offset, length in zip(offsets, lengths)]
             found = {one: self._held(*one) for one in ranges}
             wanted = [one for one in ranges if found[one] is None]
+            asked = time.perf_counter()
             try:
                 if wanted:
                     found.update(zip(wanted, map(bytes, files.cat_ranges(
                         [path] * len(wanted), *map(list, zip(*wanted)), on_error="raise"))))
             except Exception as error:
                 raise OSError(self._words_of(error)) from None
-            return [found[one] for one in ranges]
+            taken = time.perf_counter() - asked if wanted else 0.0
+            return [found[one] for one in ranges], taken, sum(b - a for a, b in wanted)
 
-        return _octavo.OpenFile(self._blocks.read, fetch_all, size, self.name, cache_bytes)
+        return _octavo.OpenFile(self._blocks.read, fetch_all, size, self.name, cache_bytes,
+                                self._answers)
 
     def _opened(self, files, path):
         """The length of the file. Both its ends come in the same round, where servers can that."""
         self._ends = {}
+        self._answers = []
         if not self._is_http():
             return files.size(path)
         import asyncio
         import fsspec
 
+        async def timed(answer):
+            start = time.perf_counter()
+            return await answer, time.perf_counter() - start
+
         async def asked():
             return await asyncio.gather(
-                files._info(path), self._part(files, path, f"0-{self._HEAD - 1}"),
-                self._part(files, path, f"-{self._TAIL}"), return_exceptions=True)
+                timed(files._info(path)), timed(self._part(files, path, f"0-{self._HEAD - 1}")),
+                timed(self._part(files, path, f"-{self._TAIL}")), return_exceptions=True)
 
         info, *parts = fsspec.asyn.sync(files.loop, asked)
         if isinstance(info, BaseException):
             raise info
+        info, seconds = info
+        self._answers.append((seconds, 0))
         for part in parts:
             # What failed is asked for again when it is read, and fails then.
-            if isinstance(part, tuple) and part[2] == info["size"]:
+            if isinstance(part, BaseException):
+                continue
+            part, seconds = part
+            if part is not None and part[2] == info["size"]:
                 self._ends[part[0]] = part[1]
+                self._answers.append((seconds, len(part[1])))
         return info["size"]
 
     @staticmethod

@@ -18,10 +18,24 @@ namespace {
 /// More than the list of the parts of a brick can take.
 constexpr std::uint64_t kPartListBytes = 256;
 
+/// What is needed of bricks of which it is not known yet where their parts are.
+enum class UnknownParts { list, brick };
+
+/// At most so much of level 0 of a brick is not needed where only some of its voxels are: what lies
+/// in its other halves.
+std::uint64_t spared_bytes(std::uint64_t length, const Box& part, const Box& brick) {
+  std::uint64_t halves_met = 1;
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::int64_t middle = brick.lo[axis] + (brick.size()[axis] + 1) / 2;
+    halves_met *= part.lo[axis] < middle && part.hi[axis] > middle ? 2u : 1u;
+  }
+  return length - length / 8 * halves_met;
+}
+
 class BoxPlanner {
  public:
-  BoxPlanner(const OpenFile& file, int level)
-      : file_(file), level_(level), tier_(Levels::tier_of(level)) {}
+  BoxPlanner(const OpenFile& file, int level, UnknownParts unknown)
+      : file_(file), level_(level), tier_(Levels::tier_of(level)), unknown_(unknown) {}
 
   /// A brick whose voxels inside `part` are wanted. Throws Error{corrupt}
   void add_brick(const Index3& position, const Box& part, const IsDecoded& is_decoded) {
@@ -41,6 +55,9 @@ class BoxPlanner {
     const std::size_t first = first_piece(entry, part, has_model);
     for (std::size_t i = first; i < entry.pieces.size(); ++i) add_piece(entry, i);
   }
+
+  /// How many bytes it may spare to ask for lists of parts first.
+  std::uint64_t spared_bytes() const { return spared_bytes_; }
 
   /// What the bricks need, at hand or not.
   std::vector<ByteRange> needed() const { return joined(needed_, kNoGaps); }
@@ -69,13 +86,20 @@ class BoxPlanner {
     const BrickShape shape = brick_shape(file_.levels(), tier_, entry.brick);
     // A brick of fewer levels has no parts, whatever its model.
     if (part == whole || shape.level_count < 3) return 0;
-    if (!has_model) {
-      is_complete_ = false;
-      return 1;
-    }
+    if (!has_model) return first_of_unknown(entry, part, whole);
     const auto codec = file_.codec(entry.model);
     if (!codec->has_parts(shape)) return 0;
+    const Piece piece = file_.piece_of(entry, 1);
+    const ByteRange list{piece.offset, std::min(piece.length, kPartListBytes)};
+    if (!file_.source().missing({&list, 1}).empty()) return first_of_unknown(entry, part, whole);
     add_parts(entry, *codec, shape, {part, whole.lo});
+    return 1;
+  }
+
+  std::size_t first_of_unknown(const BrickEntry& entry, const Box& part, const Box& whole) {
+    if (unknown_ == UnknownParts::brick) return 0;
+    spared_bytes_ += octavo::spared_bytes(entry.pieces.front().length, part, whole);
+    is_complete_ = false;
     return 1;
   }
 
@@ -89,14 +113,9 @@ class BoxPlanner {
   void add_parts(const BrickEntry& entry, const BrickCodec& codec, const BrickShape& shape,
                  const WantedBox& wanted) {
     const Piece piece = file_.piece_of(entry, 1);
-    const ByteRange list{piece.offset, std::min(piece.length, kPartListBytes)};
-    if (!file_.source().missing({&list, 1}).empty()) {
-      is_complete_ = false;
-      return;
-    }
+    const Bytes front = file_.read_within(piece, 0, std::min(piece.length, kPartListBytes));
     const BrickEntry::StoredPiece& finest = entry.pieces.front();
-    for (const BrickParts::Part& part : parts_in(file_.read_within(piece, 0, list.length), codec,
-                                                 shape)) {
+    for (const BrickParts::Part& part : parts_in(front, codec, shape)) {
       if (part.offset > finest.length || part.length > finest.length - part.offset) return;
       if (intersection(moved(part.box, wanted.origin), wanted.box).is_empty()) continue;
       needed_.push_back({finest.offset + part.offset, part.length});
@@ -115,6 +134,8 @@ class BoxPlanner {
   const OpenFile& file_;
   int level_;
   int tier_;
+  UnknownParts unknown_;
+  std::uint64_t spared_bytes_ = 0;
   std::set<std::size_t> pages_;
   std::set<std::uint32_t> models_;
   std::vector<ByteRange> needed_;
@@ -143,8 +164,8 @@ std::pair<Box, Box> halves_of(const Box& box, const Size3& side, const Size3& me
 }
 
 BoxPlanner planner_of(const OpenFile& file, std::span<const Box> boxes, int level,
-                      const IsDecoded& is_decoded) {
-  BoxPlanner planner(file, level);
+                      const IsDecoded& is_decoded, UnknownParts unknown = UnknownParts::list) {
+  BoxPlanner planner(file, level, unknown);
   for (const Box& box : boxes) {
     visit_cells(box, brick_side_at(file.levels(), level), [&](const Index3& position) {
       const Box whole = brick_box_at(file.levels(), level, position);
@@ -153,6 +174,19 @@ BoxPlanner planner_of(const OpenFile& file, std::span<const Box> boxes, int leve
     });
   }
   return planner;
+}
+
+/// As planner_of, with whole bricks where those bytes come sooner than another round of requests.
+/// room  bytes that may be fetched, and that may be needed
+BoxPlanner sooner_planner_of(const OpenFile& file, std::span<const Box> boxes, int level,
+                             const IsDecoded& is_decoded, std::uint64_t room) {
+  BoxPlanner planner = planner_of(file, boxes, level, is_decoded);
+  const std::uint64_t spared = planner.spared_bytes();
+  if (spared == 0 || spared > file.source().bytes_per_round()) return planner;
+  BoxPlanner whole = planner_of(file, boxes, level, is_decoded, UnknownParts::brick);
+  const bool has_room = total_bytes(whole.needed()) <= room &&
+                        total_bytes(whole.plan({}).ranges) <= room;
+  return has_room ? std::move(whole) : std::move(planner);
 }
 
 /// Bytes stay in a source as long as these live.
@@ -169,15 +203,17 @@ std::optional<Holds> fetch_held(const OpenFile& file, std::span<const Box> boxes
   if (brick_count > kMostPlannedBricks) return std::nullopt;
   Holds holds;
   std::uint64_t fetched = 0;
+  const std::uint64_t most_fetched = std::min(source.fetched_bytes_kept(), most_bytes);
   for (int i = 0; i < kMostPlans; ++i) {
-    const BoxPlanner planner = planner_of(file, boxes, level, is_decoded);
+    const BoxPlanner planner =
+        sooner_planner_of(file, boxes, level, is_decoded, most_fetched - fetched);
     const std::vector<ByteRange> needed = planner.needed();
     if (total_bytes(needed) > most_bytes) return std::nullopt;
     // Before the plan: what it finds at hand must not make room for what it fetches.
     holds.push_back(source.hold(needed));
     const ReadPlan plan = planner.plan({});
     fetched += total_bytes(plan.ranges);
-    if (fetched > std::min(source.fetched_bytes_kept(), most_bytes)) return std::nullopt;
+    if (fetched > most_fetched) return std::nullopt;
     if (!plan.ranges.empty()) source.fetch(plan.ranges);
     if (plan.is_complete) break;
   }

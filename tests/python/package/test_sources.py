@@ -110,6 +110,33 @@ def test_a_url_is_opened_in_one_round(served, volume, path, suffixes):
         assert np.array_equal(remote[40:50, 30:40], volume[40:50, 30:40])
 
 
+@pytest.mark.parametrize("answers, rounds", (
+    ([], 2),
+    ([(0.02, 0), (0.02, 300_000)], 1),   # a server that brings much while a round lasts
+    ([(0.02, 0), (2.02, 300_000)], 2)))  # little
+def test_bricks_come_whole_where_that_is_sooner_than_a_round(tmp_path, answers, rounds):
+    from octavo import _octavo
+    steps = np.random.default_rng(3).integers(-9, 10, (70, 130, 130))
+    voxels = steps.cumsum(2).astype(np.int16)
+    octavo.build(voxels, tmp_path / "cut.8vo", preset="fast", access="boxes").close()
+    held = (tmp_path / "cut.8vo").read_bytes()
+    calls = []
+
+    def fetch(offsets, lengths):
+        calls.append(sum(lengths))
+        return [held[a:a + n] for a, n in zip(offsets, lengths)], 0.0, sum(lengths)
+
+    def read_at(at, length):
+        return held[at:at + length]
+
+    file = _octavo.OpenFile(read_at, fetch, len(held), "cut", 1 << 24, answers)
+    calls.clear()
+    out = np.empty((8, 130, 8), np.int16)
+    file.read((2, 0, 60), (10, 130, 68), 0, out, 1)
+    assert np.array_equal(out, voxels[2:10, :, 60:68])
+    assert len(calls) == rounds, calls
+
+
 def test_a_url_that_is_not_there_says_so(served):
     pytest.importorskip("aiohttp")
     _, root = served
@@ -234,7 +261,7 @@ def test_what_interrupts_a_fetch_is_what_is_raised(path):
             raise KeyboardInterrupt
         return held[at:at + length]
 
-    file = _octavo.OpenFile(read_at, None, len(held), "a", 1 << 20)
+    file = _octavo.OpenFile(read_at, None, len(held), "a", 1 << 20, [])
     is_over.append(True)
     with pytest.raises(KeyboardInterrupt):
         file.read((0, 0, 0), (5, 5, 5), 0, np.empty((5, 5, 5), np.int16), 1)

@@ -268,6 +268,7 @@ class FetchingSource final : public ByteSource {
   std::uint64_t size() const override { return file_->size(); }
   const std::string& name() const override { return file_->name(); }
   std::uint64_t fetched_bytes_kept() const override { return kept_; }
+  std::uint64_t bytes_per_round() const override { return round_bytes; }
   std::vector<ByteRange> missing(std::span<const ByteRange> ranges) const override {
     return held_.missing(ranges);
   }
@@ -276,6 +277,8 @@ class FetchingSource final : public ByteSource {
   }
   void fetch(std::span<const ByteRange> ranges) const override {
     const std::lock_guard lock(mutex_);
+    ++round_count;
+    fetched_bytes += total_bytes(ranges);
     for (const ByteRange& range : ranges) {
       held_.put(range.offset, read_arriving(*file_, range.offset, range.length));
       request_count += 1;
@@ -289,6 +292,9 @@ class FetchingSource final : public ByteSource {
     file_->read(offset, out);
   }
 
+  std::uint64_t round_bytes = 0;
+  mutable int round_count = 0;
+  mutable std::uint64_t fetched_bytes = 0;
   mutable int request_count = 0;
   mutable std::atomic<int> late_count = 0;  ///< reads of what was not fetched
   mutable std::uint64_t most_held = 0;
@@ -317,6 +323,41 @@ TEST(BoxPlan, ReadersFetchWhatABoxNeedsBeforeTheyReadIt) {
       ASSERT_EQ(found, expected) << volume.name;
     }
     EXPECT_EQ(source->late_count, 0) << volume.name;
+  }
+}
+
+/// Where a round takes as long as so many bytes, bricks come whole and not their lists first.
+TEST(BoxPlan, BytesThatAreNotNeededComeWhereTheyCostLessThanARound) {
+  const std::vector<std::uint8_t> file = file_of(kPlannedVolumes[2]);
+  const auto whole = FileReader::open(byte_source_of(file, "whole"));
+  const Box box{{1, 1, 1}, {70, 2, 40}};
+  const Bytes expected = voxels_of(*whole, box, 0);
+  struct Found {
+    int rounds;
+    std::uint64_t bytes;
+  };
+  const auto found_with = [&](std::uint64_t round_bytes, std::uint64_t kept) -> Found {
+    const auto source = std::make_shared<FetchingSource>(file, kept);
+    source->round_bytes = round_bytes;
+    const auto reader = FileReader::open(source, {});
+    source->round_count = 0;
+    source->fetched_bytes = 0;
+    source->late_count = 0;
+    EXPECT_EQ(voxels_of(*reader, box, 0), expected);
+    EXPECT_EQ(source->late_count, 0);
+    return {source->round_count, source->fetched_bytes};
+  };
+  constexpr auto kPlenty = std::uint64_t{1} << 30;
+  const Found sparing = found_with(0, kPlenty);
+  const Found sooner = found_with(kPlenty, kPlenty);
+  EXPECT_GT(sparing.rounds, 1);
+  EXPECT_EQ(sooner.rounds, 1);
+  EXPECT_GT(sooner.bytes, sparing.bytes);
+  // No round is worth what it brings where that is little. Where little is kept, bricks that come
+  // whole do not make it more rounds.
+  EXPECT_EQ(found_with(100, kPlenty).bytes, sparing.bytes);
+  for (const std::uint64_t kept : {2 * sparing.bytes, sooner.bytes, 2 * sooner.bytes}) {
+    EXPECT_LE(found_with(kPlenty, kept).rounds, found_with(0, kept).rounds) << kept;
   }
 }
 

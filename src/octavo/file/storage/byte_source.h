@@ -33,6 +33,10 @@ class ByteSource {
   /// others take their place. Throws as read() does, when all have come or failed.
   virtual void fetch(std::span<const ByteRange> /*ranges*/) const {}
 
+  /// How many bytes fetch() brings in the time of one more round of requests: so many that are not
+  /// needed cost less than asking where those are that are. 0 where nobody knows.
+  virtual std::uint64_t bytes_per_round() const { return 0; }
+
   /// Bytes of `ranges`, those at hand and those that fetch() brings, stay until the last copy of
   /// what is returned is gone. Where more are held than fetched_bytes_kept(), nothing else is kept.
   virtual std::shared_ptr<const void> hold(std::span<const ByteRange> /*ranges*/) const {
