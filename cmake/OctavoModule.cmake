@@ -52,6 +52,13 @@ option(OCTAVO_UNITY "Compile sooner: many sources of a target at a time" OFF)
 # voxels, and the builder, which leaves them to the codec, are compiled for size, and others without
 # what makes code long for a few percent. Compiled for size the mesh room takes twice as long.
 set(octavo_rooms_for_size builder dist io tasks)
+# Sources of other rooms that are compiled for size, too, at next to no cost; and which are not.
+set(octavo_sources_for_size
+  "^core/|^file/|^mesh/formats/|^planes/|\
+^render/(animated|annotation|color_scale|label_color|numbers|view)")
+set(octavo_sources_for_speed
+  "^core/(crc32c|sha256)|^planes/between/|\
+^file/(brick_check|index|layer_order|layout|open_file|part_reader|pieces|plane_digests|reader)")
 # Where sources are compiled together, rooms that leave loops over voxels to others cost a third
 # less without what takes the compiler longest.
 set(octavo_rooms_for_time dist tasks)
@@ -68,6 +75,35 @@ function(octavo_optimized target room)
   endif()
 endfunction()
 
+# octavo_take_small(TARGET ROOM VARIABLE [LIBRARY ...]): in the wheel, takes the sources that are
+# compiled for size out of VARIABLE, which holds absolute paths and gets their objects instead. They
+# become an object library beside the target, which sees the libraries.
+function(octavo_take_small target room variable)
+  if(NOT OCTAVO_WHEEL OR room IN_LIST octavo_rooms_for_size)
+    return()
+  endif()
+  set(taken)
+  set(left)
+  foreach(source ${${variable}})
+    file(RELATIVE_PATH place ${CMAKE_SOURCE_DIR}/src/octavo ${source})
+    if(place MATCHES "${octavo_sources_for_size}"
+       AND NOT place MATCHES "${octavo_sources_for_speed}")
+      list(APPEND taken ${source})
+    else()
+      list(APPEND left ${source})
+    endif()
+  endforeach()
+  if(taken)
+    add_library(${target}_small OBJECT ${taken})
+    target_include_directories(${target}_small PRIVATE ${CMAKE_SOURCE_DIR}/src)
+    target_link_libraries(${target}_small PRIVATE octavo_flags ${ARGN})
+    target_compile_options(${target}_small PRIVATE -Os -ffunction-sections -fdata-sections)
+    octavo_unity(${target}_small)
+    set(${target}_small_objects $<TARGET_OBJECTS:${target}_small> PARENT_SCOPE)
+  endif()
+  set(${variable} ${left} PARENT_SCOPE)
+endfunction()
+
 # octavo_unity(TARGET [COUNT]): compiles so many sources at a time, where that is asked for; 32 if
 # nothing is said. Names in anonymous namespaces are unique within the target.
 function(octavo_unity target)
@@ -80,8 +116,9 @@ function(octavo_unity target)
     $<$<AND:$<BOOL:${OCTAVO_UNITY}>,$<CXX_COMPILER_ID:GNU>>:-Wno-subobject-linkage>)
 endfunction()
 
-# octavo_module_read(NAME VARIABLE): takes the sources of the reading half out of VARIABLE, which
-# gets their objects instead. octavo::read has the same ones, so that each is compiled once.
+# octavo_module_read(NAME VARIABLE [LIBRARY ...]): takes the sources of the reading half out of
+# VARIABLE, which gets their objects instead. octavo::read has the same ones, so that each is
+# compiled once.
 function(octavo_module_read name variable)
   list(TRANSFORM ${variable} PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/ OUTPUT_VARIABLE sources)
   set(shared)
@@ -93,6 +130,9 @@ function(octavo_module_read name variable)
       list(APPEND others ${source})
     endif()
   endforeach()
+  octavo_take_small(octavo_${name}_read ${name} shared)
+  octavo_take_small(octavo_${name} ${name} others ${ARGN})
+  list(APPEND others ${octavo_${name}_read_small_objects} ${octavo_${name}_small_objects})
   if(shared)
     add_library(octavo_${name}_read OBJECT ${shared})
     target_include_directories(octavo_${name}_read PRIVATE ${CMAKE_SOURCE_DIR}/src)
@@ -108,7 +148,7 @@ endfunction()
 # Others see the library as octavo::NAME, in this build and after installation.
 function(octavo_module name)
   cmake_parse_arguments(arg "" "" "SOURCES;USES;LINKS" ${ARGN})
-  octavo_module_read(${name} arg_SOURCES)
+  octavo_module_read(${name} arg_SOURCES ${arg_USES} ${arg_LINKS})
   add_library(octavo_${name} STATIC ${arg_SOURCES})
   target_include_directories(octavo_${name} PUBLIC
     $<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}/src> $<INSTALL_INTERFACE:include>)

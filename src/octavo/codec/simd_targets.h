@@ -3,5 +3,10 @@
 // run the portable code. Include before <hwy/foreach_target.h>.
 #pragma once
 
-#define HWY_DISABLED_TARGETS \
-  (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV | HWY_SSSE3)
+#ifndef OCTAVO_FURTHER_DISABLED_TARGETS
+#define OCTAVO_FURTHER_DISABLED_TARGETS 0  // of one source
+#endif
+
+#define HWY_DISABLED_TARGETS                                               \
+  (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV | HWY_SSSE3 | \
+   OCTAVO_FURTHER_DISABLED_TARGETS)
