@@ -29,15 +29,17 @@ constexpr std::array<Tissue, 6> kTissues = {{{"air", -kInfinity, -900},
                                              {"contrast", 130, 600},
                                              {"bone", 226, kInfinity}}};
 
-/// By how much real values of a stored one may differ from what is meant, because a header holds a
-/// slope and an intercept as float32, or as decimals. Whole numbers have no such rounding.
+/// By how much the real value of a stored one may differ from what is meant: a header holds a slope
+/// and an intercept as float32, or as decimals, and readers hand out real values as float32. Whole
+/// numbers have no such rounding.
 double scale_rounding(const Rescale& rescale, double stored) {
   constexpr double kFloatStep = std::numeric_limits<float>::epsilon();
   const auto rounded_part = [](double part, double whole) {
     return whole == std::trunc(whole) ? 0.0 : kFloatStep * std::abs(part);
   };
-  return rounded_part(rescale.slope * stored, rescale.slope) +
-         rounded_part(rescale.intercept, rescale.intercept);
+  const double parts = rounded_part(rescale.slope * stored, rescale.slope) +
+                       rounded_part(rescale.intercept, rescale.intercept);
+  return parts == 0 ? 0 : parts + kFloatStep / 2 * std::abs(rescale.to_real(stored));
 }
 
 /// The smallest stored integer of first .. last whose real value is at least `real`, for a positive

@@ -66,6 +66,19 @@ TEST(ValueRanges, DecimalsFindTheIntegersThatAScaleOfFloatsMakesThem) {
   }
 }
 
+TEST(ValueRanges, IntegersAreFoundByTheFloatsThatReadersMakeOfThem) {
+  for (const Rescale rescale : {Rescale{0.1, -1024}, Rescale{0.01, -1024}, Rescale{1.0 / 3, -1024},
+                                Rescale{0.1, -100}, Rescale{-0.1, 1024}, Rescale{1, -0.1}}) {
+    const VolumeDescription volume = described(VoxelType::int16, rescale);
+    for (int stored = -128; stored < 128; ++stored) {
+      const auto read = static_cast<double>(static_cast<float>(rescale.to_real(stored)));
+      const ValueWindow window = stored_window({read, read}, volume, false);
+      EXPECT_TRUE(window.contains(stored)) << rescale.slope << " " << stored;
+      EXPECT_FALSE(window.contains(stored - 1) || window.contains(stored + 1)) << stored;
+    }
+  }
+}
+
 TEST(ValueRanges, EndsBetweenIntegersHoldNeither) {
   for (const Rescale rescale : {Rescale{0.1f, 0}, Rescale{1, -1024}, Rescale{2, 0.3}}) {
     const VolumeDescription volume = described(VoxelType::int32, rescale);
