@@ -235,14 +235,16 @@ class Writer:
             self._open().add(np.ascontiguousarray(plane, self.dtype))
 
     def close(self):
-        """Seal the file.
+        """Seal the file. Again, or after `abandon`, it does nothing.
 
         Raises
         ------
         octavo.ArgumentError
             Where planes are missing; then nothing is written.
         """
-        writer, self._writer = self._open(), None
+        if self._writer is None:
+            return
+        writer, self._writer = self._writer, None
         writer.finish()
 
     def abandon(self):
@@ -255,8 +257,6 @@ class Writer:
         return self
 
     def __exit__(self, kind, *_):
-        if self._writer is None:
-            return
         if kind is None:
             self.close()
         else:

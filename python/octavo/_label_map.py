@@ -19,6 +19,7 @@ from ._work import (asked_labels, connectivity_of, grid_affine, number_of, whole
                     work_of)
 
 _MOST_STEPS = 1 << 20
+_SET_OPERATIONS = (np.bitwise_and, np.bitwise_or, np.bitwise_xor, np.subtract)
 
 
 class LabelMap(FileTasks):
@@ -26,8 +27,8 @@ class LabelMap(FileTasks):
 
     Made by `Volume.threshold`, `Volume.mask`, `Volume.label_map` and by what follows here; it does
     not change. Every voxel that is not 0 is in the mask: ``a & b``, ``a | b``, ``a - b``,
-    ``a ^ b`` and ``~a`` are masks on the grid of ``a``, and raise where the grids differ. Memory
-    goes with the surfaces, not with the voxels.
+    ``a ^ b`` and ``~a`` are masks on the grid of ``a``, and raise where the grids differ, as they
+    do with arrays. Memory goes with the surfaces, not with the voxels.
 
     As an array [z, y, x] it is read where it is indexed, by numpy's basic rules.
 
@@ -117,6 +118,15 @@ class LabelMap(FileTasks):
             raise ValueError("voxels are made of an octree, so an array of them is always a copy")
         return np.asarray(self[...], dtype=dtype)
 
+    def __array_ufunc__(self, ufunc, method, *inputs, **kwargs):
+        # Bits and differences of label numbers are no sets of voxels.
+        if ufunc in _SET_OPERATIONS:
+            raise TypeError("a LabelMap is combined with a LabelMap, not with an array of voxels; "
+                            "octavo.build and Volume.mask make one of it, and .to_numpy() gives "
+                            "an array")
+        arrays = [given.to_numpy() if isinstance(given, LabelMap) else given for given in inputs]
+        return getattr(ufunc, method)(*arrays, **kwargs)
+
     def to_numpy(self):
         """All voxels, [z, y, x]."""
         return self[...]
@@ -170,7 +180,7 @@ class LabelMap(FileTasks):
         octavo.ArgumentError
             For 0, the background, and for names that no label has.
         """
-        numbers, names = asked_labels(labels)
+        numbers, names = asked_labels(labels or None)
         for name in names:
             named = [label for label, text in self.label_names.items() if text == name]
             if not named:

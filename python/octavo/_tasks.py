@@ -66,18 +66,20 @@ class FileTasks(StructureTasks, PictureTasks, SurfaceTasks):
         ----------
         other : Volume or LabelMap
         max_error : float
-            The largest difference, in real units, that counts as equal.
+            The largest difference, in real units, that counts as equal; 0 or more.
 
         Returns
         -------
         dict
             equal, same_stored, same_shape, same_dtype, same_place, shift_mm, different_voxels,
-            max_difference, first_different (z, y, x or None).
+            max_difference (in real units), first_different (z, y, x or None).
         """
         other = opened_file(other, "other")[1]
+        largest = number_of(max_error, "max_error")
+        if largest < 0:
+            raise ArgumentError(f"max_error is 0 or more, not {max_error!r}")
         with work_of(threads, max_memory, progress) as work:
-            return _octavo.compare(self._opened_file()[1], other,
-                                   number_of(max_error, "max_error"), work)
+            return _octavo.compare(self._opened_file()[1], other, largest, work)
 
     def transform(self, path, *, grid_of=None, interpolation=None, fill=None, in_place=False,
                   inverse=False, preset="small", max_error=0.0, overwrite=False, threads=0,
@@ -103,7 +105,7 @@ class FileTasks(StructureTasks, PictureTasks, SurfaceTasks):
             ``shift=(z, y, x)``: voxels move within the grid;
             ``rotate=("z", 90)`` or ``rotate=((z, y, x), 90)``: degrees about an axis of the grid;
             ``mirror="x"`` or ``"xy"``; ``scale=2``: a grid as much finer, ``scale=0.5``: coarser;
-            ``affine=``: 4 x 4, mm in x, y, z (LPS).
+            ``affine=``: 4 x 4 or its first three rows, mm in x, y, z (LPS).
 
         Returns
         -------
@@ -308,8 +310,11 @@ def _step(name, given):
             matrix = np.asarray(given, float)
         except (TypeError, ValueError):
             matrix = np.empty(0)
-        if matrix.shape not in ((3, 4), (4, 4)):
-            raise ArgumentError("affine is a 4 x 4 matrix")
+        if matrix.shape not in ((3, 4), (4, 4)) or not np.isfinite(matrix).all():
+            raise ArgumentError("affine is a 4 x 4 matrix of finite numbers")
+        if not np.array_equal(matrix[3:], [(0, 0, 0, 1)][:len(matrix) - 3]):
+            raise ArgumentError("affine has 0, 0, 0, 1 as its last row, not "
+                                f"{', '.join(f'{n:g}' for n in matrix[3])}")
         return name, [float(n) for n in matrix[:3].ravel()]
     raise ArgumentError(f"no step is called {name}: there are translate, translate_mm, shift, "
                         "rotate, mirror, scale and affine")

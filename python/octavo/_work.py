@@ -30,12 +30,15 @@ def connectivity_of(given):
 
 
 def asked_labels(labels):
-    """Labels by number and by name, from a number, a name or several of them."""
+    """Labels by number and by name, from a number, a name or several of them; both empty for None.
+    Raises ArgumentError for none at all, which would be taken for all."""
     if labels is None:
         return [], []
     if isinstance(labels, (str, numbers.Integral)):
         labels = [labels]
     labels = several_of(labels, "labels")
+    if not labels:
+        raise ArgumentError("labels holds none; leave it out for all labels")
     names = [label for label in labels if isinstance(label, str)]
     return [whole_number(label, "a label", -(1 << 62)) for label in labels
             if not isinstance(label, str)], names

@@ -3,6 +3,7 @@
 import asyncio
 import os
 import re
+import warnings
 
 import numpy as np
 
@@ -294,6 +295,9 @@ def from_ome_zarr(source, path, *, level=0, channel=None, time=None, **options):
     chosen = _Chosen(array, axes, {"c": channel, "t": time}, source)
     facts = _facts_of_image(attributes, image, dataset, axes, units, level)
     facts.update(options)
+    if "spacing" not in facts and "octavo" not in attributes:
+        warnings.warn(f"{source}: its axes have no unit of length that is known here: its scale "
+                      "and place are left out; 1 mm assumed", stacklevel=2)
     return build(chosen, path, **facts)
 
 

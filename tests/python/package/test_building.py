@@ -285,6 +285,21 @@ def test_threads_that_share_a_writer_take_turns(tmp_path, voxels):
     assert (octavo.open(tmp_path / "a.8vo")[...] == voxels[0]).all()
 
 
+def test_a_writer_is_closed_or_abandoned_once(tmp_path, voxels):
+    with octavo.Writer(tmp_path / "a.8vo", (2, 97, 150), np.int16) as w:
+        w.add(voxels[:2])
+        w.close()
+        w.close()
+    assert (octavo.open(tmp_path / "a.8vo")[...] == voxels[:2]).all()
+    with octavo.Writer(tmp_path / "b.8vo", (2, 97, 150), np.int16) as w:
+        w.add(voxels[0])
+        w.abandon()
+        w.close()
+        with pytest.raises(octavo.ArgumentError, match="closed"):
+            w.add(voxels[1])
+    assert [path.name for path in tmp_path.iterdir()] == ["a.8vo"]
+
+
 def test_a_writer_takes_the_planes_that_were_announced(tmp_path, voxels):
     with pytest.raises(octavo.ArgumentError, match="closed"):
         with octavo.Writer(tmp_path / "a.8vo", (2, 97, 150), np.int16) as w:

@@ -1,6 +1,7 @@
 """Images and arrays of zarr into files, without zarr; test_zarr.py has those that zarr wrote."""
 
 import json
+import warnings
 
 import numpy as np
 import pytest
@@ -87,6 +88,24 @@ def test_arrays_that_are_no_image_have_no_spacing(tmp_path):
     assert np.array_equal(made[...], voxels) and not made.is_spacing_known
     given = octavo.build(tmp_path / "plain.zarr", tmp_path / "y.8vo", spacing=(3, 2, 1))
     assert given.spacing == (3, 2, 1)
+
+
+def test_a_group_without_units_is_told_as_its_folder_is(tmp_path):
+    zarr = pytest.importorskip("zarr", minversion="3")
+    group = zarr.open_group(tmp_path / "a.zarr", mode="w")
+    voxels = np.arange(5 * 6 * 7, dtype=np.int16).reshape(5, 6, 7)
+    group.create_array("0", data=voxels)
+    scale = {"type": "scale", "scale": [1, 2, 3]}
+    group.attrs["ome"] = {"version": "0.5", "multiscales": [
+        {"axes": [{"name": axis, "type": "space"} for axis in "zyx"],
+         "datasets": [{"path": "0", "coordinateTransformations": [scale]}]}]}
+    for source in (group, tmp_path / "a.zarr"):
+        with pytest.warns(UserWarning, match="no unit of length"):
+            made = octavo.from_ome_zarr(source, tmp_path / "x.8vo", overwrite=True)
+        assert np.array_equal(made[...], voxels) and not made.is_spacing_known
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        octavo.from_ome_zarr(group, tmp_path / "y.8vo", spacing=(3, 2, 1))
 
 
 @pytest.mark.parametrize("options", [dict(slope=2), dict(kind="other"), dict(level=40),
