@@ -167,14 +167,13 @@ UnsetBytes voxels_of(const DicomSlice& slice) {
   return voxels;
 }
 
-/// Why two slices at one place are of several volumes; nothing where no setting says so.
+/// What tells that two slices at one place are of several volumes; nothing where no setting does.
 std::string difference_of(const DicomSlice& kept, const DicomSlice& slice) {
   const auto told_by = [&](const SharedName& name) -> std::string {
     const std::string& first = (*kept.layout).*name.of;
     const std::string& other = (*slice.layout).*name.of;
     if (first.empty() || other.empty() || first == other) return {};
-    return std::string("of several volumes, for ") + name.what + " is " + escaped(first) +
-           " and " + escaped(other) + ": build each of them from its own files";
+    return std::string(name.what) + " is " + escaped(first) + " and " + escaped(other);
   };
   for (const SharedName& name : kSettings) {
     if (std::string text = told_by(name); !text.empty()) return text;
@@ -198,9 +197,17 @@ void require_copy(const DicomSlice& kept, const DicomSlice& slice, double sidewa
   const std::string place = pair + " lie at the same position (" + precise_text(at[0]) + ", " +
                             precise_text(at[1]) + ", " + mm_text(at[2]) + ")";
   const std::string difference = difference_of(kept, slice);
-  if (!may_drop && !difference.empty()) reject(slice, place + "; " + difference);
+  if (!may_drop && !difference.empty()) {
+    reject(slice, place + ", but are of several volumes: " + difference +
+                      "; build each of them from its own files");
+  }
   if (!may_drop) {
-    throw Error(ErrorKind::source_rejected, place + "; remove one of them", slice.layout->path)
+    const bool is_one_file = kept.layout == slice.layout;
+    throw Error(ErrorKind::source_rejected,
+                place + (is_one_file ? "; the file may hold several volumes (times, echoes): "
+                                       "export one of them alone"
+                                     : "; remove one of them"),
+                slice.layout->path)
         .with_field("drop_duplicates");
   }
   if (std::ranges::equal(voxels_of(kept).bytes(), voxels_of(slice).bytes())) return;

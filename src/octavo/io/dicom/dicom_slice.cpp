@@ -290,6 +290,7 @@ std::vector<DicomSlice> read_dicom_slices(const std::string& path) {
       }
       if (const DicomSet* content = macro(shared, own, kFrameContent)) {
         slice.in_stack_position = content->unsigned_value(0x00209057);
+        slice.temporal_index = content->unsigned_value(0x00209128);
       }
       if (const DicomSet* segment = macro(shared, own, kSegmentIdentification)) {
         slice.segment = segment->unsigned_value(0x0062000b).value_or(0);

@@ -114,6 +114,7 @@ struct DicomSlice {
   std::optional<Rescale> made_real_by;                ///< where the layout has real values
   std::optional<double> instance_number;
   std::optional<std::int64_t> in_stack_position;      ///< of a frame: In-Stack Position Number
+  std::optional<std::int64_t> temporal_index;         ///< of a frame: Temporal Position Index
   std::int64_t channel = 0;  ///< of a color picture: the sample that is taken
   std::int64_t segment = 0;  ///< of a SEG: the number of the segment that the frame belongs to
   std::optional<std::int64_t> taken_label;  ///< of a label map: the segment that alone is taken

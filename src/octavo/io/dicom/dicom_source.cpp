@@ -15,6 +15,7 @@
 #include "octavo/io/dicom/dicom_segments.h"
 #include "octavo/io/dicom/dicom_series.h"
 #include "octavo/io/dicom/dicom_strays.h"
+#include "octavo/io/dicom/dicom_times.h"
 #include "octavo/io/source/source_file.h"
 
 namespace octavo {
@@ -226,7 +227,11 @@ std::unique_ptr<PlaneSource> open_dicom_source(const std::vector<std::string>& f
         .with_field("on_gap", "fill or resample");
   }
   slices = choose_segments(std::move(slices), options);
-  const ComponentChoice choice = choose_component(components, options, slices.front().layout->path);
+  std::vector<std::vector<DicomSlice>> volumes = volumes_in_time(std::move(slices));
+  components.times = static_cast<std::int64_t>(volumes.size());
+  const ComponentChoice choice =
+      choose_component(components, options, volumes.front().front().layout->path);
+  slices = std::move(volumes[static_cast<std::size_t>(choice.time)]);
   if (has_palette(*slices.front().layout)) {
     slices = choose_palette_color(std::move(slices), choice.channel);
   } else {
@@ -235,6 +240,8 @@ std::unique_ptr<PlaneSource> open_dicom_source(const std::vector<std::string>& f
   slices = take_real_values(std::move(slices), warnings);
   DicomStack stack = prove_stack(std::move(slices), options);
   SourceFacts facts = describe(stack, options);
+  // Some slices alone do not tell that there are other times.
+  if (components.times > 1) facts.files.outline.reset();
   facts.warnings.insert(facts.warnings.begin(), warnings.begin(), warnings.end());
   facts.warnings.insert(facts.warnings.end(), stack.warnings.begin(), stack.warnings.end());
   facts.components = std::move(components);

@@ -495,9 +495,8 @@ TEST(SourceDicomMixture, OfVolumesAtOnePlaceIsToldByWhatTellsThemApart) {
   const TempFolder folder;
   for (const Row& row : std::vector<Row>{
            {0x00180081, "DS", {"10", "20"}, "Echo Time (0018,0081) is 10 ms and 20 ms"},
-           {0x00200100, "IS", {"1", "2"}, "Temporal Position Identifier (0020,0100) is 1 and 2"},
-           {0x00181060, "DS", {"0", "80"}, "Trigger Time (0018,1060) is 0 ms and 80 ms"},
-           {0x00200012, "IS", {"3", "4"}, "Acquisition Number (0020,0012) is 3 and 4"}}) {
+           {0x00181314, "DS", {"5", "15"}, "Flip Angle (0018,1314) is 5 degrees and 15 degrees"},
+           {0x00200012, "IS", {"3", "four"}, "Acquisition Number (0020,0012) is 3 and four"}}) {
     for (std::size_t i = 0; i < 6; ++i) {
       DicomElements elements = ct_elements(5, 3, 8, 2.0 * static_cast<double>(i % 3));
       elements.set(row.tag, row.vr, row.values[i / 3]);

@@ -1,0 +1,100 @@
+#include "octavo/io/dicom/dicom_times.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "octavo/core/vectors.h"
+#include "octavo/io/dicom/dicom_places.h"
+
+namespace octavo {
+
+namespace {
+
+using Moments = std::map<double, std::vector<std::size_t>>;  // and the slices of each
+
+/// The number that a text starts with.
+std::optional<double> leading_number(const std::string& text) {
+  double value = 0;
+  const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (failure != std::errc() || !std::isfinite(value)) return std::nullopt;
+  return value;
+}
+
+std::optional<double> temporal_position(const DicomSlice& slice) {
+  if (slice.temporal_index) return static_cast<double>(*slice.temporal_index);
+  return leading_number(slice.layout->temporal_position);
+}
+
+std::optional<double> trigger_time(const DicomSlice& slice) {
+  return leading_number(slice.layout->trigger);
+}
+
+std::optional<double> acquisition_number(const DicomSlice& slice) {
+  return leading_number(slice.layout->acquisition);
+}
+
+/// Slices by their numbers; none where one has no number, or all have one.
+Moments moments_by(const std::vector<DicomSlice>& slices,
+                   std::optional<double> (*number_of)(const DicomSlice&)) {
+  Moments moments;
+  for (std::size_t i = 0; i < slices.size(); ++i) {
+    const std::optional<double> number = number_of(slices[i]);
+    if (!number) return {};
+    moments[*number].push_back(i);
+  }
+  return moments.size() > 1 ? moments : Moments();
+}
+
+/// Whether all moments have slices at the same heights, and each of them one at each.
+bool share_places(const Moments& moments, const std::vector<double>& heights) {
+  constexpr double kSameHeightMm = 1e-3;
+  constexpr double kSameHeightSteps = 0.1;
+  const auto sorted_heights = [&](const std::vector<std::size_t>& slices) {
+    std::vector<double> sorted;
+    for (const std::size_t i : slices) sorted.push_back(heights[i]);
+    std::ranges::sort(sorted);
+    return sorted;
+  };
+  const std::vector<double> first = sorted_heights(moments.begin()->second);
+  double same = kSameHeightMm;
+  for (std::size_t i = 1; i < first.size(); ++i) {
+    same = std::min(same, kSameHeightSteps * (first[i] - first[i - 1]));
+  }
+  if (!(same > 0)) return false;
+  return std::ranges::all_of(moments, [&](const auto& moment) {
+    return std::ranges::equal(sorted_heights(moment.second), first, [&](double a, double b) {
+      return std::abs(a - b) <= same;
+    });
+  });
+}
+
+}  // namespace
+
+std::vector<std::vector<DicomSlice>> volumes_in_time(std::vector<DicomSlice> slices) {
+  const bool are_placed = std::ranges::all_of(slices, [](const DicomSlice& slice) {
+    return slice.position_mm && slice.orientation && !slice.layout->is_segmentation();
+  });
+  std::vector<std::vector<DicomSlice>> volumes;
+  if (are_placed) {
+    const Point3 normal = slice_axes(slices.front()).normal;
+    std::vector<double> heights;
+    for (const DicomSlice& slice : slices) heights.push_back(dot(*slice.position_mm, normal));
+    for (const auto number_of : {temporal_position, trigger_time, acquisition_number}) {
+      const Moments moments = moments_by(slices, number_of);
+      if (moments.empty() || !share_places(moments, heights)) continue;
+      for (const auto& [number, members] : moments) {
+        std::vector<DicomSlice>& volume = volumes.emplace_back();
+        for (const std::size_t i : members) volume.push_back(std::move(slices[i]));
+      }
+      return volumes;
+    }
+  }
+  volumes.push_back(std::move(slices));
+  return volumes;
+}
+
+}  // namespace octavo

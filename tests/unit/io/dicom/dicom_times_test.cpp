@@ -1,0 +1,103 @@
+#include "octavo/io/dicom/dicom_times.h"
+
+#include <gtest/gtest.h>
+
+#include "support/dicom_elements.h"
+#include "support/source_files.h"
+
+namespace octavo::testing {
+namespace {
+
+constexpr std::uint32_t kPixelData = 0x7fe00010;
+
+/// A slice of 5 x 3 voxels of one value, of a number in `tag`.
+struct Moment {
+  std::string number;
+  double z_mm = 0;
+  char value = 0;
+};
+
+void write_moments(const TempFolder& folder, std::uint32_t tag, const char* vr,
+                   const std::vector<Moment>& moments) {
+  for (std::size_t i = 0; i < moments.size(); ++i) {
+    DicomElements elements = ct_elements(5, 3, 8, moments[i].z_mm);
+    if (!moments[i].number.empty()) elements.set(tag, vr, moments[i].number);
+    elements.set(kPixelData, "OB", std::string(15, moments[i].value));
+    elements.write(folder.file("s" + std::to_string(i)), kExplicitLittle);
+  }
+}
+
+std::string planes_of(std::initializer_list<char> values) {
+  std::string voxels;
+  for (const char value : values) voxels += std::string(15, value);
+  return voxels;
+}
+
+TEST(DicomTimes, AreChosenWhereEveryPlaceHasAll) {
+  for (const auto& [tag, vr] : std::vector<std::pair<std::uint32_t, const char*>>{
+           {0x00200100, "IS"}, {0x00181060, "DS"}, {0x00200012, "IS"}}) {
+    const TempFolder folder;
+    write_moments(folder, tag, vr,
+                  {{"10", 0, 3}, {"9", 0, 1}, {"10", 2, 4}, {"9", 2, 2}, {"80", 2, 6},
+                   {"80", 0, 5}});
+    EXPECT_TRUE(contains(source_error({folder.path()}), "3 points in time"));
+    for (std::int64_t time = 0; time < 3; ++time) {
+      SourceOptions options;
+      options.time = time;
+      const auto source = open_source({folder.path()}, options);
+      const auto low = static_cast<char>(2 * time + 1);
+      EXPECT_EQ(voxels_of(*source), planes_of({low, static_cast<char>(low + 1)})) << tag;
+      EXPECT_TRUE(contains(source->description().metadata.text(), "\"time\":{\"count\":3"))
+          << source->description().metadata.text();
+      EXPECT_TRUE(source->warnings().empty()) << with_hints(source->warnings());
+      EXPECT_FALSE(source->files().outline);
+    }
+  }
+}
+
+TEST(DicomTimes, OfFramesAreTheirTemporalPositions) {
+  const TempFolder folder;
+  DicomElements elements = ct_elements(5, 3, 8);
+  elements.set(0x00280008, "IS", "4");
+  elements.set(kPixelData, "OB", planes_of({1, 2, 3, 4}));
+  std::vector<DicomElements> frames;
+  for (const std::uint32_t i : {0U, 1U, 2U, 3U}) {
+    DicomElements content;
+    content.set(0x00209128, "UL", bytes_of<std::uint32_t>({2 - i % 2}));
+    DicomElements place;
+    place.set(0x00200032, "DS", "0\\0\\" + std::to_string(i / 2 * 3));
+    DicomElements orientation;
+    orientation.set(0x00200037, "DS", "1\\0\\0\\0\\1\\0");
+    DicomElements measures;
+    measures.set(0x00280030, "DS", "1\\1");
+    DicomElements& frame = frames.emplace_back();
+    frame.set_items(0x00209111, {content});
+    frame.set_items(0x00209113, {place});
+    frame.set_items(0x00209116, {orientation});
+    frame.set_items(0x00289110, {measures});
+  }
+  elements.set_items(0x52009230, frames);
+  elements.write(folder.file("a.dcm"), kExplicitLittle);
+  EXPECT_TRUE(contains(source_error({folder.file("a.dcm")}), "2 points in time"));
+  SourceOptions options;
+  options.time = 0;
+  EXPECT_EQ(voxels_of(*open_source({folder.file("a.dcm")}, options)), planes_of({2, 4}));
+}
+
+TEST(DicomTimes, AreNotFoundInOneVolumeOrWhereSlicesAreMissing) {
+  const TempFolder folder;
+  // Two stations of one volume
+  write_moments(folder, 0x00200012, "IS", {{"1", 0, 1}, {"1", 2, 2}, {"2", 4, 3}, {"2", 6, 4}});
+  EXPECT_EQ(voxels_of(*open_source({folder.path()}, {})), planes_of({1, 2, 3, 4}));
+  // A moment without its second slice
+  const TempFolder cut;
+  write_moments(cut, 0x00200100, "IS", {{"1", 0, 1}, {"1", 2, 2}, {"2", 0, 3}});
+  EXPECT_TRUE(contains(source_error({cut.path()}), "Temporal Position Identifier (0020,0100) is"));
+  // Two slices of one moment at one place
+  const TempFolder twice;
+  write_moments(twice, 0x00200100, "IS", {{"1", 0, 1}, {"1", 0, 2}, {"2", 0, 3}, {"2", 0, 4}});
+  EXPECT_TRUE(contains(source_error({twice.path()}), "lie at the same position"));
+}
+
+}  // namespace
+}  // namespace octavo::testing
