@@ -433,7 +433,7 @@ class Messages(cli_test.InFolder):
             (self.folder / "x.8vo").unlink()
         self.assertEqual(self.said("erode", "m.8vo", "--voxels", "1", "-o", "x.8vo", "-q").stderr,
                          "")
-        self.assertEqual(self.said("transform", "m.8vo", "--shift", "0,-17,0", "-o", "x.8vo",
+        self.assertEqual(self.said("transform", "m.8vo", "--shift", "0,-11,0", "-o", "x.8vo",
                                    "-q", "-f").stderr, "")
 
     def test_files_that_are_not_as_they_should_be_are_told_why(self):
