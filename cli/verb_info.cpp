@@ -48,8 +48,9 @@ struct InfoArguments {
   bool shows_metadata = false;
 };
 
+/// A line of the screen; none without a text.
 std::string row(const char* name, const std::string& text) {
-  return fmt::format("  {:<12} {}\n", name, text);
+  return text.empty() ? "" : fmt::format("  {:<12} {}\n", name, text);
 }
 
 /// True when the user gave the spacing to the build.
@@ -141,7 +142,7 @@ std::string source_row(const Metadata& metadata) {
   if (count > 0) text += ", " + counted_text(count, "file");
   const std::string chosen = choice_words(metadata);
   if (!text.empty() && !chosen.empty()) text += ", " + chosen;
-  return text.empty() ? "" : row("source", text);
+  return row("source", text);
 }
 
 std::string level_table(const InfoResult& info) {
@@ -223,23 +224,15 @@ std::string screen(const InfoResult& info, bool show_metadata) {
                                    loss_words(info, metadata)));
   text += geometry_rows(info, metadata);
   text += values_row(info);
-  if (const std::string words = named_labels_text(metadata.facts().labels); !words.empty()) {
-    text += row("labels", words);
-  }
+  text += row("labels", named_labels_text(metadata.facts().labels));
   text += loss_rows(info);
   text += row("bytes", fmt::format("{} of {} raw: {:.2f}:1, {:.3f} bits per voxel",
                                    bytes_text(info.file_bytes), bytes_text(info.raw_bytes),
                                    info.compression_ratio(), info.bits_per_voxel()));
   text += source_row(metadata);
-  if (const std::string words = made_by_words(metadata); !words.empty()) {
-    text += row("made by", words);
-  }
-  if (const std::string words = preparation_words(metadata); !words.empty()) {
-    text += row("prepared", words);
-  }
-  if (const std::string words = identity_words(metadata); !words.empty()) {
-    text += row("identity", words);
-  }
+  text += row("made by", made_by_words(metadata));
+  text += row("prepared", preparation_words(metadata));
+  text += row("identity", identity_words(metadata));
   if (const std::string words = missing_words(metadata); !words.empty()) {
     text += row("missing", words + "; filled");
   }

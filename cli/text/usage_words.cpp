@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cctype>
 #include <optional>
-#include <regex>
+#include <string_view>
 
 #include "octavo/core/error.h"
 #include "text/quantities.h"
@@ -167,18 +167,23 @@ std::string unknown_word(const ProgramEntry& program, const std::vector<std::str
 }
 
 std::string usage_fault(const std::string& said) {
-  static const std::regex kTwice(R"((\S+): At Most 1 required but received (\d+))");
-  static const std::regex kNoneOf(R"(Exactly 1 option from \[(.*)\] is required( and .*)?)");
-  std::smatch parts;
-  if (std::regex_match(said, parts, kTwice)) {
-    return fmt::format("{} is given {} times; give it once", parts.str(1), parts.str(2));
+  // "--size: At Most 1 required but received 2"
+  constexpr std::string_view kTwice = ": At Most 1 required but received ";
+  if (const std::size_t at = said.find(kTwice); at != std::string::npos) {
+    return fmt::format("{} is given {} times; give it once", said.substr(0, at),
+                       said.substr(at + kTwice.size()));
   }
-  if (!std::regex_match(said, parts, kNoneOf)) return said;
+  // "Exactly 1 option from [--union,--xor] is required", " and 2 were given" where there are more
+  constexpr std::string_view kNoneOf = "Exactly 1 option from [";
+  constexpr std::string_view kRequired = "] is required";
+  const std::size_t end = said.rfind(kRequired);
+  if (!said.starts_with(kNoneOf) || end == std::string::npos) return said;
   std::string names;
-  for (const std::string& name : split(parts.str(1), ',')) {
+  for (const std::string& name : split(said.substr(kNoneOf.size(), end - kNoneOf.size()), ',')) {
     names += (names.empty() ? "" : ", ") + name;
   }
-  return "give one of " + names + (parts.length(2) > 0 ? ", no more" : "");
+  const bool are_several = end + kRequired.size() < said.size();
+  return "give one of " + names + (are_several ? ", no more" : "");
 }
 
 }  // namespace octavo::cli

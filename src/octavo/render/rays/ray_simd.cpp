@@ -31,11 +31,13 @@ std::int64_t follow_rays(const RayFrame& frame, RayTile& tile) {
 
 std::int64_t follow_rays(const RayFrame& frame, RayTile& tile) {
   return with_ray_mode(frame, [&](auto mode, auto is_wide) HWY_ATTR {
-    // Where nothing is cut no code for it stands between the rest.
     constexpr RayMode kMode = decltype(mode)::value;
     constexpr bool kIsWide = decltype(is_wide)::value;
-    return frame.cuts != nullptr ? follow_packets<kMode, kIsWide, true>(frame, tile)
-                                 : follow_packets<kMode, kIsWide, false>(frame, tile);
+    // Extremes alone are found sooner where no code for cuts stands between the rest.
+    if constexpr (kMode == RayMode::extreme) {
+      if (frame.cuts == nullptr) return follow_packets<kMode, kIsWide, false>(frame, tile);
+    }
+    return follow_packets<kMode, kIsWide, true>(frame, tile);
   });
 }
 
