@@ -77,12 +77,13 @@ class Scene {
     if (frame_.mode == RayMode::iso) {
       frame_.isovalue = static_cast<float>(bricks_.scale().pooled(std::stod(words[3])));
     }
-    bricks_.set_bounds([this](float lowest, float highest) {
+    const auto bound_of = [this](float lowest, float highest) {
       if (frame_.mode == RayMode::extreme) return highest;
       const bool is_seen = frame_.mode == RayMode::iso ? highest >= frame_.isovalue
                                                        : table_->is_seen(lowest, highest);
       return is_seen ? 1.0f : 0.0f;
-    });
+    };
+    bricks_.set_bounds(BoundOf(bound_of), frame_.mode != RayMode::extreme);
   }
 
   RayField draw(FollowRays follow) {

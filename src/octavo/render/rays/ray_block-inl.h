@@ -25,6 +25,8 @@ namespace HWY_NAMESPACE {
 
 /// Samples of a block along each axis.
 constexpr std::int32_t kBlockSide = 4;
+/// The first cell of one.
+using BlockCell = std::array<std::int32_t, 3>;
 
 #undef OCTAVO_HAS_SAMPLE_BLOCKS
 #if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX3
@@ -76,7 +78,7 @@ HWY_INLINE BlockRows differences_at(const BrickTables& b, std::int64_t at, std::
 /// What stands around the places of rays at k, in the block whose first cell is `low`.
 /// cuts  of values; none: of gradients
 HWY_INLINE Corners block_corners(const PacketLines& lines, const RayCuts* cuts, float k,
-                                 const std::array<std::int32_t, 3>& low) {
+                                 const BlockCell& low) {
   Corners corners;
   Reals place[3];
   Wholes by[3];
@@ -86,10 +88,11 @@ HWY_INLINE Corners block_corners(const PacketLines& lines, const RayCuts* cuts, 
   keep_places(cuts, place);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     corners.share[axis] = hn::Sub(place[axis], floor[axis]);
-    by[axis] = hn::Sub(hn::ConvertTo(kWhole, floor[axis]), whole(low[axis]));
+    by[axis] = hn::ConvertTo(kWhole, floor[axis]);
   }
   static_assert(kBlockSide == 1 << 2);
-  corners.at = hn::Add(hn::Add(by[0], hn::ShiftLeft<2>(by[1])), hn::ShiftLeft<4>(by[2]));
+  const Wholes at = hn::Add(hn::Add(by[0], hn::ShiftLeft<2>(by[1])), hn::ShiftLeft<4>(by[2]));
+  corners.at = hn::Sub(at, whole(low[0] + 4 * low[1] + 16 * low[2]));
   return corners;
 }
 

@@ -19,6 +19,10 @@ namespace {
 constexpr std::size_t kReadBeyond = 16;  // bytes that vectors read behind the last sample
 constexpr std::uint64_t kMaxOffset = std::numeric_limits<std::int32_t>::max();  // of gathers
 
+/// How far values between samples are rounded beyond them.
+constexpr float kShortMargin = 1 / 16.0f;
+constexpr float kWideMargin = 1e-6f;
+
 constexpr LookSet kAllLooks = std::numeric_limits<LookSet>::max();
 
 /// The first cube along an axis that reaches a sample of a brick with its aprons.
@@ -108,9 +112,9 @@ RayBricks::RayBricks(const SampleSource& source, const Options& options)
                 cubes_ * sizeof(LookSet);
   const std::uint64_t with_ends =
       slot_bytes + look_bytes + cubes_ * (sizeof(Ends) + sizeof(float)) +
-      groups_ * sizeof(float);
+      groups_ * sizeof(float) + seen_bytes(shift_);
   const auto bricks = static_cast<std::uint64_t>(grid_.voxel_count());
-  const std::uint64_t of_tables = bricks * (sizeof(float) + sizeof(std::int32_t));
+  const std::uint64_t of_tables = bricks * (sizeof(float) + 2 * sizeof(std::int32_t));
   if (bricks > kMaxOffset || of_tables + with_ends > options.memory_bytes) {
     throw Error(ErrorKind::limit_exceeded,
                 "memory for bricks is " + std::to_string(options.memory_bytes) +
@@ -133,6 +137,8 @@ RayBricks::RayBricks(const SampleSource& source, const Options& options)
   slots_.assign(bricks, -1);
   brick_bounds_.assign(bricks, 1);
   cube_bounds_.assign(1, 0);  // what rays look at that look at nothing
+  seen_cells_.assign(kReadBeyond, 0);
+  seen_begins_.assign(bricks, kAnythingSeen);
   bound_of_ = [](float, float, LookSet) { return 1.0f; };
 }
 
@@ -163,14 +169,22 @@ Box RayBricks::held_box(std::int32_t brick) const {
   return {first, {first.x + row_, first.y + row_, first.z + row_}};
 }
 
-void RayBricks::set_bounds(const BoundOf& bound_of) {
-  set_bounds([bound_of](float lowest, float highest, LookSet) {
-    return bound_of(lowest, highest);
-  });
+void RayBricks::set_bounds(const BoundOf& bound_of, bool has_cells) {
+  set_bounds(
+      [bound_of](float lowest, float highest, LookSet) { return bound_of(lowest, highest); },
+      has_cells);
 }
 
-void RayBricks::set_bounds(LookBoundOf bound_of) {
+void RayBricks::set_bounds(LookBoundOf bound_of, bool has_cells) {
   bound_of_ = std::move(bound_of);
+  has_cells_ = has_cells;
+  unseen_.clear();
+  if (has_cells) {
+    unseen_ = unseen_ranges(range(), is_wide_ ? kWideMargin : kShortMargin,
+                            [this](float lowest, float highest) {
+                              return bound_of_(lowest, highest, kAllLooks) > 0;
+                            });
+  }
   for (std::size_t brick = 0; brick < slots_.size(); ++brick) {
     // Between its last sample and the next of its neighbors as well.
     Box box = own_box(static_cast<std::int32_t>(brick));
@@ -186,9 +200,10 @@ void RayBricks::set_bounds(LookBoundOf bound_of) {
         bound_of_(widened(static_cast<float>(scale_.pooled(range.lowest)), -1),
                   widened(static_cast<float>(scale_.pooled(range.highest)), 1), looks);
   }
-  for (std::size_t slot = 0; slot < occupants_.size(); ++slot) {
+  parallel_for(std::size_t{0}, occupants_.size(), [&](std::size_t slot) {
     set_cube_bounds(static_cast<std::int32_t>(slot));
-  }
+  });
+  set_seen_begins();
 }
 
 BrickTables RayBricks::tables() const {
@@ -212,6 +227,8 @@ BrickTables RayBricks::tables() const {
   tables.slots = slots_.data();
   tables.cube_bounds = cube_bounds_.data();
   tables.group_bounds = group_bounds_.data();
+  tables.seen_begins = seen_begins_.data();
+  tables.seen_cells = seen_cells_.data();
   return tables;
 }
 
@@ -235,6 +252,7 @@ std::vector<std::int32_t> RayBricks::free_slots(std::size_t count) {
   cube_ends_.resize(occupants_.size() * cubes_);
   cube_bounds_.resize(occupants_.size() * cubes_);
   group_bounds_.resize(occupants_.size() * groups_);
+  seen_cells_.resize(occupants_.size() * seen_bytes(shift_) + kReadBeyond);
   if (look_source_ != nullptr) cube_sets_.resize(occupants_.size() * cubes_);
   if (free.size() == count) return free;
   std::iota(taken.begin(), taken.end(), 0);
@@ -259,6 +277,7 @@ void RayBricks::load(std::span<const std::int32_t> bricks) {
   }
   try {
     load_samples(bricks);
+    set_seen_begins();
   } catch (...) {
     for (const std::int32_t brick : bricks) {
       std::int32_t& slot = slots_[static_cast<std::size_t>(brick)];
@@ -266,6 +285,7 @@ void RayBricks::load(std::span<const std::int32_t> bricks) {
       last_uses_[static_cast<std::size_t>(slot)] = 0;
       slot = -1;
     }
+    set_seen_begins();
     throw;
   }
   loaded_count_ += static_cast<std::int64_t>(bricks.size());
@@ -464,6 +484,31 @@ void RayBricks::set_cube_bounds(std::int32_t slot) {
     const std::size_t row = ((z >> kBetween) << group_bits) + (y >> kBetween);
     float& group = groups[(row << group_bits) + (x >> kBetween)];
     group = std::max(group, cube_bounds_[i]);
+  }
+  if (!has_cells_) return;
+  if (is_wide_) mark_cells<float>(slot);
+  else mark_cells<std::int16_t>(slot);
+}
+
+template <class Pooled>
+void RayBricks::mark_cells(std::int32_t slot) {
+  SeenBrick<Pooled> brick;
+  brick.samples = reinterpret_cast<const Pooled*>(samples_.get()) + slot * slot_samples_ +
+                  kApronBelow * (row_ * row_ + row_ + 1);
+  brick.row = row_;
+  brick.plane = row_ * row_;
+  brick.shift = shift_;
+  const auto number = static_cast<std::size_t>(slot);
+  if (look_source_ != nullptr) brick.cube_bounds = cube_bounds_.data() + number * cubes_;
+  mark_seen_cells(brick, unseen_, seen_cells_.data() + number * seen_bytes(shift_));
+}
+
+void RayBricks::set_seen_begins() {
+  for (std::size_t brick = 0; brick < slots_.size(); ++brick) {
+    const std::int32_t slot = slots_[brick];
+    seen_begins_[brick] = !(brick_bounds_[brick] > 0)  ? kNothingSeen
+                          : slot < 0 || !has_cells_ ? kAnythingSeen
+                                  : slot * static_cast<std::int32_t>(seen_bytes(shift_));
   }
 }
 

@@ -21,6 +21,7 @@
 #include "octavo/render/rays/look_source.h"
 #include "octavo/render/rays/ray_job.h"
 #include "octavo/render/rays/sample_source.h"
+#include "octavo/render/rays/seen_cells.h"
 
 namespace octavo {
 
@@ -58,8 +59,10 @@ class RayBricks {
   SampleRange range() const;
 
   /// Sets what can be skipped, of the bricks in memory and those to come.
-  void set_bounds(const BoundOf& bound_of);
-  void set_bounds(LookBoundOf bound_of);
+  /// has_cells  single cells as well, where bounds are above 0 or not; of no use where they are
+  ///            values
+  void set_bounds(const BoundOf& bound_of, bool has_cells = true);
+  void set_bounds(LookBoundOf bound_of, bool has_cells = true);
 
   /// Valid until bricks are loaded or bounds set.
   BrickTables tables() const;
@@ -115,6 +118,9 @@ class RayBricks {
   void find_ends(std::int32_t slot);
   void find_sets(std::int32_t slot);
   void set_cube_bounds(std::int32_t slot);
+  template <class Pooled>
+  void mark_cells(std::int32_t slot);
+  void set_seen_begins();
 
   const SampleSource& source_;
   Size3 size_;
@@ -137,6 +143,10 @@ class RayBricks {
   std::vector<Ends> cube_ends_;          // by slot and cube
   std::vector<float> cube_bounds_;
   std::vector<float> group_bounds_;      // by slot and group of cubes
+  bool has_cells_ = false;
+  std::vector<UnseenRange> unseen_;
+  std::vector<std::uint8_t> seen_cells_;  // by slot, as in BrickTables
+  std::vector<std::int32_t> seen_begins_;
   const LookSource* look_source_;
   std::unique_ptr<std::uint16_t[]> looks_;
   std::vector<LookSet> cube_sets_;  // by slot and cube, where there are looks

@@ -79,15 +79,53 @@ HWY_INLINE void composite(const RayFrame& f, const PacketLines& lines, RayMask s
   sums.gathered = hn::Add(sums.gathered, weight);
 }
 
+/// Samples of rays.
+struct PacketSamples {
+  Reals k;
+  Reals value;
+  Wholes base;  // the sample of cell 0, if the brick went as far
+};
+
+/// What is known of hits.
+struct PacketHit {
+  Reals k;
+  Reals value;
+  Wholes base;
+  Reals k_before;      // a sample before; below 0: none is known
+  Reals value_before;
+  Reals k_taken;       // the sample that was taken last
+  Reals value_taken;
+
+  HWY_INLINE void begin() {
+    k = value = value_before = value_taken = hn::Zero(kRays);
+    base = hn::Zero(kWhole);
+    k_before = k_taken = real(-1);
+  }
+
+  /// inside  those of some lanes that are hits
+  HWY_INLINE void add(RayMask lanes, RayMask inside, const PacketSamples& samples) {
+    k = hn::IfThenElse(inside, samples.k, k);
+    value = hn::IfThenElse(inside, samples.value, value);
+    base = hn::IfThenElse(of_wholes(inside), samples.base, base);
+    k_before = hn::IfThenElse(inside, k_taken, k_before);
+    value_before = hn::IfThenElse(inside, value_taken, value_before);
+    k_taken = hn::IfThenElse(lanes, samples.k, k_taken);
+    value_taken = hn::IfThenElse(lanes, samples.value, value_taken);
+  }
+};
+
 /// Samples that lie inside a surface, with the ones before them outside.
 template <bool kIsWide, bool kHasCuts>
 class PacketHits {
  public:
   /// lanes  with a hit; others look at a sample that is there
-  /// base   the sample of cell 0, if the brick went as far
-  HWY_INLINE PacketHits(const RayFrame& frame, const PacketLines& lines, RayMask lanes, Reals k,
-                        Wholes base)
-      : f_(frame), lines_(lines), lanes_(lanes), k_(hn::IfThenElseZero(lanes, k)) {
+  HWY_INLINE PacketHits(const RayFrame& frame, const PacketLines& lines, RayMask lanes,
+                        const PacketHit& hit)
+      : f_(frame),
+        lines_(lines),
+        lanes_(lanes),
+        hit_(hit),
+        k_(hn::IfThenElseZero(lanes, hit.k)) {
     Reals place[3];
     lines.place_at(k_, place);
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -95,7 +133,7 @@ class PacketHits {
           clamped(floor_of(place[axis]), whole(-1), whole(frame.bricks.size[axis] - 1));
       cell_[axis] = hn::IfThenElseZero(of_wholes(lanes), cell);
     }
-    at_ = hn::IfThenElse(of_wholes(lanes), sample_at(frame.bricks, base, cell_),
+    at_ = hn::IfThenElse(of_wholes(lanes), sample_at(frame.bricks, hit.base, cell_),
                          whole(inner_sample(frame.bricks)));
   }
 
@@ -160,6 +198,22 @@ class PacketHits {
     return hn::Sub(value_of(near_corners(k, cuts())), real(f_.isovalue));
   }
 
+  /// The same before hits, where it is mostly known.
+  HWY_INLINE Reals excess_outside(Reals k) const {
+    RayMask is_known = hn::Eq(hit_.k_before, k);
+    Reals place[3];
+    lines_.place_at(k, place);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      // Not where roundings make it two cells.
+      const Wholes by = hn::Sub(floor_of(place[axis]), cell_[axis]);
+      is_known = hn::And(is_known, of_reals(hn::Lt(hn::Abs(by), whole(2))));
+    }
+    if (hn::AllTrue(kRays, hn::Or(is_known, hn::Not(lanes_)))) {
+      return hn::Sub(hit_.value_before, real(f_.isovalue));
+    }
+    return excess_at(k);
+  }
+
   HWY_INLINE RayMask is_inside(Reals k) const {
     const Corners corner = near_corners(k, cuts());
     return seen_of(f_, hn::Ge(value_of(corner), real(f_.isovalue)), corner);
@@ -176,11 +230,11 @@ class PacketHits {
     return inside;
   }
 
-  /// The place between two where values reach the isovalue, by straight lines between values; an
-  /// end that stays counts half (Illinois).
+  /// The place between the sample outside and that of the hit where values reach the isovalue, by
+  /// straight lines between values; an end that stays counts half (Illinois).
   HWY_INLINE Reals narrowed(Reals outside, Reals inside) const {
-    Reals below = hn::Min(excess_at(outside), real(-kSmallestExcess));
-    Reals above = hn::Max(excess_at(inside), hn::Zero(kRays));
+    Reals below = hn::Min(excess_outside(outside), real(-kSmallestExcess));
+    Reals above = hn::Max(hn::Sub(hit_.value, real(f_.isovalue)), hn::Zero(kRays));
     const auto crossing = [&]() HWY_ATTR {
       const Reals share = hn::Div(below, hn::Sub(below, above));
       return hn::Add(outside, hn::Mul(hn::Sub(inside, outside), share));
@@ -208,6 +262,7 @@ class PacketHits {
   const RayFrame& f_;
   const PacketLines& lines_;
   RayMask lanes_;
+  const PacketHit& hit_;
   Reals k_;
   Wholes cell_[3];
   Wholes at_;

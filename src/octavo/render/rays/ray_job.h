@@ -17,7 +17,7 @@
 // Invariants
 //   Where a sample lies depends on the ray alone, and what is taken there on the volume alone.
 //   What is skipped gives nothing: a brick, a group of 8^3 or a cube of 4^3 samples whose bound is
-//   not above what the ray holds already.
+//   not above what the ray holds already, or cells between whose samples nothing is seen.
 // Consequences
 //   Pictures depend neither on bricks, their order or how many fit into memory, nor on threads, nor
 //   on what is skipped. A ray waits at a brick that is not in memory and goes on later.
@@ -51,6 +51,12 @@ inline constexpr int kSkipShift = 2;
 inline constexpr int kGroupSide = 8;
 inline constexpr int kGroupShift = 3;
 
+/// Cells along y and along z that one bit stands for.
+inline constexpr int kSeenSide = 2;
+/// Of bricks in which nothing is seen, and of those of which it is not known.
+inline constexpr std::int32_t kNothingSeen = -1;
+inline constexpr std::int32_t kAnythingSeen = -2;
+
 /// Samples that a brick holds beyond its own, at its low and at its high sides: what the two
 /// neighbors of a hit between two samples need for their gradients.
 inline constexpr int kApronBelow = 2;
@@ -74,6 +80,12 @@ struct BrickTables {
   const std::int32_t* slots = nullptr;  ///< by brick; below 0: not in memory
   const float* cube_bounds = nullptr;   ///< by slot and cube
   const float* group_bounds = nullptr;  ///< by slot and group, the highest of its cubes
+  /// By brick, the byte at which its seen cells begin; or kNothingSeen or kAnythingSeen.
+  const std::int32_t* seen_begins = nullptr;
+  /// Bit x + (y + z * side) * side of a brick, the lowest of a byte first: whether anything may be
+  /// seen between the samples of the cell or the next ones along y, z and both, as far as they lie
+  /// in the brick.
+  const std::uint8_t* seen_cells = nullptr;
   std::uint8_t* used = nullptr;         ///< by slot: 1 where a ray came to it
 };
 
@@ -106,8 +118,6 @@ struct ColorTable {
   const float* opacities = nullptr;       ///< of one step; [front][back]
   const std::uint32_t* colors = nullptr;  ///< 0xbbggrr; [front][back]
   std::array<Piece, 3> pieces;
-  /// How many entries before each, and before the end, have an opacity; none: it is not known.
-  const std::int32_t* seen_before = nullptr;
   /// Opacity rises from nothing at a gradient, in values a spacing, with the gradient; 0: it is
   /// that of the table.
   float gradient_begin = 0;

@@ -325,16 +325,6 @@ HWY_INLINE Wholes entries_of(const ColorTable& table, Reals value) {
   return hn::Min(hn::ConvertTo(kWhole, entry), whole(ColorTable::kSide - 1));
 }
 
-/// The same of one value.
-HWY_INLINE std::int32_t entry_of(const ColorTable& table, float value) {
-  float entry = 0;
-  for (const ColorTable::Piece& piece : table.pieces) {
-    const float of_piece = (value - piece.begin) * piece.entries_per_value;
-    entry = entry + std::min(std::max(of_piece, 0.0f), piece.entries);
-  }
-  return std::min(static_cast<std::int32_t>(entry), ColorTable::kSide - 1);
-}
-
 /// The opacities of parts of steps: their transmittances to the power of the lengths.
 HWY_INLINE Reals opacities_of_parts(Reals opacity, Reals length) {
   constexpr int kParts = 1 << kStepParts;

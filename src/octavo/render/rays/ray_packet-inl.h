@@ -53,8 +53,7 @@ class Packet {
     sums_.gathered = hn::Load(kRays, tile.gathered.data() + first);
     brick_next_ = real(-1);
     hits_ = hn::FirstN(kRays, 0);
-    hit_k_ = hn::Zero(kRays);
-    hit_base_ = hn::Zero(kWhole);
+    hit_.begin();
     back_k_ = real(-1);
     back_entry_ = hn::Zero(kWhole);
     if constexpr (kMode != RayMode::extreme) sums_.red = hn::Load(kRays, tile.red.data() + first);
@@ -108,7 +107,7 @@ class Packet {
     }
     // All lanes find their places together.
     if (kMode == RayMode::iso && !hn::AllFalse(kRays, hits_)) {
-      PacketHits<kIsWide, kHasCuts>(f_, lines_, hits_, hit_k_, hit_base_).light(sums_);
+      PacketHits<kIsWide, kHasCuts>(f_, lines_, hits_, hit_).light(sums_);
     }
     keep(waits_for);
     return taken_;
@@ -276,13 +275,6 @@ class Packet {
     return add_samples(taking, {k_, value_of(corner), base_}, corner, next);
   }
 
-  /// Samples of rays.
-  struct PacketSamples {
-    Reals k;
-    Reals value;
-    Wholes base;
-  };
-
   /// Modes extreme and iso. Returns what is next: of rays that have hit nothing.
   HWY_INLINE Reals add_samples(RayMask lanes, const PacketSamples& samples,
                                const Corners& corner, Reals next) {
@@ -295,8 +287,7 @@ class Packet {
       const RayMask inside = seen_of(
           f_, hn::And(lanes, hn::Ge(samples.value, real(f_.isovalue))), corner);
       hits_ = hn::Or(hits_, inside);
-      hit_k_ = hn::IfThenElse(inside, samples.k, hit_k_);
-      hit_base_ = hn::IfThenElse(of_wholes(inside), samples.base, hit_base_);
+      hit_.add(lanes, inside, samples);
       return hn::IfThenElse(inside, real(kRayDone), next);
     }
   }
@@ -386,6 +377,9 @@ class Packet {
     Wholes front_entry;
   };
 
+  /// Steps that rays take together until they look again where they are.
+  static constexpr int kStride = kMode == RayMode::extreme ? 2 : 1;
+
   HWY_INLINE void go_together(RayMask active) {
     CommonRays rays;
     rays.lower = k_;
@@ -405,31 +399,30 @@ class Packet {
     const float last = highest_of(hn::IfThenElse(joined, rays.end, real(-1)));
     rays.open = joined;
     CommonBrick brick;
+    StepBits steps;
     float k = first;
     while (k < last && !hn::AllFalse(kRays, rays.open)) {
-      float held = 0;
-      if constexpr (kMode == RayMode::extreme) {
-        held = lowest_of(hn::IfThenElse(rays.open, sums_.gathered, real(kRayDone)));
-      }
-      const PacketCells cells = course_.cells_around(k);
-      const int empty = course_.empty_shift(cells, held, kMode != RayMode::extreme);
-      if (empty != 0) {
-        k = std::max(k + 1, course_.last_within(cells, empty));
+      const float next = past_empty(rays, steps, k);
+      if (next > k) {
+        k = next;
         pass_samples(rays, k);
         continue;
       }
-      if (!course_.enter_common(cells, brick)) break;
-      if (!kIsWide && course_.has_nothing<kMode>(brick, cells)) {
-        k += kStride;
-        pass_samples(rays, k);
-        continue;
-      }
+      const bool stays = k + kStride <= brick.until;
+      if (!stays && !course_.enter_common(course_.cells_around(k, kStride), brick)) break;
       for (int i = 0; i < kStride; ++i) {
         step_together(rays, brick, k);
         k += 1;
       }
     }
     if (k > first) leave_together(rays, joined, k);
+  }
+
+  /// Where anything may be found from k on.
+  HWY_INLINE float past_empty(const CommonRays& rays, StepBits& steps, float k) const {
+    if constexpr (kMode != RayMode::extreme) return course_.next_occupied(k, steps);
+    const float held = lowest_of(hn::IfThenElse(rays.open, sums_.gathered, real(kRayDone)));
+    return course_.next_above(k, kStride, held);
   }
 
   /// Samples as far as k are nothing new.
@@ -502,7 +495,7 @@ class Packet {
                                 RayMask lanes) const {
 #ifdef OCTAVO_HAS_SAMPLE_BLOCKS
     if constexpr (!kIsWide) {
-      std::array<std::int32_t, 3> low;
+      BlockCell low;
       const RayMask beside = hn::And(lanes, hn::Ne(at, real(k)));
       if (hn::AllFalse(kRays, beside) && course_.find_block(brick, k, low)) {
         return value_at(block_at(f_.bricks, course_.block_begin(brick, low)),
@@ -517,7 +510,7 @@ class Packet {
                                         RayMask lanes) const {
 #ifdef OCTAVO_HAS_SAMPLE_BLOCKS
     if constexpr (!kIsWide) {
-      std::array<std::int32_t, 3> low;
+      BlockCell low;
       const RayMask beside = hn::And(lanes, hn::Ne(at, real(k)));
       const bool is_short = f_.has_cell_gradients || f_.bricks.has_short_differences;
       if (is_short && hn::AllFalse(kRays, beside) && course_.find_block(brick, k, low)) {
@@ -571,8 +564,7 @@ class Packet {
   Reals back_k_;         // samples whose entries are known
   Wholes back_entry_;
   RayMask hits_;
-  Reals hit_k_;
-  Wholes hit_base_;
+  PacketHit hit_;
   PacketSums sums_;
 };
 

@@ -264,10 +264,7 @@ void TransferTable::add(const SteppedTransfer& stepped, const Rescale& rescale,
 }
 
 ColorTable TransferTable::table() const {
-  ColorTable table{opacities_.data(), colors_.data(), pieces_};
-  // Of several functions one alone says nothing.
-  if (seen_before_.size() == ColorTable::kSide + 1) table.seen_before = seen_before_.data();
-  return table;
+  return {opacities_.data(), colors_.data(), pieces_};
 }
 
 double TransferTable::value_at(double entry) const {

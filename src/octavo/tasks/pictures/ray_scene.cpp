@@ -463,7 +463,8 @@ class RayScene final : public RenderScene {
   }
 
   void set_bounds() {
-    bricks_.set_bounds([this](float lowest, float highest, LookSet looks) {
+    const bool has_cells = mode_ == RayMode::iso || mode_ == RayMode::volume;
+    const auto bound_of = [this](float lowest, float highest, LookSet looks) {
       const float most = sign_ > 0 ? highest : -lowest;
       switch (mode_) {
         case RayMode::extreme:
@@ -472,7 +473,8 @@ class RayScene final : public RenderScene {
         case RayMode::mean: return looks != 0 ? 1.0f : 0.0f;
         default: return has_values_ && is_any_seen(lowest, highest, looks) ? 1.0f : 0.0f;
       }
-    });
+    };
+    bricks_.set_bounds(LookBoundOf(bound_of), has_cells);
   }
 
   bool is_any_seen(float lowest, float highest, LookSet looks) const {

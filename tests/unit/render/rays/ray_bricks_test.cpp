@@ -111,8 +111,8 @@ TEST_F(LoadedBricks, OfWhatNoRayComesToOnlyTheNeighborsPartIsRead) {
 
 TEST_F(LoadedBricks, ThatRaysHaveNotComeToForTheLongestTimeMakeRoom) {
   // Memory for four.
-  const std::uint64_t of_one = 21 * 21 * 21 * 2 + 64 * 12 + 8 * 4;
-  RayBricks few(source_, {4, 4 * of_one + 18 * 8 + 100});
+  const std::uint64_t of_one = 21 * 21 * 21 * 2 + 64 * 12 + 8 * 4 + 16 * 16 * 16 / 8;
+  RayBricks few(source_, {4, 4 * of_one + 18 * 12 + 100});
   ASSERT_EQ(few.capacity(), 4u);
   few.load(std::vector<std::int32_t>{0, 1, 2, 3});
   const auto use = [&](std::int32_t brick) {
