@@ -422,10 +422,15 @@ class Messages(cli_test.InFolder):
             self.assertIn(name, told)
 
     def test_a_mask_of_which_nothing_is_left_is_told_of(self):
+        (self.folder / "away.txt").write_text("1 0 0 0\n0 1 0 -17\n0 0 1 0\n0 0 0 1\n")
         for told, arguments in [
             ("x.8vo: is empty; no voxel of m.8vo is left", ["erode", "m.8vo", "--voxels", "9"]),
             ("m.8vo: a shift by 0,-18,0 moves all of its 20 x 18 x 12 voxels out of the grid",
              ["transform", "m.8vo", "--shift", "0,-18,0"]),
+            ("x.8vo: is empty; no labeled voxel of m.8vo is left in the grid",
+             ["transform", "m.8vo", "--shift", "0,-17,0"]),
+            ("x.8vo: is empty; no labeled voxel of m.8vo is left in the grid",
+             ["transform", "m.8vo", "--affine", "away.txt"]),
         ]:
             self.expect_error(7, [told], *arguments, "-o", "x.8vo", "--strict")
             said = self.said(*arguments, "-o", "x.8vo", "-q").stderr

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <memory>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "octavo/core/error.h"
@@ -60,14 +62,27 @@ bool is_for_mask_tree(const FileReader& reader, const TransformPlan& plan) {
          range.min >= 0 && range.max <= 1;
 }
 
+/// Whether labels can be lost without a word: where the grids do not meet a warning was given.
+bool may_lose_labels(const FileReader& reader, const TransformPlan& plan) {
+  const ValueRange range = reader.range();
+  return reader.description().kind == VolumeKind::labels && !plan.is_apart &&
+         (range.min != 0 || range.max != 0);
+}
+
+void warn_of_no_labels(const TransformOptions& options, const TaskContext& context) {
+  context.warn(options.output.path + ": is empty; no labeled voxel of " + options.input +
+               " is left in the grid");
+}
+
 MaskTree moved_mask(const FileReader& reader, const TransformPlan& plan,
-                    const TaskContext& context) {
+                    const TransformOptions& options, const TaskContext& context) {
   constexpr ValueWindow kInside = {1, 1};
   MaskTree mask = read_mask(reader, 0, {&kInside, 1}, context);
   context.on_threads([&] {
     if (plan.turn != AxisTurn{}) mask = turned(mask, plan.turn);
     mask = shifted(mask, plan.shift);
   });
+  if (mask.is_empty() && may_lose_labels(reader, plan)) warn_of_no_labels(options, context);
   return mask;
 }
 
@@ -84,26 +99,45 @@ std::uint64_t write_moved_mask(const FileReader& reader, const TransformPlan& pl
     coding.preset = "fast";
     volume.metadata.set_coding(coding);
   }
-  return write_described_mask(moved_mask(reader, plan, context), volume, options.output,
+  return write_described_mask(moved_mask(reader, plan, options, context), volume, options.output,
                               "transform", context)
       .file_bytes;
 }
 
+/// Voxels of the new grid.
+FillBox resampled_boxes(std::shared_ptr<const FileReader> reader, const TransformPlan& plan,
+                        const TaskContext& context) {
+  auto resampler = std::make_shared<const Resampler>(*reader, plan.level, plan.to_source,
+                                                     plan.interpolation, plan.outside);
+  return [reader, resampler, context](const Box& box, std::byte* voxels) {
+    context.on_threads([&] { resampler->fill(box, voxels); });
+  };
+}
+
+/// The same boxes, from the first plane to the last; warns at the end where none has a label.
+FillBox boxes_with_labels(FillBox fill, const VolumeDescription& volume,
+                          const TransformOptions& options, const TaskContext& context) {
+  const auto voxel_bytes = static_cast<std::size_t>(bytes_per_voxel(volume.type));
+  return [fill = std::move(fill), voxel_bytes, planes = volume.size.z, options, context,
+          has_label = false](const Box& box, std::byte* voxels) mutable {
+    fill(box, voxels);
+    const std::span<const std::byte> bytes(
+        voxels, static_cast<std::size_t>(box.size().voxel_count()) * voxel_bytes);
+    const auto is_label = [](std::byte part) { return part != std::byte{0}; };
+    has_label = has_label || std::any_of(bytes.begin(), bytes.end(), is_label);
+    if (!has_label && box.hi.z == planes) warn_of_no_labels(options, context);
+  };
+}
+
 /// The planes of the new volume.
-ComputedVolume computed_planes(std::shared_ptr<const FileReader> reader, const TransformPlan& plan,
-                               const VolumeDescription& volume, const TransformOptions& options,
-                               const TaskContext& context) {
+ComputedVolume computed_planes(FillBox fill, const VolumeDescription& volume,
+                               const TransformOptions& options) {
   BuildOptions build{.kind = volume.kind,
                      .preset = options.preset,
                      .max_error = options.max_error,
                      .has_thumbnail = options.output.has_thumbnail,
                      .is_resumable = false};
-  auto resampler = std::make_shared<const Resampler>(*reader, plan.level, plan.to_source,
-                                                     plan.interpolation, plan.outside);
-  const auto fill = [reader, resampler, context](const Box& box, std::byte* voxels) {
-    context.on_threads([&] { resampler->fill(box, voxels); });
-  };
-  return {make_computed_source(volume, fill, planes_at_once(volume)), build};
+  return {make_computed_source(volume, std::move(fill), planes_at_once(volume)), build};
 }
 
 std::uint64_t write_voxels(const std::shared_ptr<const FileReader>& reader,
@@ -113,7 +147,11 @@ std::uint64_t write_voxels(const std::shared_ptr<const FileReader>& reader,
   if (is_for_mask_tree(*reader, plan)) {
     return write_moved_mask(*reader, plan, volume, options, context);
   }
-  const ComputedVolume computed = computed_planes(reader, plan, volume, options, context);
+  FillBox fill = resampled_boxes(reader, plan, context);
+  if (may_lose_labels(*reader, plan)) {
+    fill = boxes_with_labels(std::move(fill), volume, options, context);
+  }
+  const ComputedVolume computed = computed_planes(std::move(fill), volume, options);
   const BuildOptions build =
       build_options_for(context, options.output, "transform", computed.build);
   require_room_for(volume, build,
@@ -134,19 +172,6 @@ void require_bound(const TransformOptions& options) {
   if (options.max_error >= 0) return;
   throw Error(ErrorKind::invalid_argument, "the max error must not be negative")
       .with_field("max_error");
-}
-
-bool is_unlabeled(const ValueRange& range) { return range.min == 0 && range.max == 0; }
-
-/// Warns where the grids meet and still every labeled voxel has left, which a label that stands for
-/// what comes from outside would hide.
-void warn_if_emptied(const FileReader& input, const TransformPlan& plan,
-                     const TransformOptions& options, const TaskContext& context) {
-  const bool is_labels = input.description().kind == VolumeKind::labels;
-  if (!is_labels || plan.is_apart || is_unlabeled(input.range())) return;
-  if (!is_unlabeled(open_volume(options.output.path, context)->range())) return;
-  context.warn(options.output.path + ": is empty; no labeled voxel of " + options.input +
-               " is left in the grid");
 }
 
 }  // namespace
@@ -184,7 +209,7 @@ ComputedVolume transformed_planes(const TransformOptions& asked, const TaskConte
   }
   const VolumeDescription volume = new_description(reader, plan);
   context.require_voxels(volume.size, options.input);
-  return computed_planes(reader, plan, volume, options, context);
+  return computed_planes(resampled_boxes(reader, plan, context), volume, options);
 }
 
 TransformResult transform(const TransformOptions& asked, const TaskContext& context) {
@@ -206,7 +231,6 @@ TransformResult transform(const TransformOptions& asked, const TaskContext& cont
           ? copy_described(open_input(options.input, context), result.volume, local_storage(),
                            options.output.path, options.output.overwrite, context.watcher())
           : write_voxels(reader, plan, result.volume, options, context);
-  if (!result.is_copied) warn_if_emptied(*reader, plan, options, context);
   return result;
 }
 
