@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "octavo/threads/forked.h"
+
 namespace octavo {
 
 namespace {
@@ -67,13 +69,17 @@ class LentArena {
 
 }  // namespace
 
-int arena_threads() { return tbb::this_task_arena::max_concurrency(); }
+int arena_threads() { return has_threads() ? tbb::this_task_arena::max_concurrency() : 1; }
 
 void run_in_arena(int threads, const std::function<void()>& work) {
+  if (!has_threads()) return work();
   const LentArena arena(threads > 0 ? threads : tbb::task_arena::automatic);
   (*arena).execute(work);
 }
 
-void run_isolated(const std::function<void()>& work) { tbb::this_task_arena::isolate(work); }
+void run_isolated(const std::function<void()>& work) {
+  if (!has_threads()) return work();
+  tbb::this_task_arena::isolate(work);
+}
 
 }  // namespace octavo
