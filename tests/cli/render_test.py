@@ -113,6 +113,36 @@ class Pictures(cli_test.InFolder):
         lowest = bottom - int(8 / pixel)
         self.assertNotEqual(rows[lowest][right - 2], (0, 0, 0))
 
+    def test_the_level_moves_nothing_in_the_picture(self):
+        # A corner of 36 x 29 mm that reaches three faces; no side is a multiple of 2.
+        size = (53, 45, 49)
+        value = lambda x, y, z: min(8 * x - 140, 8 * z - 164)
+        values = [value(x, y, z) for z in range(size[2]) for y in range(size[1])
+                  for x in range(size[0])]
+        # Every value that is a mean of these is there: outside in a row, and deep inside.
+        for i in range(21):
+            values[i] = 8 * i - 160
+        for i in range(34):
+            values[(40 * size[1] + 22) * size[0] + 19 + i] = 8 * i + 8
+        (self.folder / "w.raw").write_bytes(struct.pack(f"<{len(values)}h", *values))
+        self.expect(0, "build", "w.raw", "--raw", "53,45,49,int16", "--spacing", "1,1,1", "-o",
+                    "w.8vo", "-q")
+        asked = ["w.8vo", "--direction", "front", "--size", "200x170", "--isovalue", "0", "--mode",
+                 "iso"]
+        for more in ([], ["--perspective", "20"], ["--cut", "z>44"]):
+            made, rows = self.render("p.png", *asked, "--level", "0", *more)
+            first = self.extent(rows)[:4]
+            for level in ("1", "2", "3"):
+                coarse, rows = self.render("p.png", *asked, "--level", level, *more)
+                self.assertEqual(coarse["level"], int(level))
+                self.assertAlmostEqual(coarse["pixel_mm"], made["pixel_mm"], places=12)
+                for here, there in zip(self.extent(rows)[:4], first):
+                    self.assertLessEqual(abs(here - there), 1, (level, more))
+        for mode in ("mip", "volume", "transparency"):
+            scales = {self.render("m.png", "w.8vo", "--mode", mode, "--level", level)[0]["pixel_mm"]
+                      for level in ("0", "2")}
+            self.assertEqual(len(scales), 1, mode)
+
     def test_ranges_have_colors_of_their_own(self):
         _, one = self.render("a.png", "v.8vo", "--range", "40:", "--size", "100", "--fade", "0")
         made, two = self.render("b.png", "v.8vo", "--range", "40:50", "--range", "30:90", "--size",

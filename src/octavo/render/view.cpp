@@ -175,8 +175,25 @@ double fitting_pixel_mm(const Geometry& geometry, const Box& shown, const Viewpo
          kFilledShare;
 }
 
+Point3 middle_of(const Box& voxels) {
+  Point3 middle;
+  for (int axis = 0; axis < 3; ++axis) {
+    middle[static_cast<std::size_t>(axis)] =
+        static_cast<double>(voxels.lo[axis] + voxels.hi[axis]) / 2;
+  }
+  return middle;
+}
+
 View make_view(const Geometry& geometry, const Size3& size, const Box& shown,
                const Viewpoint& viewpoint, const ViewFrame& frame) {
+  ViewFrame scaled = frame;
+  scaled.pixel_mm =
+      frame.pixel_mm.value_or(fitting_pixel_mm(geometry, shown, viewpoint, frame));
+  return view_around(geometry, size, middle_of(shown), viewpoint, scaled);
+}
+
+View view_around(const Geometry& geometry, const Size3& size, const Point3& middle,
+                 const Viewpoint& viewpoint, const ViewFrame& frame) {
   check_frame(frame);
   View view;
   view.width = frame.width;
@@ -184,8 +201,8 @@ View make_view(const Geometry& geometry, const Size3& size, const Box& shown,
   view.right = right_of(viewpoint);
   view.up = viewpoint.up;
   view.toward = viewpoint.toward;
-  view.pixel_mm =
-      frame.pixel_mm.value_or(fitting_pixel_mm(geometry, shown, viewpoint, frame)) / frame.zoom;
+  view.middle = middle;
+  view.pixel_mm = frame.pixel_mm.value() / frame.zoom;
 
   // Project the axes, and put the middle of what is shown into the middle of the picture.
   std::array<Spot, 3> axes;
@@ -195,7 +212,7 @@ View make_view(const Geometry& geometry, const Size3& size, const Box& shown,
     Spot& spot = axes[static_cast<std::size_t>(axis)];
     spot = {dot(step, view.right) / view.pixel_mm, -dot(step, view.up) / view.pixel_mm,
             dot(step, view.toward) / view.pixel_mm};
-    origin = origin.plus(spot, -static_cast<double>(shown.lo[axis] + shown.hi[axis]) / 2);
+    origin = origin.plus(spot, -middle[static_cast<std::size_t>(axis)]);
   }
 
   // Round, as finely as the numbers allow.

@@ -84,6 +84,7 @@ struct View {
   Point3 right{};  ///< unit vectors in world space
   Point3 up{};
   Point3 toward{};
+  Point3 middle{};  ///< of the picture, as corners of voxels are counted
   int fraction_bits = 1;          ///< at least 1: the middle of a pixel is a whole number
   Place origin;                   ///< of the lowest corner of voxel (0, 0, 0)
   std::array<Place, 3> axes;      ///< one voxel along each index axis
@@ -97,6 +98,16 @@ struct View {
 /// The side of a pixel with which a box of voxels fits a picture, mm.
 double fitting_pixel_mm(const Geometry& geometry, const Box& shown, const Viewpoint& viewpoint,
                         const ViewFrame& frame);
+
+/// The middle of a box, as corners of voxels are counted.
+Point3 middle_of(const Box& voxels);
+
+/// Looks at a volume of `size` voxels; the place `middle`, between its corners (i, j, k), is the
+/// picture's middle.
+/// frame  with the side of its pixels
+/// Throws as make_view
+View view_around(const Geometry& geometry, const Size3& size, const Point3& middle,
+                 const Viewpoint& viewpoint, const ViewFrame& frame);
 
 /// Looks at a volume of `size` voxels; the middle of `shown`, a box in it, is the picture's middle.
 /// Throws Error{invalid_argument} on a frame without pixels, with sides above kLongestSide or a

@@ -52,13 +52,16 @@ std::array<float, 3> floats(const Point3& p) {
   return {static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])};
 }
 
-/// Half of what a box reaches towards the viewer, pixels.
-double half_depth(const View& view, const Box& shown) {
+/// How far a box reaches from the middle of the picture towards the viewer, pixels.
+double depth_before(const View& view, const Box& shown) {
   const double units = std::ldexp(1.0, view.fraction_bits);
+  const Point3 middle = middle_of(shown);
   double depth = 0;
   for (int axis = 0; axis < 3; ++axis) {
-    depth += std::abs(static_cast<double>(view.axes[static_cast<std::size_t>(axis)].depth)) *
-             static_cast<double>(shown.size()[axis]) / units / 2;
+    const auto i = static_cast<std::size_t>(axis);
+    const auto step = static_cast<double>(view.axes[i].depth);
+    depth += std::abs(step) * static_cast<double>(shown.size()[axis]) / units / 2 +
+             step * (middle[i] - view.middle[i]) / units;
   }
   return depth;
 }
@@ -85,12 +88,11 @@ void set_camera(RayFrame& frame, const RayCamera& camera) {
   const double step_pixels = camera.step_mm / view.pixel_mm;
   frame.step_pixels = static_cast<float>(step_pixels);
 
-  // An eye looks at the middle of the box, or the image plane lies half a step before it: each
+  // An eye looks at the middle of the picture, or the image plane lies half a step before it: each
   // sample stands in the middle of the step that it stands for.
   Point3 middle;
   for (int axis = 0; axis < 3; ++axis) {
-    middle[static_cast<std::size_t>(axis)] =
-        static_cast<double>(camera.shown.lo[axis] + camera.shown.hi[axis] - 1) / 2;
+    middle[static_cast<std::size_t>(axis)] = view.middle[static_cast<std::size_t>(axis)] - 0.5;
     frame.low[static_cast<std::size_t>(axis)] = static_cast<float>(camera.shown.lo[axis]) - 0.5f;
     frame.high[static_cast<std::size_t>(axis)] = static_cast<float>(camera.shown.hi[axis]) - 0.5f;
   }
@@ -106,7 +108,7 @@ void set_camera(RayFrame& frame, const RayCamera& camera) {
     frame.direction_down = floats(steps.down);
   } else {
     frame.eye_pixels = 0;
-    const double depth = half_depth(view, camera.shown) + step_pixels / 2;
+    const double depth = depth_before(view, camera.shown) + step_pixels / 2;
     frame.origin = floats(sum(middle, scaled(steps.toward, depth)));
     frame.origin_across = floats(steps.across);
     frame.origin_down = floats(steps.down);

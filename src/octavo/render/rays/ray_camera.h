@@ -8,7 +8,7 @@ namespace octavo {
 
 struct RayCamera {
   View view;
-  Box shown;  ///< the voxels that rays cross; its middle is the picture's
+  Box shown;  ///< the voxels that rays cross
   /// Angle from the top to the bottom of the picture, seen from an eye; 0: rays are parallel.
   double angle_degrees = 0;
   double step_mm = 1;  ///< from sample to sample

@@ -1,6 +1,7 @@
 #include "octavo/render/rays/ray_regions.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
 namespace octavo {
@@ -87,6 +88,30 @@ RayRegion region_of(const Box& voxels) {
   region.whole_low = region.low;
   region.whole_high = region.high;
   return region;
+}
+
+RayRegion region_at_level(const Box& voxels, const Levels& levels, int level) {
+  RayRegion region;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto i = static_cast<std::size_t>(axis);
+    const int halvings = levels.halving_count(level, axis);
+    region.low[i] = std::ldexp(static_cast<float>(voxels.lo[axis]), -halvings) - 0.5f;
+    region.high[i] = std::ldexp(static_cast<float>(voxels.hi[axis]), -halvings) - 0.5f;
+  }
+  region.whole_low = region.low;
+  region.whole_high = region.high;
+  return region;
+}
+
+RayRegion region_within(const RayRegion& region, const RayRegion& outer) {
+  RayRegion part = region;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    part.low[axis] = std::max(region.low[axis], outer.low[axis]);
+    part.high[axis] = std::min(region.high[axis], outer.high[axis]);
+    part.whole_low[axis] = std::max(region.whole_low[axis], outer.low[axis]);
+    part.whole_high[axis] = std::min(region.whole_high[axis], outer.high[axis]);
+  }
+  return part;
 }
 
 KeptVoxels::KeptVoxels(const Box& kept, std::span<const Box> removed, const Size3& size) {

@@ -11,11 +11,12 @@
 #include <vector>
 
 #include "octavo/core/box.h"
+#include "octavo/core/levels.h"
 #include "octavo/render/rays/ray_job.h"
 
 namespace octavo {
 
-/// A box in samples; its faces are those of voxels where it ends at n - 0.5.
+/// A box in samples; its faces are those of samples where it ends at n - 0.5.
 struct RayRegion {
   std::array<float, 3> low{};
   std::array<float, 3> high{};
@@ -29,6 +30,12 @@ struct RayRegion {
 
 /// The voxels of a box.
 RayRegion region_of(const Box& voxels);
+
+/// A box of voxels of level 0, in samples of another level.
+RayRegion region_at_level(const Box& voxels, const Levels& levels, int level);
+
+/// What of a region lies in another one.
+RayRegion region_within(const RayRegion& region, const RayRegion& outer);
 
 /// What rays of the voxels of a box without others take no values from, boxes of a grid.
 class KeptVoxels {

@@ -134,6 +134,16 @@ class CubeScene final : public RenderScene {
 
   Box shown() const override { return shown_; }
 
+  Box fitted() const override {
+    Box voxels;
+    for (int axis = 0; axis < 3; ++axis) {
+      const int halvings = reader_->levels().halving_count(options_.level.value_or(0), axis);
+      voxels.lo[axis] = shown_.lo[axis] << halvings;
+      voxels.hi[axis] = shown_.hi[axis] << halvings;
+    }
+    return intersection(voxels, kept_box(options_.cuts, *reader_, 0));
+  }
+
   Picture draw(const View& view, const Color& background) override {
     std::vector<PaintedMask> masks;
     for (const ScenePart& part : parts_) masks.push_back({&part.tree, part.color});

@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -29,8 +28,6 @@
 namespace octavo {
 
 namespace {
-
-using SceneClock = std::chrono::steady_clock;
 
 /// Gradients below so many shares of the colored values are soft.
 constexpr double kSoftShare = 0.02;
@@ -114,7 +111,7 @@ class RayScene final : public RenderScene {
         removed_(removed_boxes(options, *reader)),
         geometry_(reader->levels().geometry(reader->description().geometry, level_)),
         has_values_(has_finite_voxels(*reader)),
-        meshes_(options, geometry_, shown_, context),
+        meshes_(options, reader->description().geometry, fitted(), context),
         looks_(make_looks(options, *reader, level_, context)),
         source_(reader, level_),
         bricks_(source_, brick_options(options, meshes_, looks_.get(), context)) {
@@ -140,6 +137,7 @@ class RayScene final : public RenderScene {
   }
 
   Box shown() const override { return shown_; }
+  Box fitted() const override { return kept_box(asked_.cuts, *reader_, 0); }
   void grow_to(std::int64_t planes) override { grown_.hi.z = planes; }
 
   Picture draw(const View& view, const Color& background) override {
@@ -161,7 +159,7 @@ class RayScene final : public RenderScene {
 
     const KeptVoxels kept(grown_, removed_, reader_->levels().size(level_));
     frame.cuts = kept.cuts();
-    const RayRegion grown = region_of(grown_);
+    const RayRegion grown = region(grown_);
     frame.low = grown.low;
     frame.high = grown.high;
     if (light_) context_.on_threads([&] { set_shade(frame, view); });
@@ -341,9 +339,15 @@ class RayScene final : public RenderScene {
                                           : std::uint64_t{1} << 30;
   }
 
+  /// What is shown ends where it does on level 0, not where samples of the level do.
+  RayRegion region(const Box& samples) const {
+    return region_within(region_of(samples),
+                         region_at_level(fitted(), reader_->levels(), level_));
+  }
+
   std::vector<RayRegion> regions(const RayFrame& frame) const {
     std::vector<RayRegion> regions;
-    for (const Box& box : without_boxes(grown_, removed_)) regions.push_back(region_of(box));
+    for (const Box& box : without_boxes(grown_, removed_)) regions.push_back(region(box));
     return front_to_back(std::move(regions), frame);
   }
 

@@ -284,7 +284,6 @@ class Series {
          std::size_t count)
       : scene_(scene), reader_(reader), options_(options), frame_(frame_of(options)) {
     const VolumeDescription& volume = reader.description();
-    geometry_ = reader.levels().geometry(volume.geometry, *options.level);
     const Viewpoint first = viewpoint_of(options.view, volume.geometry);
     for (std::size_t i = 0; i < count; ++i) {
       const double degrees = 360 * static_cast<double>(i) / static_cast<double>(count);
@@ -292,7 +291,7 @@ class Series {
       // The scale at which the largest fits.
       frame_.pixel_mm =
           std::max(frame_.pixel_mm.value_or(0),
-                   fitting_pixel_mm(geometry_, scene.shown(), viewpoints_.back(), frame_));
+                   fitting_pixel_mm(volume.geometry, scene.fitted(), viewpoints_.back(), frame_));
     }
   }
 
@@ -322,8 +321,15 @@ class Series {
 
  private:
   View view_in(std::size_t number, const ViewFrame& frame) const {
-    return make_view(geometry_, reader_.levels().size(*options_.level), scene_.shown(),
-                     viewpoints_[number], frame);
+    const Levels& levels = reader_.levels();
+    const int level = *options_.level;
+    Point3 middle = middle_of(scene_.fitted());
+    for (int axis = 0; axis < 3; ++axis) {
+      double& at = middle[static_cast<std::size_t>(axis)];
+      at = std::ldexp(at, -levels.halving_count(level, axis));
+    }
+    return view_around(levels.geometry(reader_.description().geometry, level), levels.size(level),
+                       middle, viewpoints_[number], frame);
   }
 
   void grow(std::size_t number) const {
@@ -339,7 +345,6 @@ class Series {
   const FileReader& reader_;
   const RenderOptions& options_;
   ViewFrame frame_;
-  Geometry geometry_;
   std::vector<Viewpoint> viewpoints_;
 };
 

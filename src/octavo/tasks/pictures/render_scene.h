@@ -33,8 +33,11 @@ struct PlacedText {
 class RenderScene {
  public:
   virtual ~RenderScene() = default;
-  /// The samples of the level that the picture is fitted to.
+  /// The samples of the level that are drawn.
   virtual Box shown() const = 0;
+  /// The voxels of level 0 that the picture is fitted to. Of rays and transparency they are the
+  /// same on all levels.
+  virtual Box fitted() const = 0;
   /// The viewpoint nearest to `viewpoint` from which the scene can be drawn.
   virtual Viewpoint seen_from(const Viewpoint& viewpoint) const { return viewpoint; }
   /// Draws one picture of three channels, without annotations.

@@ -64,6 +64,8 @@ class TransparencyScene final : public RenderScene {
     return options_.kept.value_or(box_of(reader_->levels().size(options_.level)));
   }
 
+  Box fitted() const override { return kept_box(asked_.cuts, *reader_, 0); }
+
   void grow_to(std::int64_t planes) override {
     if (!options_.kept) options_.kept = shown();
     options_.kept->hi.z = planes;

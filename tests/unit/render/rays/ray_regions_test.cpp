@@ -47,6 +47,21 @@ TEST(RayRegions, WhatIsLeftOfABoxIsEveryVoxelOnce) {
   }
 }
 
+TEST(RayRegions, VoxelsOfLevel0EndBetweenSamplesOfOthers) {
+  // The last sample of level 2 stands for one voxel along x, for two along y; z is halved once.
+  const Levels levels({41, 30, 8}, {3, 7, 7, 7, 7, 3});
+  const RayRegion all = region_at_level(box_of(levels.size(0)), levels, 2);
+  EXPECT_EQ(all.low, (std::array<float, 3>{-0.5f, -0.5f, -0.5f}));
+  EXPECT_EQ(all.high, (std::array<float, 3>{9.75f, 7, 3.5f}));
+  const RayRegion inner = region_at_level({{6, 8, 1}, {41, 30, 3}}, levels, 2);
+  EXPECT_EQ(inner.low, (std::array<float, 3>{1, 1.5f, 0}));
+  const RayRegion part = region_within(region_of({{0, 0, 0}, {11, 4, 4}}), inner);
+  EXPECT_EQ(part.low, inner.low);
+  EXPECT_EQ(part.high, (std::array<float, 3>{9.75f, 3.5f, 1}));
+  EXPECT_EQ(part.whole_high, part.high);
+  EXPECT_EQ(region_at_level({{2, 3, 4}, {9, 9, 9}}, levels, 0), region_of({{2, 3, 4}, {9, 9, 9}}));
+}
+
 TEST(RayRegions, EmptyBoxesTakeNothingAway) {
   const Size3 size = {10, 9, 8};
   const std::vector<Box> removed = {{{3, 0, 0}, {3, 9, 8}}, {{2, 4, 4}, {5, 4, 6}}};
