@@ -9,12 +9,15 @@
 #include "octavo/core/error.h"
 #include "octavo/core/text.h"
 #include "octavo/mesh/formats/mesh_readers.h"
+#include "octavo/mesh/formats/polygon_triangles.h"
 
 namespace octavo {
 
 namespace {
 
 constexpr std::string_view kWordEnds = " \t\r\v\f";
+/// Of polygons while their triangles are found.
+constexpr std::uint64_t kCornerBytes = 80;
 constexpr std::uint64_t kMostMeshPoints = std::numeric_limits<std::uint32_t>::max();
 
 bool is_before(const MeshPoint& a, const MeshPoint& b) { return a < b; }
@@ -89,12 +92,18 @@ void MeshGrowth::add_point(double x, double y, double z) {
 }
 
 void MeshGrowth::add_polygon(const std::vector<std::uint32_t>& corners) {
-  for (std::size_t i = 2; i < corners.size(); ++i) {
+  const auto add = [&](const MeshTriangle& triangle) {
     if (mesh_.triangles.size() == mesh_.triangles.capacity()) {
       require_room(3 * mesh_.memory_bytes());
     }
-    mesh_.triangles.push_back({corners[0], corners[i - 1], corners[i]});
+    mesh_.triangles.push_back(triangle);
+  };
+  if (corners.size() == 3) {
+    add({corners[0], corners[1], corners[2]});
+    return;
   }
+  require_room(mesh_.memory_bytes() + kCornerBytes * corners.size());
+  for (const MeshTriangle& triangle : polygon_triangles(mesh_.points, corners)) add(triangle);
 }
 
 void MeshGrowth::weld() {

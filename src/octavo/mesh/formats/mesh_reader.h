@@ -34,8 +34,8 @@ bool is_mesh_readable(MeshFormat format);
 /// ".stl, .ply or .obj"
 const char* readable_mesh_endings();
 
-/// Reads a mesh. Polygons of more than three corners become fans of triangles; points of STL that
-/// are equal become one.
+/// Reads a mesh. Polygons become triangles, concave ones as well (polygon_triangles.h); points of
+/// STL that are equal become one.
 /// most_bytes  of memory for the mesh and what reading it takes, besides `bytes`
 /// Requires a format that is_mesh_readable.
 /// Throws  as the table above says

@@ -54,7 +54,7 @@ class MeshGrowth {
 
   /// Throws Error{source_rejected} and Error{limit_exceeded}
   void add_point(double x, double y, double z);
-  /// A fan of triangles around the first corner; of fewer than three corners nothing.
+  /// The triangles of polygon_triangles.h; of fewer than three corners nothing.
   /// Requires corners that are points. Throws Error{limit_exceeded}
   void add_polygon(const std::vector<std::uint32_t>& corners);
   /// Makes points that are equal one.

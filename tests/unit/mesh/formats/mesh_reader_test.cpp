@@ -115,6 +115,13 @@ TEST(MeshReader, ObjCountsCornersFromBothEnds) {
   EXPECT_EQ(reading.space, MeshSpace::ras);
 }
 
+TEST(MeshReader, ConcavePolygonsAreFilledAsTheyAre) {
+  // 400 of the square millimeters of a chevron; a fan would fill 800.
+  const MeshReading obj = read_text(MeshFormat::obj,
+                                    "v -20 0 -20\nv 20 0 0\nv -20 0 20\nv 0 0 0\nf 1 2 3 4\n");
+  EXPECT_EQ(obj.mesh.triangles, (std::vector<MeshTriangle>{{1, 2, 3}, {3, 0, 1}}));
+}
+
 TEST(MeshReader, WhatIsNoMeshIsRejected) {
   const std::string ply = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n"
                           "property float y\nproperty float z\nelement face 1\n"

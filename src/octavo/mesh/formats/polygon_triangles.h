@@ -1,0 +1,32 @@
+// Polygons of any shape as triangles.
+//
+// What is convex becomes a fan around its first corner. Of others ears are cut off, one after the
+// other: corners whose triangle lies inside and holds no other corner.
+//
+//     1---2        A fan around 1 would have the triangle 1 4 5, outside the polygon:
+//     | 4 |        the dent at 4 belongs to none of its own. The ears are 2 and 5.
+//     |/ \|
+//     5   3
+//
+// Invariants
+//   n corners give n - 2 triangles that turn as the polygon does, and each side of the polygon is
+//   one of theirs.
+//   Polygons that are not flat are seen along their normal, the sum of cross products of sides.
+//   What crosses itself has no right answer: where no ear is left the rest is a fan.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "octavo/core/triangle_mesh.h"
+
+namespace octavo {
+
+/// The triangles of a polygon.
+/// corners  numbers of points; fewer than three give nothing
+/// Throws Error{limit_exceeded} on one that is not convex with more than 2^16 corners
+std::vector<MeshTriangle> polygon_triangles(std::span<const MeshPoint> points,
+                                            std::span<const std::uint32_t> corners);
+
+}  // namespace octavo
