@@ -42,7 +42,6 @@ void DicomElements::set_fragments(const std::vector<std::string>& fragments, boo
     if (has_table) table += u32(static_cast<std::uint32_t>(all.size()));
     all += tag_bytes(0xfffee000) + u32(static_cast<std::uint32_t>(fragment.size())) + fragment;
   }
-  constexpr std::uint32_t kPixelData = 0x7fe00010;
   elements_[kPixelData] = tag_bytes(kPixelData) + "OB" + std::string(2, '\0') + u32(0xffffffffU) +
                           tag_bytes(0xfffee000) + u32(static_cast<std::uint32_t>(table.size())) +
                           table + all + tag_bytes(0xfffee0dd) + u32(0);

@@ -8,6 +8,11 @@
 
 namespace octavo::testing {
 
+// Tags that many tests set, (group << 16) | element.
+inline constexpr std::uint32_t kIntercept = 0x00281052;  // the rescale's
+inline constexpr std::uint32_t kSlope = 0x00281053;
+inline constexpr std::uint32_t kPixelData = 0x7fe00010;
+
 /// The explicit elements of a data set; setting one again replaces it.
 class DicomElements {
  public:

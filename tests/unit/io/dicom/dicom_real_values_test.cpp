@@ -9,10 +9,7 @@ namespace octavo::testing {
 namespace {
 
 constexpr std::uint32_t kModality = 0x00080060;
-constexpr std::uint32_t kIntercept = 0x00281052;
-constexpr std::uint32_t kSlope = 0x00281053;
 constexpr std::uint32_t kPadding = 0x00280120;
-constexpr std::uint32_t kPixelData = 0x7fe00010;
 
 /// A slice of 5 x 3 voxels of 16 bits at each of the heights 0, 2, 4 ..., with a slope each.
 void write_slopes(const TempFolder& folder, DicomElements (*start)(std::uint16_t, double),

@@ -11,12 +11,9 @@ namespace octavo::testing {
 namespace {
 
 constexpr std::uint32_t kFrames = 0x00280008;
-constexpr std::uint32_t kIntercept = 0x00281052;
-constexpr std::uint32_t kSlope = 0x00281053;
 constexpr std::uint32_t kModalityTable = 0x00283000;
 constexpr std::uint32_t kDoseOffsets = 0x3004000c;
 constexpr std::uint32_t kDoseScaling = 0x3004000e;
-constexpr std::uint32_t kPixelData = 0x7fe00010;
 
 void expect_words(const std::string& text, const std::vector<std::string>& words) {
   for (const std::string& word : words) {

@@ -8,8 +8,6 @@
 namespace octavo::testing {
 namespace {
 
-constexpr std::uint32_t kPixelData = 0x7fe00010;
-
 /// A slice of 5 x 3 voxels of one value, of a number in `tag`.
 struct Moment {
   std::string number;
