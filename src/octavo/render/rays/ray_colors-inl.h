@@ -160,7 +160,9 @@ class PacketHits {
     sums.blue = hn::IfThenElse(lanes_, inside, sums.blue);
     Reals shown = real(1);
     if (f_.bricks.looks != nullptr) {
-      shown = hn::Add(shown, hn::ConvertTo(kRays, looks_at(f_.bricks, corner)));
+      const Wholes looks =
+          inner_looks_at(f_, BrickRows<kIsWide>{f_.bricks}, near_corners(inside, cuts()));
+      shown = hn::Add(shown, hn::ConvertTo(kRays, looks));
     }
     sums.gathered = hn::IfThenElse(lanes_, shown, sums.gathered);
   }

@@ -111,6 +111,39 @@ HWY_INLINE RayMask seen_of(const RayFrame& f, RayMask lanes, const Corners& corn
   return hn::And(lanes, of_reals(hn::Gt(begins, whole(-1))));
 }
 
+/// Of the samples around hits that lie inside the surface and are seen, the looks of those that
+/// count most there.
+template <class Rows>
+HWY_INLINE Wholes inner_looks_at(const RayFrame& f, const Rows& rows, const Corners& c) {
+  const BrickTables& b = f.bricks;
+  Wholes look = looks_at(b, c);
+  Reals most = hn::Zero(kRays);
+  Reals before[3];
+  for (std::size_t axis = 0; axis < 3; ++axis) before[axis] = hn::Sub(real(1), c.share[axis]);
+  const auto take = [&](Reals value, Wholes of, Reals weight) HWY_ATTR {
+    const Wholes begins = hn::GatherIndex(kWhole, f.looks.begins, of);
+    RayMask is_it = hn::Ge(hn::Mul(value, real(f.sign)), real(f.isovalue));
+    is_it = hn::And(is_it, of_reals(hn::Gt(begins, whole(-1))));
+    is_it = hn::And(is_it, hn::Gt(weight, most));
+    most = hn::IfThenElse(is_it, weight, most);
+    look = hn::IfThenElse(of_wholes(is_it), of, look);
+  };
+  for (std::int32_t i = 0; i < 4; ++i) {
+    const bool is_next[2] = {(i & 1) != 0, (i >> 1) != 0};
+    const Wholes at =
+        hn::Add(c.at, whole((is_next[0] ? b.row : 0) + (is_next[1] ? b.plane : 0)));
+    const SamplePair pair = rows.pair(at);
+    const Wholes both = hn::GatherOffset(kWhole, reinterpret_cast<const std::int32_t*>(b.looks),
+                                         hn::ShiftLeft<1>(at));
+    const Reals y = is_next[0] ? c.share[1] : before[1];
+    const Reals z = is_next[1] ? c.share[2] : before[2];
+    take(pair.first, hn::And(both, whole(0xffff)), hn::Mul(hn::Mul(before[0], y), z));
+    take(pair.second, hn::And(hn::ShiftRight<16>(both), whole(0xffff)),
+         hn::Mul(hn::Mul(c.share[0], y), z));
+  }
+  return look;
+}
+
 /// A sample that has neighbors on all sides.
 HWY_INLINE std::int32_t inner_sample(const BrickTables& b) {
   return kApronBelow * (b.plane + b.row + 1);

@@ -339,6 +339,29 @@ class PortableFollower {
     return f_.bricks.looks == nullptr || f_.looks.begins[look_at(f_.bricks, corner)] >= 0;
   }
 
+  /// Of the samples around a hit that lie inside the surface and are seen, the look of the one that
+  /// counts most there; by rounding it would be that of the outside as often.
+  std::uint16_t inner_look_at(const SampleCorner& corner) const {
+    const BrickTables& b = f_.bricks;
+    std::uint16_t look = look_at(b, corner);
+    float most = 0;
+    for (std::int32_t i = 0; i < 8; ++i) {
+      const std::array<std::int32_t, 3> next = {i & 1, i >> 1 & 1, i >> 2};
+      const std::int32_t at = corner.at + next[2] * b.plane + next[1] * b.row + next[0];
+      RayPlace part;
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        part[axis] = next[axis] != 0 ? corner.share[axis] : 1 - corner.share[axis];
+      }
+      const float weight = part[0] * part[1] * part[2];
+      const bool is_inner = sample_at<kIsWide>(b, at) * f_.sign >= f_.isovalue &&
+                            f_.looks.begins[b.looks[at]] >= 0;
+      if (!is_inner || !(weight > most)) continue;
+      most = weight;
+      look = b.looks[at];
+    }
+    return look;
+  }
+
   float value_near(float k, const RayCell& before, const SampleCorner& corner) const {
     return value_at<kIsWide>(f_.bricks, value_corner(k, before, corner));
   }
@@ -490,7 +513,8 @@ class PortableFollower {
     tile_.blue[number_] = inside;
     tile_.gathered[number_] = 1;
     if (f_.bricks.looks != nullptr) {
-      tile_.gathered[number_] += static_cast<float>(look_at(f_.bricks, at_hit));
+      tile_.gathered[number_] +=
+          static_cast<float>(inner_look_at(value_corner(inside, before, corner, 1)));
     }
   }
 

@@ -118,6 +118,37 @@ TEST(LookSource, WhatLooksHideIsNotSeen) {
   EXPECT_NEAR(k, 0.5 + 0.5 + 19.5, 1e-2);
 }
 
+TEST(LookSource, AnIsosurfaceHasTheLooksOfItsInside) {
+  // Labels of what is at or above the isovalue, as a threshold makes them.
+  auto ball = noisy_ball(40);
+  const DenseLooks inside({40, 40, 40}, {1, 1},
+                          [&](const Index3& at) { return ball.at(at) >= 226 ? 1 : 0; });
+  for (const float sign : {1.0f, -1.0f}) {
+    for (const double angle : {0.0, 40.0}) {
+      for (const bool is_cut : {false, true}) {
+        RaySetup setup;
+        if (is_cut) setup.follow = follow_rays_portable;
+        setup.mode = RayMode::iso;
+        setup.sign = sign;
+        setup.isovalue = 225.5 * sign;
+        setup.angle_degrees = angle;
+        setup.looks = &inside;
+        setup.look_table = inside.table();
+        if (is_cut) setup.shown = Box{{0, 0, 0}, {40, 21, 40}};
+        int hits = 0;
+        const CastScene scene = cast_scene(ball, setup);
+        scene.field.for_each_pixel([&](auto x, auto y, const RayTile& tile, std::size_t i) {
+          if (tile.gathered[i] == 0) return;
+          ++hits;
+          EXPECT_EQ(tile.gathered[i], 2) << x << " " << y << " " << sign << " " << angle;
+        });
+        EXPECT_GT(hits, 500);
+      }
+    }
+    for (std::int16_t& sample : ball.samples) sample = static_cast<std::int16_t>(-sample);
+  }
+}
+
 TEST(LookSource, LabelsHaveFunctionsAndColorsOfTheirOwn) {
   const auto cube = ray_volume<std::uint8_t>({40, 40, 40}, [](auto, auto, auto) { return 100; });
   DenseLooks halves({40, 40, 40}, {0, 1, 2},
