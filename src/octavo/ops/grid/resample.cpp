@@ -254,10 +254,8 @@ class Resampler::Tile {
 
   template <class T>
   void copy_nearest(const T* source) const {
-    constexpr double kHalf = 0.5 + kRoundingSlack;
     for_each_inside<T>([&](T& voxel, double x, double y, double z) {
-      voxel = source[distance(0, voxel_at(x + kHalf)) + distance(1, voxel_at(y + kHalf)) +
-                     distance(2, voxel_at(z + kHalf))];
+      voxel = nearest_to(source, x, y, z);
     });
   }
 
@@ -265,11 +263,11 @@ class Resampler::Tile {
   void interpolate(const T* source) const {
     if (of_.interpolation_ == Interpolation::cubic) {
       for_each_inside<T>([&](T& voxel, double x, double y, double z) {
-        voxel = voxel_of<T>(cubic_at(source, x, y, z));
+        voxel = voxel_at_point(source, cubic_at(source, x, y, z), x, y, z);
       });
     } else {
       for_each_inside<T>([&](T& voxel, double x, double y, double z) {
-        voxel = voxel_of<T>(linear_at(source, x, y, z));
+        voxel = voxel_at_point(source, linear_at(source, x, y, z), x, y, z);
       });
     }
   }
@@ -293,6 +291,49 @@ class Resampler::Tile {
       return along_x(at + y0) * (1 - ty) + along_x(at + y1) * ty;
     };
     return along_y(distance(2, vz)) * (1 - tz) + along_y(distance(2, vz + 1)) * tz;
+  }
+
+  // The voxel at a point, of which `value` was interpolated.
+  template <class T>
+  T voxel_at_point(const T* source, double value, double x, double y, double z) const {
+    if constexpr (std::is_floating_point_v<T>) {
+      if (!std::isfinite(value)) return beside_no_number(source, x, y, z);
+    }
+    return voxel_of<T>(value);
+  }
+
+  // Nothing lies between an infinity, or NaN, and another voxel: the nearest counts. Where those
+  // that are no numbers have no weight, the others are interpolated.
+  template <class T>
+  T beside_no_number(const T* source, double x, double y, double z) const {
+    const bool is_cubic = of_.interpolation_ == Interpolation::cubic;
+    const Point3 point = {x, y, z};
+    std::array<std::array<double, 4>, 3> weights{};
+    std::array<std::int64_t, 3> first{};
+    for (std::size_t a = 0; a < 3; ++a) {
+      const double share = point[a] - as_double(voxel_at(point[a]));
+      first[a] = voxel_at(point[a]) - 1;
+      weights[a] = is_cubic ? cubic_weights(share) : std::array{0.0, 1 - share, share, 0.0};
+    }
+    double sum = 0;
+    for (std::size_t i = 0; i < 64; ++i) {
+      const std::array<std::size_t, 3> tap = {i % 4, i / 4 % 4, i / 16};
+      double weight = 1;
+      std::int64_t at = 0;
+      for (std::size_t a = 0; a < 3; ++a) {
+        weight *= weights[a][tap[a]];
+        at += distance(static_cast<int>(a), first[a] + static_cast<std::int64_t>(tap[a]));
+      }
+      if (weight != 0) sum += weight * as_value(source[at]);
+    }
+    return std::isfinite(sum) ? voxel_of<T>(sum) : nearest_to(source, x, y, z);
+  }
+
+  template <class T>
+  T nearest_to(const T* source, double x, double y, double z) const {
+    constexpr double kHalf = 0.5 + kRoundingSlack;
+    return source[distance(0, voxel_at(x + kHalf)) + distance(1, voxel_at(y + kHalf)) +
+                  distance(2, voxel_at(z + kHalf))];
   }
 
   template <class T>

@@ -5,7 +5,8 @@
 // that lie outside the source, are filled without decoding.
 //
 // A source voxel fills the box around its center: between the last centers and the border of the
-// volume the values at the border hold; beyond it is outside.
+// volume the values at the border hold; beyond it is outside. Nothing is interpolated between an
+// infinity, or NaN, and another voxel: beside them the nearest voxel counts.
 #pragma once
 
 #include <cstddef>

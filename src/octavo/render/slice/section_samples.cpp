@@ -153,7 +153,17 @@ class Tile {
     };
     for (std::size_t i = 0; i < 4; ++i) v[i] = mixed(v[2 * i], v[2 * i + 1], cell.share[0]);
     for (std::size_t i = 0; i < 2; ++i) v[i] = mixed(v[2 * i], v[2 * i + 1], cell.share[1]);
-    return mixed(v[0], v[1], cell.share[2]);
+    const double value = mixed(v[0], v[1], cell.share[2]);
+    return std::isfinite(value) ? value : nearest(cell, samples);
+  }
+
+  /// Nothing lies between an infinity, or NaN, and another sample.
+  static double nearest(const Cell& cell, TileSamples& samples) {
+    Index3 at;
+    for (int a = 0; a < 3; ++a) {
+      at[a] = cell.share[static_cast<std::size_t>(a)] < 0.5 ? cell.low[a] : cell.high[a];
+    }
+    return samples.at(at);
   }
 
  private:

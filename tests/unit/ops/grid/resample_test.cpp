@@ -4,6 +4,7 @@
 #include <tbb/task_arena.h>
 
 #include <cmath>
+#include <limits>
 #include <random>
 
 #include "octavo/core/error.h"
@@ -244,6 +245,54 @@ TEST(Resampler, FollowsTheGridThatLiesAlongTheSource) {
   scaled.offset = {-0.25, 1, 30};
   for (const Interpolation way : kAll) {
     expect_resampled(*opened.reader, 0, scaled, {143, 14, 5}, way, 5);
+  }
+}
+
+/// A wave of floats with a box of voxels that are no numbers.
+testing::Volume wave_around(float value, const Box& box) {
+  testing::Volume volume = wave<float>({30, 28, 26});
+  testing::for_each_voxel(volume.description.size, [&](const Index3& p) {
+    if (!box.contains(p)) return;
+    const auto at = static_cast<std::size_t>((p.z * 28 + p.y) * 30 + p.x) * sizeof value;
+    std::memcpy(volume.voxels.data() + at, &value, sizeof value);
+  });
+  return volume;
+}
+
+TEST(Resampler, TakesTheNearestVoxelBesideInfinitiesAndNan) {
+  const float infinity = std::numeric_limits<float>::infinity();
+  std::mt19937 random(5);
+  const Size3 size{30, 28, 26};
+  for (const float value : {infinity, -infinity, std::nanf("")}) {
+    const Opened opened(wave_around(value, {{9, 9, 9}, {17, 18, 16}}));
+    const Affine map = random_map(size, size, random);
+    const std::vector<double> nearest =
+        resampled(*opened.reader, 0, map, Interpolation::nearest, 7, box_of(size));
+    const Dense source = dense_of(*opened.reader, 0);
+    for (const Interpolation way : {Interpolation::linear, Interpolation::cubic}) {
+      // What the map does not move stays as it is, to the last voxel.
+      const std::vector<double> same =
+          resampled(*opened.reader, 0, Affine{}, way, 7, box_of(size));
+      const auto is_same = [](double a, double b) {
+        return a == b || (std::isnan(a) && std::isnan(b));
+      };
+      EXPECT_TRUE(std::equal(same.begin(), same.end(), source.voxels.begin(), is_same));
+
+      const std::vector<double> found =
+          resampled(*opened.reader, 0, map, way, 7, box_of(size));
+      std::size_t i = 0, off = 0, no_numbers = 0;
+      testing::for_each_voxel(size, [&](const Index3& p) {
+        const Point3 at = map({static_cast<double>(p.x), static_cast<double>(p.y),
+                               static_cast<double>(p.z)});
+        const double exact = expected_at(source, at, way, 7);
+        const bool is_mixed = std::isfinite(exact);
+        off += is_mixed ? std::abs(found[i] - exact) > 1e-4 : !is_same(found[i], nearest[i]);
+        no_numbers += std::isfinite(found[i]) ? 0u : 1u;
+        ++i;
+      });
+      EXPECT_EQ(off, 0u);
+      EXPECT_GT(no_numbers, 100u);
+    }
   }
 }
 

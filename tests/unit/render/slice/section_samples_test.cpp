@@ -4,6 +4,7 @@
 #include <tbb/task_arena.h>
 
 #include <cmath>
+#include <limits>
 #include <mutex>
 #include <optional>
 #include <random>
@@ -198,6 +199,47 @@ TEST_F(SectionSampling, NearestSamplesAreSamples) {
       }
       ASSERT_EQ(samples.at(x, y), volume.at(nearest[0], nearest[1], nearest[2]));
     }
+  }
+}
+
+/// 20 x 20 x 20 voxels of 50 with a cube of 8 x 8 x 8 of another value.
+std::shared_ptr<FileReader> cube_of(float value, const std::string& path) {
+  testing::Volume volume;
+  volume.description.type = VoxelType::float32;
+  volume.description.size = {20, 20, 20};
+  for (std::int64_t i = 0; i < 8000; ++i) {
+    const auto is_within = [](std::int64_t at) { return at >= 6 && at < 14; };
+    const bool is_cube = is_within(i % 20) && is_within(i / 20 % 20) && is_within(i / 400);
+    const float voxel = is_cube ? value : 50;
+    const auto* const bytes = reinterpret_cast<const std::byte*>(&voxel);
+    volume.voxels.insert(volume.voxels.end(), bytes, bytes + sizeof voxel);
+  }
+  testing::build_volume(volume, path, 1);
+  return testing::open_file(path);
+}
+
+TEST_F(SectionSampling, TheNearestVoxelCountsBesideInfinitiesAndNan) {
+  const float infinity = std::numeric_limits<float>::infinity();
+  for (const float value : {infinity, -infinity, std::nanf("")}) {
+    const auto reader = cube_of(value, folder_.file("cube.8vo"));
+    const Geometry& geometry = reader->description().geometry;
+    for (const Point3& normal : {Point3{0, 0, 1}, Point3{0.2, 0.3, 1}}) {
+      const PlaneSection section =
+          oblique_section(geometry, {20, 20, 20}, {{9.7, 10.2, 9.4}, normal}, 90);
+      const SectionSamples linear =
+          sample_section(*reader, 0, section, SampleInterpolation::linear);
+      const SectionSamples nearest =
+          sample_section(*reader, 0, section, SampleInterpolation::nearest);
+      std::int64_t in_cube = 0;
+      for (std::size_t i = 0; i < linear.values.size(); ++i) {
+        const double voxel = nearest.values[i];
+        in_cube += voxel == 50 ? 0 : 1;
+        ASSERT_TRUE(linear.values[i] == voxel ||
+                    (std::isnan(linear.values[i]) && std::isnan(voxel)));
+      }
+      EXPECT_GT(in_cube, 1000);
+    }
+    std::filesystem::remove(folder_.file("cube.8vo"));
   }
 }
 
