@@ -165,8 +165,10 @@ std::string counts_text(RenderMode mode, const RenderResult& result) {
     const std::string text =
         leaves + ", " + counted_text(counts.decoded_bricks, "brick") + " decoded";
     if (!counts.window) return text;
-    return text + fmt::format(", window {},{}", number_text(counts.window->center),
-                              number_text(counts.window->width));
+    const std::string above =
+        counts.ramp ? " of sums above " + number_text(counts.ramp->low) : std::string();
+    return text + fmt::format(", window {},{}{}", number_text(counts.window->center),
+                              number_text(counts.window->width), above);
   }
   const std::int64_t removed = counts.leaves - counts.drawn;
   const double share =

@@ -106,7 +106,8 @@ class PictureTasks:
         isovalue : float, optional
             Of mode "iso".
         window : (low, high), optional
-            Of modes "transparency", "mip", "minip" and "mean".
+            Of modes "mip", "minip" and "mean": real values; of mode "transparency": sums along
+            lines of real values above the lowest of the ramp, times mm.
         average : bool
             Of mode "transparency": what is in front hides what is behind in part, in place of sums.
         transfer : str or os.PathLike, optional

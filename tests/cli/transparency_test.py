@@ -9,6 +9,7 @@ import struct
 import sys
 
 import cli_test
+from render_test import read_png
 
 
 class Transparency(cli_test.InFolder):
@@ -46,6 +47,51 @@ class Transparency(cli_test.InFolder):
         self.assertEqual(self.picture(), first)
         self.render("--size", "64", "--window", f"{window['center']!r},{window['width'] / 3!r}")
         self.assertNotEqual(self.picture(), first)
+
+    def cube(self, name, ground, value):
+        """20 x 20 x 20 voxels of `ground`, of 0.5 x 2 x 0.5 mm, with a cube of 10 of `value`."""
+        within = range(5, 15)
+        voxels = [value if x in within and y in within and z in within else ground
+                  for z in range(20) for y in range(20) for x in range(20)]
+        (self.folder / "c.raw").write_bytes(struct.pack("<8000h", *voxels))
+        self.expect(0, "build", "c.raw", "--raw", "20,20,20,int16", "--spacing", "0.5,2,0.5", "-o",
+                    name, "-q", "-f")
+
+    def sums(self, name, *options):
+        """What is told, and grey values in the cube, beside it and beside the volume."""
+        told = json.loads(self.expect(
+            0, "render", name, "--mode", "transparency", "--direction", "front", "--size",
+            "100", "-o", "c.png", "-f", "--no-scale-bar", "--no-sides", "--no-legend", "--json",
+            "--progress", "none", *options).stdout)
+        rows = read_png(self.folder / "c.png")
+        return told, [rows[50][x][0] for x in (50, 10, 1)]
+
+    def test_sums_are_of_what_values_have_above_the_one_that_is_told(self):
+        for ground in (100, 0, -300):
+            self.cube("c.8vo", ground, ground + 200)
+            told, greys = self.sums("c.8vo", "--window", "4000,8000")
+            self.assertEqual(told["ramp"], [ground, ground + 200])
+            self.assertEqual(greys, [round(255 * 200 * 10 * 2 / 8000), 0, 0])
+            said = self.expect(0, "render", "c.8vo", "--mode", "transparency", "-o", "c.png", "-f")
+            self.assertIn(f"of sums above {ground};", said.stdout)
+
+    def test_sums_that_are_all_one_are_white(self):
+        self.cube("c.8vo", 0, 300)
+        told, greys = self.sums("c.8vo")
+        self.assertEqual((greys, told["warnings"]), ([255, 0, 0], []))
+        self.assertEqual(told["window"], {"center": 3000, "width": 6000})
+
+    def test_sums_are_seen_on_a_white_ground(self):
+        self.cube("c.8vo", 0, 300)
+        told, greys = self.sums("c.8vo", "--background", "white")
+        self.assertEqual((greys, told["warnings"]), ([255, 0, 255], []))
+        told, greys = self.sums("c.8vo", "--background", "white", "--cut", "x<8", "--window",
+                                "3000,6000")
+        self.assertEqual(greys[-1], 255)
+        told, greys = self.sums("c.8vo", "--window", "1e6,10", "--background", "white")
+        self.assertEqual(greys, [0, 0, 255])
+        self.assertEqual(told["warnings"],
+                         ["c.8vo: all sums are below the window; they are black"])
 
     def test_ranges_have_colors_and_opacities(self):
         told, _ = self.render("--range", "250:350=red:0.2", "--range=:-900=#0102ff",

@@ -20,8 +20,10 @@ constexpr double kIgnoredShare = 0.005;
 constexpr std::int64_t kMaximumSamples = std::int64_t{1} << 21;
 
 Window window_between(double low, double high) {
+  constexpr double kRounding = 1e-9;  // of the width: what is left of a center that is 0
   const double width = high > low ? high - low : 1;
-  return {low + width / 2, width};
+  const double center = low + width / 2;
+  return {std::abs(center) < kRounding * width ? 0 : center, width};
 }
 
 }  // namespace
@@ -55,7 +57,13 @@ Window robust_window(std::vector<double> finite) {
   };
   const double low = at(kIgnoredShare);
   const double high = at(1 - kIgnoredShare);
-  return high > low ? window_between(low, high) : window_between(whole_low, whole_high);
+  if (high > low) return window_between(low, high);
+  return whole_high > whole_low ? window_between(whole_low, whole_high)
+                                : window_of_one(whole_low);
+}
+
+Window window_of_one(double value) {
+  return window_between(std::min(0.0, value), std::max(0.0, value));
 }
 
 std::vector<double> sampled_values(const FileReader& reader) {

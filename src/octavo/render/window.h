@@ -32,9 +32,12 @@ std::span<const WindowPreset> window_presets();
 std::optional<Window> find_window_preset(std::string_view name);
 
 /// The window from the 0.5th to the 99.5th percentile of `values`, so that a few bright or dark
-/// voxels do not decide; the whole range where those two are equal. Values that are not finite do
-/// not count.
+/// voxels do not decide; the whole range where those two are equal, and that of window_of_one where
+/// all are. Values that are not finite do not count.
 Window robust_window(std::vector<double> values);
+
+/// The window for pictures of one value, from 0 to it: what is more than nothing is white.
+Window window_of_one(double value);
 
 /// The stored values of the finest level of a volume that has at most 2^21 samples.
 /// Throws what the reader throws.

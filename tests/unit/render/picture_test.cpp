@@ -58,7 +58,10 @@ TEST(Window, AFewOutliersDoNotDecide) {
   const Window window = robust_window(values);
   EXPECT_NEAR(window.center, 500, 5);
   EXPECT_NEAR(window.width, 990, 10);
-  EXPECT_EQ(robust_window(std::vector<double>{3, 3, 3}).grey(3), 0);
+  EXPECT_EQ(robust_window(std::vector<double>{3, 3, 3}), (Window{1.5, 3}));
+  EXPECT_EQ(robust_window(std::vector<double>{-3, -3}).grey(-3), 0);
+  EXPECT_EQ(robust_window(std::vector<double>{0, 0}).grey(0), 0);
+  EXPECT_EQ(robust_window(std::vector<double>{-3, 3 * (1 + 1e-13)}).center, 0);
   EXPECT_EQ(robust_window({}), Window{});
 }
 

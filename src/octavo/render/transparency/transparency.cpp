@@ -184,7 +184,15 @@ class SumDisplay {
 
   const Window& window() const { return window_; }
 
-  std::vector<LineColor> colors() const {
+  bool is_lit() const {
+    return std::any_of(sums_.sums.begin(), sums_.sums.end(), [](auto sum) { return sum > 0; });
+  }
+
+  /// kept  samples of the level; what does not meet them is the background
+  std::vector<LineColor> colors(const Box& kept) const {
+    const bool is_grey = sums_.channels == 1;
+    std::vector<std::uint8_t> met;
+    if (is_grey) met = lines_through(sums_.lines, kept);
     const auto channels = static_cast<std::size_t>(sums_.channels);
     std::vector<LineColor> colors(sums_.sums.size() / channels, LineColor{0, 0, 0, 1});
     for (std::size_t i = 0; i < colors.size(); ++i) {
@@ -192,6 +200,11 @@ class SumDisplay {
         const double sum = static_cast<double>(sums_.sums[i * channels + k % channels]) * unit_;
         const double share = (sum - window_.center) / window_.width + 0.5;
         colors[i][k] = static_cast<float>(std::max(0.0, share));
+      }
+      if (is_grey) {
+        if (met[i] != 0) colors[i][3] = 0;
+        else colors[i] = {0, 0, 0, 1};
+        continue;
       }
       const float most = std::max({colors[i][0], colors[i][1], colors[i][2]});
       colors[i][3] = std::max(0.0F, 1 - most);
@@ -220,6 +233,13 @@ class SumDisplay {
   double unit_;
   Window window_;
 };
+
+// Whether some line is more than black.
+bool has_light(const std::vector<LineColor>& colors) {
+  return std::any_of(colors.begin(), colors.end(), [](const LineColor& color) {
+    return std::max({color[0], color[1], color[2]}) > 0;
+  });
+}
 
 // What a voxel of each class gives: grey by the ramp, colors by opacity.
 std::vector<std::int32_t> emission_of(const DensityClasses& classes,
@@ -320,6 +340,7 @@ TransparencyPicture render_transparency(const FileReader& reader, const View& vi
     LineAverages averages = average_along_lines(reader, lines, classes,
                                                 transfer_of(classes, options, layers), progress);
     result.counts = averages.counts;
+    result.is_lit = result.is_seen = has_light(averages.colors);
     const LineField field(averages.lines, std::move(averages.colors));
     result.picture = draw_lattice(field, lattice, view, options.background);
     return result;
@@ -333,7 +354,11 @@ TransparencyPicture render_transparency(const FileReader& reader, const View& vi
   const SumDisplay display(sums, unit, options.window);
   result.window = display.window();
   result.counts = sums.counts;
-  const LineField field(sums.lines, display.colors());
+  const Box whole = box_of(levels.size(options.level));
+  std::vector<LineColor> colors = display.colors(options.kept.value_or(whole));
+  result.is_lit = display.is_lit();
+  result.is_seen = has_light(colors);
+  const LineField field(sums.lines, std::move(colors));
   result.picture = draw_lattice(field, lattice, view, options.background);
   return result;
 }

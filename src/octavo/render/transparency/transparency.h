@@ -52,7 +52,8 @@ struct TransparencyOptions {
   ValueRamp ramp;
   double ramp_opacity = 0.05;  ///< of its high end in an average
   /// Which sums are black and white. Without ranges in real units above that of ramp.low times mm;
-  /// with ranges in opacity times the finest spacing. Default: from the sums.
+  /// with ranges in opacity times the finest spacing. Default: from the sums that are not 0, and
+  /// where these are all one from 0 to it.
   std::optional<Window> window;
   Color background{0, 0, 0};
 };
@@ -61,9 +62,12 @@ struct TransparencyPicture {
   Picture picture;  ///< of three channels
   Window window;    ///< the one used; meaningless for an average
   LineCounts counts;
+  bool is_lit = false;  ///< some voxel gives light
+  bool is_seen = false;  ///< some light is above the window's black
 };
 
-/// Draws one level of a grey volume. `view` is of that level and looks along lines of voxels.
+/// Draws one level of a grey volume. `view` is of that level and looks along lines of voxels. Sums
+/// without ranges hide the background as a film does; colors and averages are light upon it.
 /// Runs on the threads of the calling task arena; the picture does not depend on how many.
 /// Throws Error{invalid_argument} when the view is of another grid or does not look along one of
 /// the 26 directions, or the ramp or a window has no width; and what sum_along_lines throws.

@@ -72,6 +72,26 @@ LineRange lines_of(const VoxelLines& lines, const Box& box) {
   return range;
 }
 
+std::vector<std::uint8_t> lines_through(const VoxelLines& lines, const Box& box) {
+  std::vector<std::uint8_t> met(static_cast<std::size_t>(lines.width * lines.height));
+  const int along[] = {lines.along.x, lines.along.y, lines.along.z};
+  for (int axis = 0; axis < 3; ++axis) {
+    if (along[axis] == 0) continue;
+    Box face = box;
+    if (along[axis] > 0) face.hi[axis] = std::min(face.hi[axis], face.lo[axis] + 1);
+    else face.lo[axis] = std::max(face.lo[axis], face.hi[axis] - 1);
+    Index3 at;
+    for (at.z = face.lo.z; at.z < face.hi.z; ++at.z) {
+      for (at.y = face.lo.y; at.y < face.hi.y; ++at.y) {
+        for (at.x = face.lo.x; at.x < face.hi.x; ++at.x) {
+          met[static_cast<std::size_t>(lines.v_of(at) * lines.width + lines.u_of(at))] = 1;
+        }
+      }
+    }
+  }
+  return met;
+}
+
 std::array<int, 8> back_to_front(const Direction& along) {
   std::array<int, 8> order{};
   std::iota(order.begin(), order.end(), 0);

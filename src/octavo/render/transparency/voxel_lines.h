@@ -17,6 +17,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <vector>
 
 #include "octavo/core/box.h"
 #include "octavo/octree/o_code.h"
@@ -55,6 +56,9 @@ struct LineRange {
   std::int64_t v_hi = 0;
 };
 LineRange lines_of(const VoxelLines& lines, const Box& box);
+
+/// 1 for every line that meets a voxel of a box, else 0; [v][u]. By the voxels where they enter it.
+std::vector<std::uint8_t> lines_through(const VoxelLines& lines, const Box& box);
 
 /// The eight octants in an order in which none hides one before it from an observer who looks along
 /// `along`: the farthest, its face neighbors, those of the nearest, the nearest. Source thesis 4.3

@@ -507,16 +507,14 @@ class RayScene final : public RenderScene {
     const double most = std::abs(real_of_pooled().slope) *
                         std::max(std::abs(pooled.lowest), std::abs(pooled.highest));
     if (window_->width >= kRoundedShare * most) return;
-    const double low = window_->center - window_->width / 2;
-    window_ = Window{low + most / 2, most};
+    window_ = window_of_one(window_->center);
   }
 
   bool is_anything_seen(const RayField& field) const {
     if (!has_values_) return false;
-    if (mode_ == RayMode::extreme || mode_ == RayMode::mean) return true;
     for (const RayTile& tile : field.tiles) {
-      for (const float opacity : tile.gathered) {
-        if (opacity > 0) return true;
+      for (const float gathered : tile.gathered) {
+        if (mode_ == RayMode::extreme ? std::isfinite(gathered) : gathered > 0) return true;
       }
     }
     return false;

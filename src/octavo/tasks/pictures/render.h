@@ -117,7 +117,8 @@ struct RenderOptions {
   Color background{0, 0, 0};
   std::optional<double> fade;    ///< how much darker the farthest is than the nearest, 0 .. 1
   bool is_average = false;       ///< of mode transparency: in place of the sum
-  /// Of mode transparency: the sums from black to white; of mip, minip and mean: real values.
+  /// Of mode transparency: the sums from black to white, of how far values are above the lower end
+  /// of RenderCounts::ramp, real units times mm; of mip, minip and mean: real values.
   std::optional<Window> window;
   std::optional<std::string> transfer;   ///< of volume, and the color of iso: a preset, or a file
   std::optional<double> isovalue;        ///< of iso: a real value
@@ -167,7 +168,8 @@ struct RenderCounts {
   // Mode transparency and rays.
   std::int64_t decoded_bricks = 0;  ///< of rays those of 64^3 samples that they came to
   std::vector<DensityRange> ranges;
-  std::optional<ValueRamp> ramp;  ///< where there are no ranges; real values
+  /// Where there are no ranges: the real value that gives no light, and the one that gives most.
+  std::optional<ValueRamp> ramp;
   std::optional<Window> window;   ///< of sums; of rays real values
 
   RayCounts rays;

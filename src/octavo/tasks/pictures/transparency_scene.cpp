@@ -94,7 +94,7 @@ class TransparencyScene final : public RenderScene {
     // All pictures of a series are equally bright.
     if (!options.is_average) window_ = drawn.window;
     counts_ = drawn.counts;
-    warn_of_darkness(drawn.picture, background);
+    warn_of_darkness(drawn);
     return std::move(drawn.picture);
   }
 
@@ -103,12 +103,18 @@ class TransparencyScene final : public RenderScene {
     for (std::size_t i = 0; i < names_.size(); ++i) {
       rows.push_back({options_.ranges[i].color, names_[i]});
     }
-    if (rows.empty() && options_.is_average) {
-      const Rescale& rescale = reader_->description().rescale;
-      for (const double end : {options_.ramp.high, options_.ramp.low}) {
-        const std::uint8_t grey = end == options_.ramp.high ? 255 : 0;
-        rows.push_back({{grey, grey, grey}, with_unit(rescale.to_real(end), unit())});
+    if (!rows.empty()) return rows;
+    const Rescale& rescale = reader_->description().rescale;
+    const std::string lowest = with_unit(rescale.to_real(options_.ramp.low), unit());
+    for (const int end : {1, -1}) {
+      const std::uint8_t grey = end > 0 ? 255 : 0;
+      std::string text = end > 0 ? with_unit(rescale.to_real(options_.ramp.high), unit()) : lowest;
+      if (!options_.is_average) {
+        const double sum = window_->center + end * window_->width / 2;
+        text = with_unit(sum, unit()) + " \u00d7 mm";
+        if (end > 0 && rescale.to_real(options_.ramp.low) != 0) text += " above " + lowest;
       }
+      rows.push_back({{grey, grey, grey}, text});
     }
     return rows;
   }
@@ -173,13 +179,10 @@ class TransparencyScene final : public RenderScene {
   }
 
   /// Once for all pictures of a series.
-  void warn_of_darkness(const Picture& picture, const Color& background) {
-    for (std::size_t i = 0; i < picture.pixels.size(); ++i) {
-      if (picture.pixels[i] != background[i % background.size()]) return;
-    }
-    if (!std::exchange(is_darkness_told_, true)) {
-      context_.warn(asked_.input + ": no voxel is lit; the picture is empty");
-    }
+  void warn_of_darkness(const TransparencyPicture& drawn) {
+    if (drawn.is_seen || std::exchange(is_darkness_told_, true)) return;
+    context_.warn(asked_.input + (drawn.is_lit ? ": all sums are below the window; they are black"
+                                               : ": no voxel is lit; the picture is empty"));
   }
 
   std::shared_ptr<const FileReader> reader_;
