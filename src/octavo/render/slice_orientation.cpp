@@ -41,9 +41,6 @@ std::array<WorldAxis, 3> nearest_world_axes(const Geometry& geometry) {
   return axes;
 }
 
-constexpr char kLowSide[] = {'R', 'A', 'I'};   // where x, y, z of LPS come from
-constexpr char kHighSide[] = {'L', 'P', 'S'};  // where they point to
-
 }  // namespace
 
 SliceOrientation slice_orientation(const Geometry& geometry, int axis) {
@@ -56,15 +53,11 @@ SliceOrientation slice_orientation(const Geometry& geometry, int axis) {
 
   const WorldAxis across = world(result.across);
   result.flips_across = across.is_negative;
-  result.left = kLowSide[across.axis];
-  result.right = kHighSide[across.axis];
 
   // y runs downwards on the screen as it does in LPS; z runs upwards.
   const WorldAxis down = world(result.down);
   const bool is_upright = down.axis == 2;
   result.flips_down = down.is_negative != is_upright;
-  result.top = is_upright ? kHighSide[down.axis] : kLowSide[down.axis];
-  result.bottom = is_upright ? kLowSide[down.axis] : kHighSide[down.axis];
   return result;
 }
 

@@ -19,10 +19,6 @@ struct SliceOrientation {
   int down = 1;               ///< index axis that runs along picture columns
   bool flips_across = false;  ///< the index falls to the right
   bool flips_down = false;
-  char left = 'R';  ///< the patient's side at each edge
-  char right = 'L';
-  char top = 'A';
-  char bottom = 'P';
 };
 
 /// The orientation of slices across index axis `axis`. Each index axis stands for the world axis it

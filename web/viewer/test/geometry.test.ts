@@ -8,6 +8,7 @@ import {
   nearestWorldAxes,
   orientationOf,
   sampleAt,
+  sideLetters,
   toIndex,
   toWorld,
 } from "../src/view/geometry.js";
@@ -69,6 +70,16 @@ test("axes that run against the body are flipped, and permuted ones found", () =
   const across = orientationOf(g, 2);
   assert.equal(across.name, "sagittal");
   assert.deepEqual([across.across, across.flipsAcross, across.left], [0, true, "A"]);
+});
+
+test("sides have more letters where the nearest is not clear", () => {
+  assert.equal(sideLetters([0.1, -0.97, 0.2]), "A");
+  assert.equal(sideLetters([0.695, 0.719, 0]), "PL");
+  assert.equal(sideLetters([-0.6, -0.57, 0.56]), "RAS");
+  const [c, s] = [Math.cos(0.77), Math.sin(0.77)];
+  const turned = orientationOf({ ...straight, direction: [c, -s, 0, s, c, 0, 0, 0, 1] }, 1);
+  const { left, right, top, bottom } = turned;
+  assert.deepEqual([left, right, top, bottom], ["RA", "LP", "S", "I"]);
 });
 
 test("levels: samples over voxels, the one for a pixel, and its name", () => {

@@ -127,6 +127,14 @@ Extent extent_along(const std::vector<Point3>& points, const Point3& from, const
   return extent;
 }
 
+EdgeLetters letters_of(const PixelMap& world) {
+  const auto unit = [](const Point3& step) { return scaled(step, 1 / std::sqrt(dot(step, step))); };
+  const Point3 right = unit(world.across);
+  const Point3 down = unit(world.down);
+  return {side_letters(scaled(right, -1)), side_letters(right), side_letters(scaled(down, -1)),
+          side_letters(down)};
+}
+
 /// A number without the rounding of a way through world space.
 double cleaned(double value, double tolerance) {
   const double whole = std::round(value);
@@ -163,8 +171,7 @@ PlaneSection axis_section(const Geometry& geometry, const Size3& size, int axis,
   section.world.origin = geometry.to_world(first);
   section.world.across = difference(geometry.to_world(right), section.world.origin);
   section.world.down = difference(geometry.to_world(below), section.world.origin);
-  section.letters = {std::string(1, o.left), std::string(1, o.right), std::string(1, o.top),
-                     std::string(1, o.bottom)};
+  section.letters = letters_of(section.world);
   return section;
 }
 
@@ -203,8 +210,7 @@ PlaneSection oblique_section(const Geometry& geometry, const Size3& size, const 
       down.middle() - static_cast<double>(section.height - 1) / 2 * section.pixel_mm;
   section.world.origin =
       sum(plane.point_mm, sum(scaled(axes.right, first_x), scaled(axes.down, first_y)));
-  section.letters = {side_letters(scaled(axes.right, -1)), side_letters(axes.right),
-                     side_letters(scaled(axes.down, -1)), side_letters(axes.down)};
+  section.letters = letters_of(section.world);
   return section;
 }
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 #include <random>
 #include <vector>
 
@@ -136,6 +137,26 @@ TEST(Section, ObliquePicturesAreSeenAsTheNearestSliceIs) {
     EXPECT_EQ(letters({0, 0.5 * sign, sign}), (EdgeLetters{"R", "L", "AS", "PI"}));
     EXPECT_EQ(letters({sign, 1.01 * sign, 0}), (EdgeLetters{"RP", "LA", "S", "I"}));
   }
+}
+
+TEST(Section, SlicesOfTurnedGridsHaveTheLettersOfTheirDirections) {
+  const auto turned_by = [](double degrees) {
+    const double c = std::cos(degrees * std::numbers::pi / 180);
+    const double s = std::sin(degrees * std::numbers::pi / 180);
+    Geometry geometry;
+    geometry.direction = {c, -s, 0, s, c, 0, 0, 0, 1};
+    return geometry;
+  };
+  const Size3 size{20, 20, 20};
+  const PlaneSection coronal = axis_section(turned_by(44), size, 1, 9, 1);
+  EXPECT_EQ(coronal.letters, (EdgeLetters{"RA", "LP", "S", "I"}));
+  const Geometry turned = turned_by(44);
+  const Point3 normal = {turned.direction[1], turned.direction[4], turned.direction[7]};
+  const PlaneSection oblique =
+      oblique_section(turned, size, {turned.to_world({9, 9, 9}), normal}, 1);
+  EXPECT_EQ(oblique.letters, coronal.letters);
+  EXPECT_EQ(axis_section(turned_by(10), size, 1, 9, 1).letters,
+            (EdgeLetters{"R", "L", "S", "I"}));
 }
 
 TEST(Section, WhatIsNoPlaneIsRejected) {

@@ -1,8 +1,8 @@
 // The 3-D view: a scan, labels, or labels over a scan; when rays are traced anew, and how finely.
 import { type Box, type Vec3 } from "../reader/volume.js";
 import { type Store } from "../store/state.js";
-import { raysOf, sideLetter, viewAxes } from "../view/camera.js";
-import { boxIn, levelText, toIndex, toWorld } from "../view/geometry.js";
+import { raysOf, viewAxes } from "../view/camera.js";
+import { boxIn, levelText, sideLetters, toIndex, toWorld } from "../view/geometry.js";
 import { type Gl } from "../view/gl.js";
 import { colorOf } from "../view/label_color.js";
 import { BAND_COUNT, type RayLook, RayPainter, type RayVolumes } from "../view/ray_painter.js";
@@ -336,7 +336,7 @@ export class RayPanel {
     pen.textBaseline = "middle";
     if (facts.isPlaceKnown) {
       const side = (v: Vec3, times: number): string =>
-        sideLetter(v.map((c) => c * times) as unknown as Vec3);
+        sideLetters(v.map((c) => c * times) as unknown as Vec3);
       pen.fillText(side(axes.right, -1), 14, h / 2);
       pen.fillText(side(axes.right, 1), w - 14, h / 2);
       pen.fillText(side(axes.up, 1), w / 2, 14);

@@ -104,10 +104,3 @@ export function raysOf(
     reachMm: reach,
   };
 }
-
-/** The nearest side of the body in a direction (LPS). */
-export function sideLetter(direction: Vec3): string {
-  const size = direction.map(Math.abs);
-  const axis = size.indexOf(Math.max(...size));
-  return (direction[axis]! < 0 ? "RAI" : "LPS")[axis]!;
-}

@@ -84,8 +84,20 @@ export interface Orientation {
   readonly name: "axial" | "coronal" | "sagittal";
 }
 
-const LOW_SIDE = ["R", "A", "I"] as const;
-const HIGH_SIDE = ["L", "P", "S"] as const;
+/**
+ * The sides of the body in a direction (LPS), a unit vector: one letter where the nearest is clear,
+ * more where it is not, the nearest first.
+ */
+export function sideLetters(direction: Vec3): string {
+  const clear = 0.38; // the sine of 22 degrees
+  const length = (a: Axis): number => Math.abs(direction[a]);
+  const order = [...AXES].sort((a, b) => length(b) - length(a) || a - b);
+  return order
+    .filter((a, i) => i === 0 || length(a) >= clear)
+    .map((a) => (direction[a] < 0 ? "RAI" : "LPS")[a])
+    .join("");
+}
+
 const ORDERS: readonly Vec3[] = [
   [0, 1, 2],
   [0, 2, 1],
@@ -132,17 +144,22 @@ export function orientationOf(g: Geometry, axis: Axis, isRadiological = true): O
   const d = world[down]!;
   const isUpright = d.axis === 2;
   const isMirrored = !isRadiological && a.axis === 0;
-  const isFromLow = !isMirrored;
+  const flipsAcross = a.isNegative !== isMirrored;
+  const flipsDown = d.isNegative !== isUpright;
+  const side = (index: Axis, isTurned: boolean): string => {
+    const sign = isTurned ? -1 : 1;
+    return sideLetters(AXES.map((r) => sign * g.direction[3 * r + index]!) as unknown as Vec3);
+  };
   return {
     axis,
     across,
     down,
-    flipsAcross: a.isNegative !== isMirrored,
-    flipsDown: d.isNegative !== isUpright,
-    left: isFromLow ? LOW_SIDE[a.axis] : HIGH_SIDE[a.axis],
-    right: isFromLow ? HIGH_SIDE[a.axis] : LOW_SIDE[a.axis],
-    top: isUpright ? HIGH_SIDE[d.axis] : LOW_SIDE[d.axis],
-    bottom: isUpright ? LOW_SIDE[d.axis] : HIGH_SIDE[d.axis],
+    flipsAcross,
+    flipsDown,
+    left: side(across, !flipsAcross),
+    right: side(across, flipsAcross),
+    top: side(down, !flipsDown),
+    bottom: side(down, flipsDown),
     name: (["sagittal", "coronal", "axial"] as const)[world[axis]!.axis],
   };
 }
