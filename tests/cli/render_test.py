@@ -229,6 +229,19 @@ class Pictures(cli_test.InFolder):
                                   "--background", text)
             self.assertEqual(rows[0][0], color)
 
+    def test_what_is_too_thin_to_be_seen_is_warned_of_in_all_modes(self):
+        (self.folder / "n.raw").write_bytes(struct.pack("<300h", *range(50, 350)))
+        self.expect(0, "build", "n.raw", "--raw", "1,1,300,int16", "--spacing", "0.1,0.1,2", "-o",
+                    "n.8vo", "-q")
+        for options in (["--mode", "mip"], ["--mode", "minip"], ["--mode", "mean"],
+                        ["--mode", "volume"], ["--mode", "iso", "--isovalue", "40"],
+                        ["--range", "0:"], ["--mode", "surface", "--shade", "flat", "--range",
+                                            "0:"]):
+            made, rows = self.render("n.png", "n.8vo", "--direction", "front", "--size", "100",
+                                     *options)
+            self.assertEqual({p for row in rows for p in row}, {(0, 0, 0)})
+            self.assertEqual(made["warnings"], ["n.8vo: no voxel is seen; the picture is empty"])
+
     def test_shell_is_a_mask_of_the_leaves_that_render_draws(self):
         self.expect(0, "threshold", "v.8vo", "--range", "40:", "-o", "m.8vo", "-q")
         made = json.loads(self.expect(0, "shell", "m.8vo", "-o", "s.8vo", "--json").stdout)

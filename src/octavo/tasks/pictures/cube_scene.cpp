@@ -158,6 +158,7 @@ class CubeScene final : public RenderScene {
         picture = draw_cubes(masks, view, style);
       }
     });
+    warn_of_nothing(picture, background);
     return picture;
   }
 
@@ -185,6 +186,17 @@ class CubeScene final : public RenderScene {
     if (!filled.is_empty()) shown_ = filled;
   }
 
+  /// Of cubes that are there, once for all pictures of a series.
+  void warn_of_nothing(const Picture& picture, const Color& background) {
+    if (counts_.leaves == 0) return;
+    for (std::size_t i = 0; i < picture.pixels.size(); ++i) {
+      if (picture.pixels[i] != background[i % background.size()]) return;
+    }
+    if (!std::exchange(is_nothing_told_, true)) {
+      context_.warn(options_.input + ": no voxel is seen; the picture is empty");
+    }
+  }
+
   std::unique_ptr<ReliefField> relief() const {
     if (reader_->description().kind == VolumeKind::grey) {
       std::vector<ReliefRange> ranges;
@@ -210,6 +222,7 @@ class CubeScene final : public RenderScene {
   Box shown_;
   std::int64_t whole_end_ = 0;  // of what is kept, along z
   RenderCounts counts_;
+  bool is_nothing_told_ = false;
 };
 
 std::vector<ScenePart> label_parts(const FileReader& reader, const RenderOptions& options,
