@@ -266,7 +266,7 @@ void add_render_options(Verb verb, RenderOptions& options) {
       "transparency: what is in front hides what is behind in part, in place of the sum");
   verb.add_parsed("--window C,W", options.window, parse_window,
                   "from black to white: of transparency the sums, times mm, of real values above "
-                  "the one told with the picture; of mip, minip and mean real values (default: "
+                  "the one in the report; of mip, minip and mean real values (default: "
                   "from the picture)")
       .excludes(average);
   add_view_options(verb, options);

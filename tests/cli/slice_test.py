@@ -153,6 +153,15 @@ class Slices(cli_test.InFolder):
         told = self.expect(0, "slice", "v.8vo", "--overlay", "far.8vo", "-o", "s.png")
         self.assertIn("far.8vo: lies beside what is drawn of v.8vo", told.stderr)
 
+    def test_an_overlay_of_nan_does_not_lie_elsewhere(self):
+        hollow = voxels(lambda x, y, z: 5.0 if z < 3 else float("nan"))
+        (self.folder / "n.raw").write_bytes(struct.pack(f"<{len(hollow)}f", *hollow))
+        self.build("n.raw", "n.8vo", "float32")
+        for look in ("isolines", "wash"):
+            said = self.expect(0, "slice", "v.8vo", "--overlay", "n.8vo", "--overlay-as", look,
+                               "-o", "s.png", "-f", "--index", "12")
+            self.assertEqual(said.stderr, "")
+
     def test_what_is_written_can_be_left_out(self):
         pictures = set()
         for options in [[], BARE, *[[option] for option in BARE]]:

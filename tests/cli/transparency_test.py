@@ -58,7 +58,7 @@ class Transparency(cli_test.InFolder):
                     name, "-q", "-f")
 
     def sums(self, name, *options):
-        """What is told, and grey values in the cube, beside it and beside the volume."""
+        """What is reported, and grey values in the cube, beside it and beside the volume."""
         told = json.loads(self.expect(
             0, "render", name, "--mode", "transparency", "--direction", "front", "--size",
             "100", "-o", "c.png", "-f", "--no-scale-bar", "--no-sides", "--no-legend", "--json",
@@ -66,7 +66,7 @@ class Transparency(cli_test.InFolder):
         rows = read_png(self.folder / "c.png")
         return told, [rows[50][x][0] for x in (50, 10, 1)]
 
-    def test_sums_are_of_what_values_have_above_the_one_that_is_told(self):
+    def test_sums_are_of_what_values_have_above_the_one_reported(self):
         for ground in (100, 0, -300):
             self.cube("c.8vo", ground, ground + 200)
             told, greys = self.sums("c.8vo", "--window", "4000,8000")

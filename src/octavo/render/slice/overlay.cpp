@@ -51,9 +51,11 @@ std::vector<double> usual_levels(const Overlay& overlay) {
   }
   std::vector<double> levels = round_levels(low, high, kMaximumLevels);
   if (levels.empty()) levels.push_back(low);
-  if (*overlay.look.kind == OverlayKind::wash)
-    return {levels.front(), std::max(high, levels.back())};
-  return levels;
+  if (*overlay.look.kind != OverlayKind::wash) return levels;
+  // Up to the next round value.
+  const double last = levels.back();
+  const double step = levels.size() > 1 ? last - levels[levels.size() - 2] : high - last;
+  return {levels.front(), high > last ? last + step : last};
 }
 
 void check(const Overlay& overlay) {
@@ -98,8 +100,7 @@ class OverlayPainter {
   }
 
   void draw() {
-    legend_.pixels += std::count_if(samples_.values.begin(), samples_.values.end(),
-                                    [](double value) { return !std::isnan(value); });
+    legend_.pixels += samples_.pixels_inside;
     if (is_labels(overlay_)) {
       draw_labels();
       return;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -198,10 +199,16 @@ class SectionTiles {
   void sample(std::int64_t number, SectionSamples& result) const {
     TileSamples samples = needs_of(number);
     samples.load();
+    std::int64_t count = 0;
     for_each_pixel(number, [&](std::int64_t x, std::int64_t y, const Cell& cell) {
       result.values[static_cast<std::size_t>(y * width_ + x)] = Tile::interpolated(cell, samples);
+      ++count;
     });
+    pixels_inside_ += count;
   }
+
+  /// Of the tiles that were sampled.
+  std::int64_t pixels_inside() const { return pixels_inside_; }
 
  private:
   std::int64_t columns() const { return (width_ + kTileSide - 1) / kTileSide; }
@@ -232,6 +239,7 @@ class SectionTiles {
   std::int64_t height_;
   PixelMap map_;
   Tile tile_;
+  mutable std::atomic<std::int64_t> pixels_inside_ = 0;
 };
 
 /// Tiles first .. end - 1, as many at a time as can be fetched.
@@ -254,10 +262,11 @@ SectionSamples sample_section(const FileReader& reader, int level, const PlaneSe
   if (level < 0 || level >= levels.count()) {
     throw Error(ErrorKind::invalid_argument, "there is no level " + std::to_string(level));
   }
-  SectionSamples result{section.width, section.height, {}};
+  SectionSamples result{section.width, section.height, {}, 0};
   result.values.resize(static_cast<std::size_t>(section.width * section.height), kOutside);
   const SectionTiles tiles(reader, level, section, interpolation);
   sample_tiles(tiles, 0, tiles.count(), result);
+  result.pixels_inside = tiles.pixels_inside();
   return result;
 }
 

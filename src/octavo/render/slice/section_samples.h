@@ -20,6 +20,7 @@ struct SectionSamples {
   std::int64_t width = 0;
   std::int64_t height = 0;
   std::vector<double> values;  ///< [y][x]; NaN outside the volume
+  std::int64_t pixels_inside = 0;
 
   double at(std::int64_t x, std::int64_t y) const {
     return values[static_cast<std::size_t>(y * width + x)];
