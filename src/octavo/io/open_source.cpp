@@ -13,6 +13,7 @@
 #include "octavo/io/source/source_file.h"
 #include "octavo/io/volumes/gipl_source.h"
 #include "octavo/io/volumes/meta_source.h"
+#include "octavo/io/volumes/nifti_header.h"
 #include "octavo/io/volumes/nifti_source.h"
 #include "octavo/io/volumes/nrrd_source.h"
 #include "octavo/io/volumes/raw_source.h"
@@ -55,14 +56,19 @@ Format format_of(const std::string& path) {
   return Format::unknown;
 }
 
-/// The header of the pair of files of which `path` holds the voxels (.img); nothing where it is
-/// none.
+/// The NIfTI header of the pair of files of which `path` holds the voxels (.img); nothing where
+/// there is none: other formats (ENVI) have such pairs as well.
 std::string header_beside(const std::string& path) {
   for (const std::string ending : {".img", ".img.gz"}) {
     if (!has_ending(path, ending)) continue;
     const std::string stem = path.substr(0, path.size() - ending.size());
     const std::string header = stem + (ending == ".img" ? ".hdr" : ".hdr.gz");
-    if (std::filesystem::is_regular_file(header)) return header;
+    try {
+      read_nifti_header(header);
+      return header;
+    } catch (const Error&) {
+      return {};
+    }
   }
   return {};
 }

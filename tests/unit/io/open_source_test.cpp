@@ -37,6 +37,16 @@ TEST(OpenSource, ASiblingIsNeverReadInsteadOfTheFileNamed) {
   EXPECT_EQ(source_error({folder.file("a")}).kind(), ErrorKind::io);
 }
 
+TEST(OpenSource, VoxelsBesideAHeaderOfAnotherFormatAreHeaderless) {
+  const TempFolder folder;
+  write_file(folder.file("a.img"), bytes_of(kStoredValues));
+  write_file(folder.file("a.hdr"), "ENVI\nsamples = 4\nlines = 3\nbands = 2\ndata type = 12\n");
+  EXPECT_EQ(source_error({folder.file("a.img")}).field(), "raw");
+  fs::remove(folder.file("a.hdr"));
+  fs::create_symlink("a.hdr", folder.file("a.hdr"));
+  EXPECT_EQ(source_error({folder.file("a.img")}).field(), "raw");
+}
+
 using OpenFolder = ImageFolder;
 
 TEST_F(OpenFolder, FilesOfSeveralKindsAreRejected) {
