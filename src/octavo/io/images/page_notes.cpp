@@ -67,8 +67,10 @@ std::size_t end_of_value(std::string_view text, std::size_t at) {
   return text.size();
 }
 
-/// The values in an object as they are written, by the names as they are written; nothing where the
-/// text is no whole object.
+/// What is read of the members of tifffile's second form: those of the user's own may be many.
+constexpr std::array<std::string_view, 3> kReadNames = {"shape", "truncated", "axes"};
+
+/// Their values as they are written; nothing where the text is no whole object.
 std::map<std::string_view, std::string_view> values_of(std::string_view text) {
   std::map<std::string_view, std::string_view> values;
   for (std::size_t at = 0; text.ends_with('}') && at + 1 < text.size();) {
@@ -76,8 +78,10 @@ std::map<std::string_view, std::string_view> values_of(std::string_view text) {
     const std::string_view member = trimmed(text.substr(at + 1, end - at - 1));
     const std::size_t name_end = member.find('"', 1);
     if (member.starts_with('"') && name_end != std::string_view::npos) {
+      const std::string_view name = member.substr(1, name_end - 1);
       const std::string_view rest = trimmed(member.substr(name_end + 1));
-      if (rest.starts_with(':')) values[member.substr(1, name_end - 1)] = trimmed(rest.substr(1));
+      const bool is_read = std::ranges::find(kReadNames, name) != kReadNames.end();
+      if (is_read && rest.starts_with(':')) values[name] = trimmed(rest.substr(1));
     }
     if (end + 1 >= text.size()) return end < text.size() ? values : decltype(values)();
     at = end;
