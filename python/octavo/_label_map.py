@@ -124,6 +124,8 @@ class LabelMap(FileTasks):
             raise TypeError("a LabelMap is combined with a LabelMap, not with an array of voxels; "
                             "octavo.build and Volume.mask make one of it, and .to_numpy() gives "
                             "an array")
+        if any(isinstance(given, LabelMap) for given in kwargs.get("out", ())):
+            raise TypeError("a LabelMap does not change, so no result goes into one")
         arrays = [given.to_numpy() if isinstance(given, LabelMap) else given for given in inputs]
         return getattr(ufunc, method)(*arrays, **kwargs)
 

@@ -358,6 +358,8 @@ def test_sets_are_of_maps_and_not_of_arrays(mask):
     assert (mask == voxels).all() and (voxels == mask).all()
     assert np.array_equal(voxels * mask, voxels) and np.add(mask, 1).max() == 2
     assert np.sum(mask) == mask.voxels and np.add.reduce(mask, axis=None) == mask.voxels
+    with pytest.raises(TypeError, match="does not change"):
+        np.add(mask, 1, out=mask)
 
 
 def test_a_range_of_a_value_finds_it(tmp_path):
