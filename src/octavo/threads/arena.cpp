@@ -37,7 +37,7 @@ class LentArena {
  public:
   explicit LentArena(int threads) : own_(threads, nullptr) {
     IdleArenas& idle = IdleArenas::shared();
-    // In a process that was forked, who held it may be gone.
+    // Nobody waits for another: a new one serves as well.
     if (const std::unique_lock lock(idle.mutex, std::try_to_lock); lock.owns_lock()) {
       for (ArenaOfThreads& arena : idle.arenas) {
         if (arena.first != threads) continue;
@@ -52,6 +52,7 @@ class LentArena {
 
   ~LentArena() {
     IdleArenas& idle = IdleArenas::shared();
+    // Where `work` forked, who held it may be gone.
     const std::unique_lock lock(idle.mutex, std::try_to_lock);
     if (lock.owns_lock() && idle.arenas.size() < IdleArenas::kMost) {
       idle.arenas.push_back(std::move(own_));
