@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <charconv>
 #include <cmath>
 #include <iterator>
@@ -15,7 +14,7 @@
 #include "octavo/core/error.h"
 #include "octavo/core/json_members.h"
 #include "octavo/core/json_reader.h"
-#include "octavo/io/source/byte_order.h"
+#include "octavo/io/source/header_bytes.h"
 #include "octavo/io/source/header_text.h"
 #include "octavo/io/source/source_file.h"
 
@@ -168,14 +167,6 @@ std::int64_t& count_of_axis(char name, TiffDescription& result) {
   return name == 'C' ? result.channels : name == 'T' ? result.frames : result.slices;
 }
 
-template <class T>
-T little_endian(std::span<const std::byte> record, std::size_t at) {
-  std::array<std::byte, sizeof(T)> bytes{};
-  std::copy_n(record.begin() + static_cast<std::ptrdiff_t>(at), sizeof(T), bytes.begin());
-  if (needs_swap(false)) swap_values(bytes, sizeof(T));
-  return std::bit_cast<T>(bytes);
-}
-
 }  // namespace
 
 void read_shaped_description(const std::string& text, const TiffPage& page,
@@ -231,7 +222,8 @@ void read_lsm_record(std::span<const std::byte> record, TiffDescription& result)
   constexpr std::int32_t kMagics[] = {0x0300494C, 0x0400494C};
   constexpr double kMmPerMeter = 1000;
   if (record.size() < kRecordBytes) return;
-  const auto number_at = [&](std::size_t at) { return little_endian<std::int32_t>(record, at); };
+  const HeaderBytes read(record, false);
+  const auto number_at = [&](std::size_t at) { return read.at<std::int32_t>(at); };
   if (std::ranges::find(kMagics, number_at(0)) == std::end(kMagics)) return;
   result.program = "Zeiss LSM";
   result.counts_samples = true;
@@ -240,7 +232,7 @@ void read_lsm_record(std::span<const std::byte> record, TiffDescription& result)
   result.channels = std::max(number_at(20), 1);
   result.frames = std::max(number_at(24), 1);
   const auto size_at = [&](std::size_t at) -> std::optional<double> {
-    const double mm = kMmPerMeter * little_endian<double>(record, at);
+    const double mm = kMmPerMeter * read.at<double>(at);
     return std::isfinite(mm) && mm > 0 ? std::optional(mm) : std::nullopt;
   };
   result.x_mm = size_at(40);

@@ -2,25 +2,13 @@
 
 #include <tiffio.h>
 
-#include <algorithm>
-#include <array>
-#include <bit>
-#include <cstring>
 #include <string_view>
 
-#include "octavo/io/source/byte_order.h"
+#include "octavo/io/source/header_bytes.h"
 
 namespace octavo {
 
 namespace {
-
-template <class T>
-T lerc_number(std::span<const std::byte> start, std::size_t at) {
-  std::array<std::byte, sizeof(T)> bytes{};
-  std::copy_n(start.begin() + static_cast<std::ptrdiff_t>(at), sizeof(T), bytes.begin());
-  if (needs_swap(false)) swap_values(bytes, sizeof(T));
-  return std::bit_cast<T>(bytes);
-}
 
 /// LERC keeps values within an error that stands in front of each block. Below 1 it changes no
 /// whole numbers.
@@ -28,11 +16,12 @@ bool is_lossy_lerc(const StoredType& type, std::span<const std::byte> start,
                    std::string_view text) {
   constexpr std::string_view kMagic = "Lerc2 ";
   if (start.size() < kBlockStartBytes || !text.starts_with(kMagic)) return true;
-  const auto version = lerc_number<std::int32_t>(start, kMagic.size());
+  const HeaderBytes read(start, false);
+  const auto version = read.at<std::int32_t>(kMagic.size());
   if (version < 2 || version > 5) return true;
   // Seven numbers of 32 bits; from version 3 on a checksum, from 4 on the values of a voxel.
   const std::size_t numbers = version == 2 ? 7 : version == 3 ? 8 : 9;
-  const auto error = lerc_number<double>(start, kMagic.size() + numbers * sizeof(std::int32_t));
+  const auto error = read.at<double>(kMagic.size() + numbers * sizeof(std::int32_t));
   const bool is_float = type.voxel() == VoxelType::float32;
   return is_float ? error != 0 : !(error < 1);
 }
