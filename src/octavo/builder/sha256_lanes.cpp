@@ -32,8 +32,9 @@ Sha256State ZeroStates::after(std::uint64_t block_count) {
   return state;
 }
 
-Sha256Lanes::Sha256Lanes(std::size_t count, ZeroStates& zero_states) : zero_states_(zero_states) {
-  if (is_native()) {
+Sha256Lanes::Sha256Lanes(std::size_t count, ZeroStates& zero_states, bool by_instructions)
+    : zero_states_(zero_states) {
+  if (by_instructions) {
     lanes_.assign(count, {sha256_start(), {}});
   } else {
     for (std::size_t i = 0; i < count; ++i) hashers_.push_back(make_crypto_hasher());

@@ -24,6 +24,7 @@ using Sha256State = std::array<std::uint32_t, 8>;
 class ZeroStates {
  public:
   /// The state behind so many blocks of 64 zeros. Memory: 40 bytes for each 16 KiB of zeros
+  /// Requires  a processor with instructions for it
   Sha256State after(std::uint64_t block_count);
 
  private:
@@ -33,9 +34,10 @@ class ZeroStates {
 
 class Sha256Lanes {
  public:
-  /// count        runs
-  /// zero_states  must outlive this
-  Sha256Lanes(std::size_t count, ZeroStates& zero_states);
+  /// count            runs
+  /// zero_states      must outlive this
+  /// by_instructions  false: by libcrypto, whatever the processor has
+  Sha256Lanes(std::size_t count, ZeroStates& zero_states, bool by_instructions = is_native());
   ~Sha256Lanes();
 
   /// bytes  the next ones of each run, as many of each, run after run
