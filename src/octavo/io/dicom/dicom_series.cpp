@@ -184,6 +184,13 @@ std::string difference_of(const DicomSlice& kept, const DicomSlice& slice) {
   return {};
 }
 
+/// What can be done about two slices of one place.
+const char* advice_for(const DicomSlice& kept, const DicomSlice& slice) {
+  return kept.layout == slice.layout
+             ? "; the file may hold several volumes (times, echoes): export one of them alone"
+             : "; remove one of them";
+}
+
 /// Rejects a slice at the height of the one kept before it, unless it is its copy at the same
 /// place and copies may go.
 void require_copy(const DicomSlice& kept, const DicomSlice& slice, double sideways_mm,
@@ -202,12 +209,7 @@ void require_copy(const DicomSlice& kept, const DicomSlice& slice, double sidewa
                       "; build each of them from its own files");
   }
   if (!may_drop) {
-    const bool is_one_file = kept.layout == slice.layout;
-    throw Error(ErrorKind::source_rejected,
-                place + (is_one_file ? "; the file may hold several volumes (times, echoes): "
-                                       "export one of them alone"
-                                     : "; remove one of them"),
-                slice.layout->path)
+    throw Error(ErrorKind::source_rejected, place + advice_for(kept, slice), slice.layout->path)
         .with_field("drop_duplicates");
   }
   if (std::ranges::equal(voxels_of(kept).bytes(), voxels_of(slice).bytes())) return;
@@ -312,7 +314,8 @@ void check_numbers(DicomStack& stack, const OrderNumber& number) {
     const std::string text = precise_text(*number.of(slice));
     if (step == 0) {
       reject(slice, below.name() + " and " + slice.name() + " have one " + number.name + ", " +
-                        text + ", and no positions: nothing tells their order; remove one of them");
+                        text + ", and no positions: nothing tells their order" +
+                        advice_for(below, slice));
     }
     if (usual.value_or(step) != step) {
       stack.warnings.push_back(std::string(number.name) + " goes from " +

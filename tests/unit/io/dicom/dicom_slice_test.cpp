@@ -548,7 +548,8 @@ TEST(SourceDicomNumbers, OfFramesInAStackTellTheirOrder) {
             all.substr(15) + all.substr(0, 15));
   write({1, 2, 1});
   expect_words(source_error({folder.file("a.dcm")}, with_spacing(1, 1, 1)).what(),
-               {"frame 1", "frame 3", "In-Stack Position Number (0020,9057), 1"});
+               {"frame 1", "frame 3", "In-Stack Position Number (0020,9057), 1",
+                "export one of them alone"});
 }
 
 TEST(SourceDicomNumbers, WithoutPositionsAreOneEachAndEven) {
