@@ -7,6 +7,7 @@
 #include <string>
 
 #include "octavo/core/hasher.h"
+#include "octavo/core/sha256_constants.h"
 
 namespace octavo {
 
@@ -17,13 +18,10 @@ class Sha256 final : public Hasher {
 
  private:
   static constexpr std::size_t kBlockBytes = 64;
-  static constexpr std::array<std::uint32_t, 8> kStart = {0x6a09e667, 0xbb67ae85, 0x3c6ef372,
-                                                          0xa54ff53a, 0x510e527f, 0x9b05688c,
-                                                          0x1f83d9ab, 0x5be0cd19};
 
   void add_block(const std::uint8_t* block) noexcept;
 
-  std::array<std::uint32_t, 8> state_ = kStart;
+  std::array<std::uint32_t, 8> state_ = kSha256Start;
   std::array<std::uint8_t, kBlockBytes> rest_{};  ///< of a block that is not full
   std::uint64_t byte_count_ = 0;
 };
