@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 
 #include "octavo/core/error.h"
 #include "octavo/core/vectors.h"
@@ -12,6 +13,8 @@ namespace octavo {
 namespace {
 
 constexpr std::size_t kMostConcaveCorners = std::size_t{1} << 16;
+// Corners looked at for each one of a polygon: a spiral of long arms asks for far more.
+constexpr std::size_t kMostLooks = std::size_t{1} << 10;
 
 struct FlatPoint {
   double x = 0;
@@ -58,10 +61,17 @@ std::vector<FlatPoint> seen_along_normal(std::span<const MeshPoint> points,
   return flat;
 }
 
-bool is_convex(const std::vector<FlatPoint>& flat) {
+/// slack  any turn is a left one up to so much, as a share of its two sides and of the reach of all
+bool is_convex(const std::vector<FlatPoint>& flat, double slack = 0) {
+  double reach = 0;
+  for (const FlatPoint& p : flat) reach = std::max({reach, std::abs(p.x), std::abs(p.y)});
   const std::size_t count = flat.size();
   for (std::size_t i = 0; i < count; ++i) {
-    if (!(left_turn(flat[i], flat[(i + 1) % count], flat[(i + 2) % count]) > 0)) return false;
+    const FlatPoint& a = flat[i];
+    const FlatPoint& b = flat[(i + 1) % count];
+    const FlatPoint& c = flat[(i + 2) % count];
+    const double sides = std::hypot(b.x - a.x, b.y - a.y) + std::hypot(c.x - b.x, c.y - b.y);
+    if (!(left_turn(a, b, c) > -slack * reach * sides)) return false;
   }
   return true;
 }
@@ -70,7 +80,11 @@ bool is_convex(const std::vector<FlatPoint>& flat) {
 class EarCutter {
  public:
   explicit EarCutter(const std::vector<FlatPoint>& flat)
-      : flat_(flat), before_(flat.size()), behind_(flat.size()), is_dent_(flat.size()) {
+      : flat_(flat),
+        looks_left_(kMostLooks * flat.size()),
+        before_(flat.size()),
+        behind_(flat.size()),
+        is_dent_(flat.size()) {
     const std::size_t count = flat.size();
     for (std::size_t i = 0; i < count; ++i) {
       before_[i] = (i + count - 1) % count;
@@ -122,7 +136,14 @@ class EarCutter {
     for (const std::size_t i : {a, b}) is_dent_[i] = is_dent_[i] && !(turn(i) > 0);
   }
 
-  bool is_ear(std::size_t at) const {
+  void look() {
+    if (looks_left_-- > 0) return;
+    throw Error(ErrorKind::limit_exceeded,
+                "a polygon of the mesh is too winding to be cut into triangles");
+  }
+
+  bool is_ear(std::size_t at) {
+    look();
     if (is_dent_[at] || !(turn(at) > 0)) return false;
     const FlatPoint& a = flat_[before_[at]];
     const FlatPoint& b = flat_[at];
@@ -132,6 +153,7 @@ class EarCutter {
     auto dent = std::lower_bound(dents_.begin(), dents_.end(), low,
                                  [&](std::size_t i, double x) { return flat_[i].x < x; });
     for (; dent != dents_.end() && flat_[*dent].x <= high; ++dent) {
+      look();
       const FlatPoint& p = flat_[*dent];
       if (!is_dent_[*dent] || p == a || p == b || p == c) continue;
       const bool is_in = left_turn(a, b, p) >= 0 && left_turn(b, c, p) >= 0 &&
@@ -142,6 +164,7 @@ class EarCutter {
   }
 
   const std::vector<FlatPoint>& flat_;
+  std::size_t looks_left_;
   std::vector<std::size_t> before_;
   std::vector<std::size_t> behind_;
   std::vector<bool> is_dent_;
@@ -157,8 +180,11 @@ std::vector<MeshTriangle> polygon_triangles(std::span<const MeshPoint> points,
   triangles.reserve(corners.size() - 2);
   if (corners.size() > 3) {
     const std::vector<FlatPoint> flat = seen_along_normal(points, corners);
-    if (!flat.empty() && !is_convex(flat)) {
-      if (corners.size() > kMostConcaveCorners) {
+    // Corners of binary32 on a circle may turn right by their rounding.
+    constexpr double kRounding = 4 * std::numeric_limits<float>::epsilon();
+    const bool is_large = corners.size() > kMostConcaveCorners;
+    if (!flat.empty() && !is_convex(flat, is_large ? kRounding : 0)) {
+      if (is_large) {
         throw Error(ErrorKind::limit_exceeded,
                     "a polygon of the mesh is not convex and has more than 65536 corners");
       }

@@ -25,7 +25,8 @@ namespace octavo {
 
 /// The triangles of a polygon.
 /// corners  numbers of points; fewer than three give nothing
-/// Throws Error{limit_exceeded} on one that is not convex with more than 2^16 corners
+/// Throws Error{limit_exceeded} on one that is not convex with more than 2^16 corners, or winds so
+///        much that each of its corners would be compared with thousands of others
 std::vector<MeshTriangle> polygon_triangles(std::span<const MeshPoint> points,
                                             std::span<const std::uint32_t> corners);
 

@@ -154,5 +154,39 @@ TEST(PolygonTriangles, WhatHasNoInsideStillGivesItsTriangles) {
   EXPECT_THROW(polygon_triangles(dented, corners), Error);
 }
 
+TEST(PolygonTriangles, RoundPolygonsOfAnyNumberOfCornersAreFans) {
+  std::vector<MeshPoint> circle(70000);
+  std::vector<std::uint32_t> corners(circle.size());
+  for (std::size_t i = 0; i < circle.size(); ++i) {
+    const double angle =
+        2 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(circle.size());
+    circle[i] = {static_cast<float>(50 * std::cos(angle)), static_cast<float>(50 * std::sin(angle)),
+                 7};
+    corners[i] = static_cast<std::uint32_t>(i);
+  }
+  EXPECT_EQ(polygon_triangles(circle, corners).size(), circle.size() - 2);
+}
+
+TEST(PolygonTriangles, SpiralsOfLongArmsAreRejectedBeforeTheyTakeLong) {
+  // Out along one side of an arm of ten turns and more, and back along the other.
+  const auto spiral = [](std::size_t side) {
+    std::vector<MeshPoint> points(2 * side);
+    for (std::size_t i = 0; i < side; ++i) {
+      const double angle = 0.1 * static_cast<double>(i);
+      const auto at = [angle](double radius) -> MeshPoint {
+        return {static_cast<float>(radius * std::cos(angle)),
+                static_cast<float>(radius * std::sin(angle)), 0};
+      };
+      points[i] = at(1 + angle);
+      points[points.size() - 1 - i] = at(3 + angle);
+    }
+    std::vector<std::uint32_t> corners(points.size());
+    for (std::size_t i = 0; i < corners.size(); ++i) corners[i] = static_cast<std::uint32_t>(i);
+    return polygon_triangles(points, corners).size();
+  };
+  EXPECT_EQ(spiral(400), 798u);
+  EXPECT_THROW(spiral(4000), Error);
+}
+
 }  // namespace
 }  // namespace octavo
