@@ -3,8 +3,9 @@
 
 usage: check_unity.py [ROOT]
 
-A unity build joins sources of one library, so that their anonymous namespaces become one. Which
-ones it joins changes with every new source; so within a library no two sources may have
+A unity build joins sources of one target, a library or a program of tests, so that their anonymous
+namespaces become one. Which ones it joins changes with every new source; so within a target no two
+sources may have
 
 - a type, a constant or an enumerator of the same name, or an alias of that name for another type
 - a function of the same name with parameters that one call fits alike: `const T&` and `T` are
@@ -27,6 +28,9 @@ UNSCOPED = re.compile(r"^enum\b(?!\s+(?:class|struct)\b)")
 INCLUDE = re.compile(r'^\s*#\s*include\s*"([^"]+)"', re.MULTILINE)
 ALIAS = re.compile(r"^using\s+\w+\s*=")
 APART = re.compile(r"set_source_files_properties\(([^)]*)SKIP_UNITY_BUILD_INCLUSION", re.DOTALL)
+COMMENT = re.compile(r"#[^\n]*")
+COMMAND = re.compile(r"(\w+)\s*\(([^()]*)\)")
+KEYWORD = re.compile(r"[A-Z]+")
 QUALIFIED = re.compile(r"[\w\]>]\s*::\s*~?\w+\s*\($")
 
 
@@ -163,7 +167,7 @@ def headers_of(root: pathlib.Path, path: pathlib.Path) -> frozenset:
     found, waiting = set(), [path]
     while waiting:
         for name in INCLUDE.findall(waiting.pop().read_text()):
-            for folder in (root / "src", root / "cli"):
+            for folder in (root / "src", root / "cli", root / "tests"):
                 header = folder / name
                 if header.exists() and header not in found:
                     found.add(header)
@@ -184,6 +188,46 @@ def sources_by_target(root: pathlib.Path) -> dict:
             is_read = str(path.relative_to(root / top)) in reading.split()
             targets.setdefault((folder, is_read), []).append(path)
     return targets
+
+
+def commands_of(path: pathlib.Path):
+    """The commands of a CMakeLists.txt with their words, the values of its variables put in."""
+    variables = {}
+    for command, text in COMMAND.findall(COMMENT.sub("", path.read_text())):
+        words = []
+        for word in text.split():
+            known = word[2:-1] if word.startswith("${") and word.endswith("}") else None
+            words += variables.get(known, [word])
+        if command == "set" and words:
+            variables[words[0]] = words[1:]
+        yield command, words
+
+
+def sources_among(words: list[str]) -> list[str]:
+    """The words behind SOURCES, up to the next keyword."""
+    sources = []
+    for word in words[words.index("SOURCES") + 1:]:
+        if KEYWORD.fullmatch(word):
+            break
+        sources.append(word)
+    return sources
+
+
+def sources_by_test(root: pathlib.Path) -> dict:
+    """Sources of tests that may be compiled together: of a program of octavo_test, and of a library
+    that is given to octavo_unity. One source is compiled alone."""
+    targets = {}
+    for path in sorted((root / "tests").rglob("CMakeLists.txt")):
+        libraries = {}
+        for command, words in commands_of(path):
+            if command == "octavo_test":
+                targets[path.parent, words[0]] = sources_among(words)
+            elif command == "add_library":
+                libraries[words[0]] = [word for word in words[1:] if word.endswith(".cpp")]
+            elif command == "octavo_unity" and words[0] in libraries:
+                targets[path.parent, words[0]] = libraries[words[0]]
+    return {(folder, name): [folder / source for source in sources]
+            for (folder, name), sources in targets.items() if len(sources) > 1}
 
 
 def clashes(root: pathlib.Path, paths: list[pathlib.Path]) -> list[str]:
@@ -208,10 +252,15 @@ def clashes(root: pathlib.Path, paths: list[pathlib.Path]) -> list[str]:
 
 
 def check(root: pathlib.Path) -> list[str]:
-    libraries = sources_by_target(root)
-    errors = [error for paths in libraries.values() for error in clashes(root, paths)]
-    if len(libraries) < 10:
-        errors.append(f"only {len(libraries)} libraries found under {root}")
+    errors = []
+    for kind, targets in [("libraries", sources_by_target(root)),
+                          ("programs of tests", sources_by_test(root))]:
+        missing = [path for paths in targets.values() for path in paths if not path.exists()]
+        errors += [f"{path.relative_to(root)} is not there" for path in missing]
+        if not missing:
+            errors += [error for paths in targets.values() for error in clashes(root, paths)]
+        if len(targets) < 10:
+            errors.append(f"only {len(targets)} {kind} found under {root}")
     return errors
 
 

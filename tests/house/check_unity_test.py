@@ -87,4 +87,54 @@ class ASourceAndAHeader(unittest.TestCase):
         self.assertEqual(errors, ["src/octavo/b.cpp: src/octavo/header_far.h names kNear as well"])
 
 
+class ProgramsOfTests(unittest.TestCase):
+    def with_targets(self, text, sources, take):
+        """What is taken of a tree with one folder of tests and of the sources of its targets."""
+        with tempfile.TemporaryDirectory() as folder:
+            root = pathlib.Path(folder)
+            tests = root / "tests/unit/core"
+            tests.mkdir(parents=True)
+            (tests / "CMakeLists.txt").write_text(text)
+            for name, source in sources.items():
+                (tests / name).write_text(source)
+            return take(root, check_unity.sources_by_test(root))
+
+    def clashes(self, text, *sources):
+        def take(root, targets):
+            return [error for paths in targets.values()
+                    for error in check_unity.clashes(root, paths)]
+
+        return self.with_targets(text, dict(zip(("a.cpp", "b.cpp"), sources)), take)
+
+    def test_are_joined_as_they_are_listed(self):
+        text = """
+            set(more c_test.cpp  # in one
+              deep/d_test.cpp)
+            octavo_test(core short SOURCES a_test.cpp b_test.cpp ${more} USES octavo_core FULL)
+            octavo_test(alone short SOURCES e_test.cpp USES octavo_core)
+            add_library(octavo_samples STATIC f.cpp g.cpp)
+            octavo_unity(octavo_samples)
+            add_library(octavo_apart STATIC h.cpp i.cpp)
+            """
+        targets = self.with_targets(text, {}, lambda _, found: {
+            name: [path.stem for path in paths] for (_, name), paths in found.items()})
+        self.assertEqual(targets, {"core": ["a_test", "b_test", "c_test", "d_test"],
+                                   "octavo_samples": ["f", "g"]})
+
+    def test_name_nothing_alike_within_one(self):
+        a = SOURCE % "constexpr int kSize = 3;\nTEST(Box, IsClosed) { EXPECT_TRUE(true); }"
+        b = SOURCE % "constexpr int kSize = 4;\nTEST(Box, IsOpen) { EXPECT_TRUE(true); }"
+        self.assertEqual(self.clashes("octavo_test(a short SOURCES a.cpp)\n"
+                                      "octavo_test(b short SOURCES b.cpp)", a, b), [])
+        self.assertEqual(self.clashes("octavo_test(a short SOURCES a.cpp b.cpp)", a, b),
+                         ["tests/unit/core/b.cpp: tests/unit/core/a.cpp names kSize as well"])
+
+    def test_of_this_tree_are_all_there(self):
+        targets = check_unity.sources_by_test(ROOT)
+        paths = {path for paths in targets.values() for path in paths}
+        self.assertEqual([path for path in paths if not path.exists()], [])
+        for name in ("core", "io_source", "octavo_source_files"):
+            self.assertTrue(any(target == name for _, target in targets), name)
+
+
 unittest.main(verbosity=0)

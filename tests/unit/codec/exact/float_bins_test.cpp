@@ -15,19 +15,19 @@ namespace {
 
 using testing::kExactCodings;
 
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
-constexpr float kLargest = std::numeric_limits<float>::max();
+constexpr float kInfiniteFloat = std::numeric_limits<float>::infinity();
+constexpr float kMaxFloat = std::numeric_limits<float>::max();
 
 const float kNotable[] = {0.0f,     -0.0f,   1e-45f,        -1e-45f,    1.1754944e-38f, 0.125f,
                           -0.125f,  0.1f,    0.375f,        1.0f,       -1.0f,          1000.25f,
-                          1000.43f, 3e7f,    -16777216.0f,  1e30f,      -1e30f,         kLargest,
-                          -kLargest, 0.05f,  std::nextafter(0.125f, 0.0f), 2.5f, -7e8f, 3.4e-39f};
+                          1000.43f, 3e7f,    -16777216.0f,  1e30f,      -1e30f,         kMaxFloat,
+                          -kMaxFloat, 0.05f,  std::nextafter(0.125f, 0.0f), 2.5f, -7e8f, 3.4e-39f};
 
 TEST(FloatBins, RanksAreInTheOrderOfFloats) {
   EXPECT_EQ(rank_of(0.0f), 0);
   EXPECT_EQ(rank_of(-0.0f), -1);
   EXPECT_EQ(rank_of(float_of_bits(1)), 1);
-  EXPECT_EQ(rank_of(kInfinity), kInfinityRank);
+  EXPECT_EQ(rank_of(kInfiniteFloat), kInfinityRank);
   for (const float v : kNotable) {
     EXPECT_EQ(bits_of(float_of(rank_of(v))), bits_of(v));
     for (const float w : kNotable) {
@@ -65,7 +65,7 @@ TEST(FloatBins, BinsLeaveNoFloatOutAndShareNone) {
         EXPECT_LE(bin.first, bin.end);
         EXPECT_EQ(bin.end, bins.bin_of(code + 1, short_bits).first);
       }
-      EXPECT_EQ(bins.bin_of(-kLargestBin, 0).first, rank_of(-kLargest));
+      EXPECT_EQ(bins.bin_of(-kLargestBin, 0).first, rank_of(-kMaxFloat));
       EXPECT_EQ(bins.bin_of(kLargestBin, 0).end, kInfinityRank);
     }
   }

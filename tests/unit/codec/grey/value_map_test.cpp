@@ -11,16 +11,16 @@
 namespace octavo::grey {
 namespace {
 
-constexpr Size3 kSize{32, 32, 16};
+constexpr Size3 kMapSize{32, 32, 16};
 
 TrainingBrick brick_of(const std::vector<std::uint16_t>& voxels) {
-  return {{}, {voxels.data(), VoxelType::uint16, kSize, kSize.x, kSize.x * kSize.y}};
+  return {{}, {voxels.data(), VoxelType::uint16, kMapSize, kMapSize.x, kMapSize.x * kMapSize.y}};
 }
 
 /// Random numbers below `count`, times a step, from `origin` on.
 std::vector<std::uint16_t> voxels_on(unsigned step, unsigned origin, unsigned count) {
   std::mt19937 random(step + count);
-  std::vector<std::uint16_t> voxels(static_cast<std::size_t>(kSize.voxel_count()));
+  std::vector<std::uint16_t> voxels(static_cast<std::size_t>(kMapSize.voxel_count()));
   for (auto& voxel : voxels) voxel = static_cast<std::uint16_t>(origin + step * (random() % count));
   return voxels;
 }
@@ -86,12 +86,12 @@ TEST(ValueMap, ComesBackFromItsBytes) {
 }
 
 TEST(ValueMap, NegativeValuesHaveAnOffsetToo) {
-  std::vector<std::int16_t> voxels(static_cast<std::size_t>(kSize.voxel_count()));
+  std::vector<std::int16_t> voxels(static_cast<std::size_t>(kMapSize.voxel_count()));
   for (std::size_t i = 0; i < voxels.size(); ++i) {
     voxels[i] = static_cast<std::int16_t>(-1000 + 7 * static_cast<int>(i % 200));
   }
   const TrainingBrick brick{
-      {}, {voxels.data(), VoxelType::int16, kSize, kSize.x, kSize.x * kSize.y}};
+      {}, {voxels.data(), VoxelType::int16, kMapSize, kMapSize.x, kMapSize.x * kMapSize.y}};
   const ValueMap map = learn_value_map(std::span(&brick, 1), true);
   EXPECT_EQ(map.lattice.step, 7);
   EXPECT_EQ(map.lattice.offset, 1);  // -1000 = 7 * -143 + 1

@@ -8,17 +8,12 @@
 #include <vector>
 
 #include "octavo/core/error.h"
+#include "octavo/core/vectors.h"
 
 namespace octavo {
 namespace {
 
 constexpr Size3 kSectionSize = {40, 30, 20};
-
-double dot(const Point3& a, const Point3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
-Point3 difference(const Point3& a, const Point3& b) {
-  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-}
 
 /// A grid that lies askew.
 Geometry turned_grid() {
