@@ -10,6 +10,8 @@ namespace {
 
 constexpr std::uint64_t kBigTiffVersion = 43;
 constexpr std::uint64_t kAsciiType = 2;
+constexpr std::uint64_t kShortType = 3;
+constexpr std::uint64_t kLongType = 4;
 constexpr std::uint64_t kMostEntries = std::uint64_t{1} << 16;
 constexpr std::uint64_t kMaxTextBytes = std::uint64_t{1} << 20;
 constexpr std::size_t kMostTexts = 8;
@@ -28,7 +30,7 @@ TiffDirectory::TiffDirectory(const SourceFile& file, std::uint64_t offset, bool 
   is_big_tiff_ = read_number(2, 2) == kBigTiffVersion;
   const std::size_t count_bytes = is_big_tiff_ ? 8 : 2;
   const std::uint64_t count = std::min(read_number(offset, count_bytes), kMostEntries);
-  const std::uint64_t bytes = (is_big_tiff_ ? 20 : 12) * count;
+  const std::uint64_t bytes = entry_bytes() * count;
   const std::uint64_t end = offset + count_bytes + bytes + (is_big_tiff_ ? 8 : 4);
   if (end > file_.size()) {
     reject(file_.path(), "the file ends early: its directory needs bytes to " +
@@ -41,9 +43,8 @@ TiffDirectory::TiffDirectory(const SourceFile& file, std::uint64_t offset, bool 
 
 std::vector<std::string> TiffDirectory::texts(std::uint16_t tag, std::size_t skipped) const {
   std::vector<std::string> found;
-  const std::size_t entry_bytes = is_big_tiff_ ? 20 : 12;
   const std::span<const std::byte> all(entries_);
-  for (std::size_t at = 0; at < all.size() && found.size() < kMostTexts; at += entry_bytes) {
+  for (std::size_t at = 0; at < all.size() && found.size() < kMostTexts; at += entry_bytes()) {
     if (number_at(all.subspan(at, 2)) != tag || number_at(all.subspan(at + 2, 2)) != kAsciiType) {
       continue;
     }
@@ -54,6 +55,30 @@ std::vector<std::string> TiffDirectory::texts(std::uint16_t tag, std::size_t ski
     if (std::string text = text_at(at); !text.empty()) found.push_back(std::move(text));
   }
   return found;
+}
+
+std::optional<std::uint64_t> TiffDirectory::number(std::uint16_t tag) const {
+  const std::size_t width = is_big_tiff_ ? 8 : 4;
+  const std::span<const std::byte> all(entries_);
+  for (std::size_t at = 0; at < all.size(); at += entry_bytes()) {
+    if (number_at(all.subspan(at, 2)) != tag) continue;
+    const std::uint64_t type = number_at(all.subspan(at + 2, 2));
+    const std::size_t bytes = type == kShortType ? 2 : type == kLongType ? 4 : 0;
+    if (bytes == 0 || number_at(all.subspan(at + 4, width)) != 1) return std::nullopt;
+    return number_at(all.subspan(at + 4 + width, bytes));
+  }
+  return std::nullopt;
+}
+
+std::uint64_t TiffDirectory::longest_text() const {
+  std::uint64_t longest = 0;
+  const std::span<const std::byte> all(entries_);
+  for (std::size_t at = 0; at < all.size(); at += entry_bytes()) {
+    if (number_at(all.subspan(at + 2, 2)) != kAsciiType) continue;
+    const std::uint64_t bytes = number_at(all.subspan(at + 4, is_big_tiff_ ? 8 : 4));
+    if (bytes <= file_.size()) longest = std::max(longest, bytes);
+  }
+  return longest;
 }
 
 std::uint64_t TiffDirectory::number_at(std::span<const std::byte> bytes) const {

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -25,7 +26,13 @@ class TiffDirectory {
   /// Throws   Error{io}
   std::vector<std::string> texts(std::uint16_t tag, std::size_t skipped) const;
 
+  /// The single whole number of a tag; nothing where it has several, is of another type or absent.
+  std::optional<std::uint64_t> number(std::uint16_t tag) const;
+  /// Bytes of the longest text (ASCII) that the file can hold, as its entry says.
+  std::uint64_t longest_text() const;
+
  private:
+  std::size_t entry_bytes() const { return is_big_tiff_ ? 20 : 12; }
   std::uint64_t number_at(std::span<const std::byte> bytes) const;
   /// Of the entry that starts at `at` in entries_; empty where it is none.
   std::string text_at(std::size_t at) const;

@@ -15,6 +15,7 @@
 #include "octavo/io/images/tiff_directory.h"
 #include "octavo/io/images/tiff_loss.h"
 #include "octavo/io/source/alternating_values.h"
+#include "octavo/io/source/byte_order.h"
 #include "octavo/io/source/claimed_bytes.h"
 
 namespace octavo {
@@ -24,6 +25,7 @@ namespace {
 constexpr std::uint32_t kZeissTag = 34412;       // CZ_LSMINFO
 constexpr std::uint32_t kMetaMorphTag = 33629;   // UIC2, a value of which is a plane
 constexpr std::uint64_t kMaxBlockBytes = std::uint64_t{1} << 30;
+constexpr std::uint64_t kMaxDescriptionBytes = std::uint64_t{1} << 27;  // OME's tells of each plane
 
 /// libtiff's error hook: keeps the first message.
 int keep_message(TIFF*, void* user, const char*, const char* format, va_list arguments) {
@@ -138,6 +140,10 @@ TiffPage TiffFile::page() {
   // libtiff takes a directory that is cut before its link for the last one, and the pages behind it
   // are lost.
   const TiffDirectory whole(file_, page.directory_offset, is_big_endian());
+  if (whole.longest_text() > kMaxDescriptionBytes) {
+    reject("a text of " + std::to_string(whole.longest_text()) + " bytes in its tags; at most " +
+           std::to_string(kMaxDescriptionBytes) + " are read. Save it without its description");
+  }
   page.width = tag_or<std::uint32_t>(handle_, TIFFTAG_IMAGEWIDTH, 0);
   page.height = tag_or<std::uint32_t>(handle_, TIFFTAG_IMAGELENGTH, 0);
   if (page.width == 0 || page.height == 0) reject("a page without width or height");
@@ -171,6 +177,15 @@ TiffPage TiffFile::page() {
            ") is not read here; save it with Deflate or LZW, or uncompressed");
   }
   page.is_lossy = is_lossy(*type, compression);
+  const std::uint64_t predictor = whole.number(TIFFTAG_PREDICTOR).value_or(PREDICTOR_NONE);
+  const auto prediction = prediction_left(compression, predictor, *type);
+  if (!prediction) {
+    reject("predictor " + std::to_string(predictor) + " of " +
+           std::string(stored_type_name(*type)) + " with compression of " +
+           compression_name(compression) +
+           " is not read; save it with Deflate or LZW, or uncompressed");
+  }
+  page.prediction = *prediction;
   if (const auto ratio = ratio_of(compression)) {
     const std::uint64_t pixels =
         static_cast<std::uint64_t>(page.width) * static_cast<std::uint64_t>(page.height);
@@ -261,8 +276,19 @@ void TiffFile::read_strips(const TiffPage& page, std::int64_t sample,
                " bytes expected, " + std::to_string(std::max<tmsize_t>(found, 0)) + " found");
       }
     }
+    undo_predictor(page, page.width, rows);
     if (alternates) take_alternating(one_of(page, sample), several, plane.subspan(start, bytes));
   }
+}
+
+void TiffFile::undo_predictor(const TiffPage& page, std::int64_t row_pixels,
+                              std::span<std::byte> rows) {
+  PredictedRows layout;
+  layout.step = static_cast<std::size_t>(page.is_separate ? 1 : page.samples);
+  layout.row_values = static_cast<std::size_t>(row_pixels) * layout.step;
+  layout.value_bytes = bytes_per_value(page.type);
+  layout.are_swapped = needs_swap(is_big_endian());
+  undo_prediction(page.prediction, layout, rows);
 }
 
 bool TiffFile::read_padded_strip(std::uint32_t strip, std::int64_t padded_height,
@@ -311,6 +337,7 @@ void TiffFile::read_tiles(const TiffPage& page, std::int64_t sample, std::span<s
       if (found != static_cast<tmsize_t>(tile_bytes)) {
         reject("tile " + std::to_string(number) + " is damaged or cut");
       }
+      undo_predictor(page, tile_width, tile);
       const std::size_t bytes =
           static_cast<std::size_t>(std::min(tile_width, page.width - x)) * value_bytes;
       const auto rows = static_cast<std::size_t>(std::min(tile_height, page.height - y));
@@ -371,7 +398,7 @@ void TiffFile::note_identity(SourceIdentity& identity) {
     const char* text = nullptr;
     if (TIFFFieldDataType(field) == TIFF_ASCII && TIFFFieldPassCount(field) == 0) {
       if (TIFFGetField(handle_, tag, &text) == 1 && text != nullptr) identity.note(name, text);
-    } else if (is_record(tag) || name.starts_with("Tag ")) {
+    } else if (is_record(tag) || (name.starts_with("Tag ") && tag != TIFFTAG_PREDICTOR)) {
       identity.note_lost(name);
     }
   }

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "octavo/io/images/tiff_predictor.h"
 #include "octavo/io/source/source_file.h"
 #include "octavo/io/source/source_identity.h"
 #include "octavo/io/source/stored_type.h"
@@ -30,6 +31,7 @@ struct TiffPage {
   bool has_palette = false;       ///< values are numbers of colors
   bool is_reduced = false;        ///< a thumbnail of another page
   bool is_lossy = false;          ///< the compression may have changed values
+  TiffPrediction prediction = TiffPrediction::none;  ///< that libtiff does not undo
   int orientation = 1;            ///< 1: first row at the top, first column at the left
 };
 
@@ -81,6 +83,9 @@ class TiffFile {
   /// Of the current page.
   bool is_lossy(const StoredType& type, std::uint16_t compression) const;
   void read_strips(const TiffPage& page, std::int64_t sample, std::span<std::byte> plane);
+  /// Gives the decoded rows of a strip or tile their values.
+  /// row_pixels  of the tile, or of the page
+  void undo_predictor(const TiffPage& page, std::int64_t row_pixels, std::span<std::byte> rows);
   /// Some programs fill the last strip with rows behind the page. libtiff, where it inflates with
   /// libdeflate, then leaves the end of the strip unset without a word; so all rows are asked for
   /// first.

@@ -64,6 +64,39 @@ TEST(TiffDirectory, GivesTheTextsOfATagInOrder) {
   }
 }
 
+TEST(TiffDirectory, GivesTheOneNumberOfATag) {
+  const TempFolder folder;
+  for (const bool big : {false, true}) {
+    for (const bool big_endian : {false, true}) {
+      // Values stand at the start of their place.
+      const auto first = [&](std::uint64_t value, int bytes) {
+        return big_endian ? value << 8 * ((big ? 8 : 4) - bytes) : value;
+      };
+      const std::vector<DirectoryEntry> entries = {{317, 3, 1, first(2, 2)},
+                                                   {273, 4, 1, first(70000, 4)},
+                                                   {258, 3, 3, first(8, 2)},
+                                                   {270, 2, 1, 0}};
+      write_file(folder.file("a"), directory_file(entries, big, big_endian, ""));
+      const SourceFile file(folder.file("a"));
+      const TiffDirectory directory(file, 16, big_endian);
+      EXPECT_EQ(directory.number(317), 2U);
+      EXPECT_EQ(directory.number(273), 70000U);
+      for (const int tag : {258, 270, 999}) {
+        EXPECT_FALSE(directory.number(static_cast<std::uint16_t>(tag))) << tag;
+      }
+    }
+  }
+}
+
+TEST(TiffDirectory, GivesTheLengthOfTheLongestTextThatFits) {
+  const TempFolder folder;
+  const std::vector<DirectoryEntry> entries = {
+      {270, 2, 30, 100}, {305, 2, 90, 100}, {306, 2, 5000, 100}, {273, 4, 200, 100}};
+  write_file(folder.file("a"), directory_file(entries, false, false, std::string(300, 'x')));
+  const SourceFile file(folder.file("a"));
+  EXPECT_EQ(TiffDirectory(file, 16, false).longest_text(), 90U);
+}
+
 TEST(TiffDirectory, LeavesOutTextsThatAreCutOrHuge) {
   const TempFolder folder;
   const std::string rest(2000000, 'x');

@@ -1,0 +1,115 @@
+#include "octavo/io/images/tiff_page.h"
+
+#include <gtest/gtest.h>
+
+#include <tiffio.h>
+
+#include <fstream>
+
+#include "support/image_samples.h"
+#include "support/source_files.h"
+
+namespace octavo::testing {
+namespace {
+
+/// The steps along rows of `width` pixels of some samples, in place of their values.
+template <class T>
+std::string steps_of(const std::vector<T>& values, std::size_t width, std::size_t samples) {
+  std::vector<T> steps = values;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const bool is_first = i % (width * samples) < samples;
+    if (!is_first) steps[i] = static_cast<T>(values[i] - values[i - samples]);
+  }
+  return bytes_of(steps);
+}
+
+TEST(TiffPage, OfPackBitsHasItsPredictorUndone) {
+  const TempFolder folder;
+  constexpr std::uint32_t kWidth = 19;
+  constexpr std::uint32_t kHeight = 21;
+  std::vector<std::int16_t> values;
+  for (std::uint32_t i = 0; i < kWidth * kHeight; ++i) {
+    values.push_back(static_cast<std::int16_t>(i * i * 37));
+  }
+  for (const bool big_endian : {false, true}) {
+    for (const std::uint32_t tile : {0U, 16U}) {
+      TiffSample sample;
+      sample.width = kWidth;
+      sample.height = kHeight;
+      sample.bits = 16;
+      sample.format = 2;
+      sample.compression = COMPRESSION_PACKBITS;
+      sample.big_endian = big_endian;
+      sample.rows_per_strip = 4;
+      sample.tile = tile;
+      sample.tags = {{TIFFTAG_PREDICTOR, TIFF_SHORT, 1, bytes_of<std::uint16_t>({2})}};
+      // A tile begins its rows anew.
+      std::vector<std::int16_t> steps = values;
+      for (std::uint32_t i = 0; i < values.size(); ++i) {
+        const std::uint32_t x = i % kWidth;
+        if (x % (tile == 0 ? kWidth : tile) > 0) {
+          steps[i] = static_cast<std::int16_t>(values[i] - values[i - 1]);
+        }
+      }
+      sample.pages = {bytes_of(steps)};
+      write_tiff(folder.file("a.tif"), sample);
+      const auto source = open_source({folder.file("a.tif")}, {});
+      EXPECT_EQ(voxels_of(*source), bytes_of(values)) << big_endian << " " << tile;
+      EXPECT_FALSE(contains(source->description().metadata.text(), "Tag 317"));
+    }
+  }
+}
+
+TEST(TiffPage, OfSamplesThatAlternateHasEachPredictorUndone) {
+  const TempFolder folder;
+  TiffSample sample;
+  sample.width = 6;
+  sample.height = 2;
+  sample.samples = 3;
+  sample.compression = COMPRESSION_PACKBITS;
+  sample.tags = {{TIFFTAG_PREDICTOR, TIFF_SHORT, 1, bytes_of<std::uint16_t>({2})}};
+  std::vector<std::uint8_t> values;
+  for (std::uint32_t i = 0; i < 36; ++i) values.push_back(static_cast<std::uint8_t>(i * i * 5));
+  sample.pages = {steps_of(values, sample.width, sample.samples)};
+  write_tiff(folder.file("a.tif"), sample);
+  SourceOptions options;
+  options.channel = "green";
+  const auto source = open_source({folder.file("a.tif")}, options);
+  std::string green;
+  for (std::size_t i = 1; i < values.size(); i += 3) green += static_cast<char>(values[i]);
+  EXPECT_EQ(voxels_of(*source), green);
+}
+
+TEST(TiffPage, WithAPredictorThatItsValuesCannotHaveIsRejected) {
+  const TempFolder folder;
+  TiffSample sample;
+  sample.compression = COMPRESSION_PACKBITS;
+  sample.tags = {{TIFFTAG_PREDICTOR, TIFF_SHORT, 1, bytes_of<std::uint16_t>({3})}};
+  sample.pages = {counted(12, 0)};
+  write_tiff(folder.file("a.tif"), sample);
+  expect_rejected(folder.file("a.tif"), {"predictor 3 of uint8", "PackBits"});
+}
+
+TEST(TiffPage, WithATextThatIsHugeIsRejected) {
+  const TempFolder folder;
+  TiffSample sample;
+  sample.description = "some text";
+  sample.pages = {counted(12, 0)};
+  write_tiff(folder.file("a.tif"), sample);
+  std::string bytes = read_file(folder.file("a.tif"));
+  const std::string entry = bytes_of<std::uint16_t>({TIFFTAG_IMAGEDESCRIPTION, TIFF_ASCII});
+  constexpr std::uint32_t kLength = (1U << 27) + 1;
+  ASSERT_NE(bytes.find(entry), std::string::npos);
+  bytes.replace(bytes.find(entry) + 4, 8,
+                bytes_of<std::uint32_t>({kLength, static_cast<std::uint32_t>(bytes.size())}));
+  write_file(folder.file("a.tif"), bytes);
+  // Its bytes are a hole of the file.
+  std::ofstream end(folder.file("a.tif"), std::ios::binary | std::ios::in);
+  end.seekp(static_cast<std::streamoff>(bytes.size() + kLength - 1));
+  end.put('\0');
+  end.close();
+  expect_rejected(folder.file("a.tif"), {std::to_string(kLength) + " bytes in its tags"});
+}
+
+}  // namespace
+}  // namespace octavo::testing
