@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -10,12 +11,27 @@
 
 namespace octavo::cli {
 
+namespace {
+
+/// "; as a tissue it is 226: in HU, ..." where a tissue is called so.
+std::string tissue_hint(const std::string& name) {
+  const std::vector<std::string> names = tissue_names();
+  if (std::ranges::find(names, name) == names.end()) return "";
+  const AskedRange range = tissue_range(name);
+  const auto end = [](double value) { return std::isfinite(value) ? number_text(value) : ""; };
+  return fmt::format("; as a tissue it is {}:{} in HU, and octavo threshold and render take it by "
+                     "its name: --tissue {}",
+                     end(range.lowest), end(range.highest), name);
+}
+
+}  // namespace
+
 AskedRange parse_range(const std::string& text, const std::string& option) {
   const std::vector<std::string> ends = split(text, ':');
   if (ends.size() != 2 || (ends[0].empty() && ends[1].empty())) {
     throw Error(ErrorKind::invalid_argument,
-                fmt::format("{}: '{}'; expected LOW:HIGH, one of which may be left out", option,
-                            escaped(text)));
+                fmt::format("{}: '{}'; expected LOW:HIGH, one of which may be left out{}", option,
+                            escaped(text), tissue_hint(text)));
   }
   AskedRange range;
   if (!ends[0].empty()) range.lowest = parse_number(ends[0], option);

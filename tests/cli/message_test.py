@@ -121,6 +121,13 @@ class Messages(cli_test.InFolder):
                 self.expect_error(2, [option + ": is empty; expected "], *arguments)
                 self.assertEqual(self.files(), kept)
 
+    def test_a_tissue_given_as_a_range_is_told_what_takes_it(self):
+        for verb in ["threshold", "render"]:
+            self.expect_error(2, ["226: in HU", "--tissue bone"], verb, "v.8vo", "--range", "bone",
+                              "-o", "x.png")
+        self.expect_error(2, ["-190:-30 in HU"], "threshold", "v.8vo", "--class", "1=fat", "-o",
+                          "x.8vo")
+
     def test_numbers_out_of_range_are_told_what_is_expected(self):
         for words, arguments in [
             ("--zoom: 0; expected a number above 0; ",

@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 
 #include "octavo/core/error.h"
 #include "octavo/core/text.h"
 #include "octavo/io/source/value_unit.h"
+#include "octavo/tasks/value_ranges.h"
 
 namespace octavo {
 
@@ -19,7 +21,8 @@ std::string with_unit(const std::string& number, const std::string& unit) {
 
 /// With the digits that tell a number from all other float32, by which a range finds it.
 std::string float_digits(double value) {
-  if (!(std::abs(value) <= std::numeric_limits<float>::max())) return number_text(value);
+  if (std::isnan(value)) return number_text(value);
+  if (std::abs(value) > std::numeric_limits<float>::max()) return exact_text(value);
   // The sum makes -0 a 0.
   return fmt::format("{}", static_cast<float>(value) + 0.0f);
 }
@@ -86,7 +89,13 @@ FloatRepair repair_of(const VolumeDescription& volume) {
 std::string real_text(const VolumeDescription& volume, double stored) {
   const double real = volume.rescale.to_real(stored);
   const bool is_whole = volume.rescale.is_identity() && is_integer(volume.type);
-  return with_unit(is_whole ? exact_text(real) : float_digits(real), unit_of(volume));
+  std::string digits = is_whole ? exact_text(real) : float_digits(real);
+  // Integers may be closer to one another than the real values that float32 has.
+  if (is_integer(volume.type) && !is_whole && volume.rescale.slope != 0) {
+    const double read = std::strtod(digits.c_str(), nullptr);
+    if (!stored_window({read, read}, volume, false).contains(stored)) digits = exact_text(real);
+  }
+  return with_unit(digits, unit_of(volume));
 }
 
 std::string distance_text(const VolumeDescription& volume, double stored) {

@@ -297,7 +297,13 @@ void read_dicom_frame(const DicomSlice& slice, std::span<std::byte> plane) {
   UnsetBytes values(static_cast<std::size_t>(layout.columns * layout.rows) *
                     bytes_per_value(type));
   read_stored(slice, values.bytes());
-  if (slice.made_real_by) return make_real(*slice.made_real_by, type, values.bytes(), plane);
+  if (slice.made_real_by) {
+    try {
+      return make_real(*slice.made_real_by, type, values.bytes(), plane);
+    } catch (const Error& failure) {
+      throw failure.with_path(layout.path);
+    }
+  }
   look_up_colors(*layout.color_table, type, values.bytes(), plane);
 }
 

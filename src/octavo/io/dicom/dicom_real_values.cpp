@@ -1,11 +1,13 @@
 #include "octavo/io/dicom/dicom_real_values.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <map>
 #include <memory>
 #include <utility>
 
+#include "octavo/core/error.h"
 #include "octavo/core/text.h"
 
 namespace octavo {
@@ -18,6 +20,8 @@ bool holds_plain_pet(const DicomSlice& slice) {
          !layout.pixels.is_float && !layout.is_segmentation() && !layout.padding_value &&
          layout.color_table == nullptr;
 }
+
+bool is_lost(double real, float made) { return !std::isfinite(made) || (made == 0 && real != 0); }
 
 }  // namespace
 
@@ -56,8 +60,14 @@ void make_real(const Rescale& rescale, VoxelType type, std::span<const std::byte
     for (std::size_t i = 0; i < stored.size() / sizeof(T); ++i) {
       T value;
       std::memcpy(&value, stored.data() + i * sizeof(T), sizeof(T));
-      const auto made = static_cast<float>(static_cast<double>(value) * rescale.slope +
-                                           rescale.intercept);
+      const double exact = rescale.to_real(static_cast<double>(value));
+      const auto made = static_cast<float>(exact);
+      if (is_lost(exact, made)) {
+        throw Error(ErrorKind::source_rejected,
+                    "its rescale (" + exact_text(rescale.slope) + " x + " +
+                        exact_text(rescale.intercept) + ") makes " + std::to_string(value) + " " +
+                        exact_text(exact) + ", which float32 does not hold");
+      }
       std::memcpy(real.data() + i * sizeof made, &made, sizeof made);
     }
   });

@@ -19,6 +19,7 @@ std::vector<DicomSlice> take_real_values(std::vector<DicomSlice> slices,
 
 /// Stored values of an integer type as real ones, rounded to float32.
 /// Requires  as many values in `real`, of 4 bytes each
+/// Throws    Error{source_rejected} for one that is beyond all float32, or so small that it is lost
 void make_real(const Rescale& rescale, VoxelType type, std::span<const std::byte> stored,
                std::span<std::byte> real);
 

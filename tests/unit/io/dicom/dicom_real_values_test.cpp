@@ -75,6 +75,18 @@ TEST(DicomRealValues, AreNotMadeOfOtherSeries) {
   }
 }
 
+TEST(DicomRealValues, ThatFloatsDoNotHoldAreRejected) {
+  const TempFolder folder;
+  for (const char* slope : {"1e36", "1e-50"}) {
+    write_slopes(folder, pet_elements, {"1", slope, "2"});
+    const Error error = source_error({folder.path()});
+    EXPECT_EQ(error.kind(), ErrorKind::source_rejected);
+    EXPECT_EQ(error.path(), folder.file("s1"));
+    EXPECT_TRUE(contains(error, "which float32 does not hold")) << error.what();
+  }
+  EXPECT_TRUE(contains(source_error({folder.path()}), "(1e-50 x + 0) makes 1000 1e-47"));
+}
+
 TEST(DicomRealValues, TakeTheSignOfStoredOnes) {
   const std::vector<std::int16_t> stored = {-3, 0, 32767};
   std::vector<float> real(3);
