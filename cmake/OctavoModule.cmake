@@ -59,9 +59,9 @@ set(octavo_sources_for_size
 set(octavo_sources_for_speed
   "^core/(crc32c|sha256)|^planes/between/|\
 ^file/(brick_check|index|layer_order|layout|open_file|part_reader|pieces|plane_digests|reader)")
-# Where sources are compiled together, rooms that leave loops over voxels to others cost a third
-# less without what takes the compiler longest.
-set(octavo_rooms_for_time dist tasks)
+# Where sources are compiled together, what leaves loops over voxels to others costs a third less
+# without what takes the compiler longest.
+set(octavo_targets_for_time octavo_builder octavo_dist octavo_file octavo_io octavo_tasks)
 function(octavo_optimized target room)
   if(OCTAVO_WHEEL)
     if(room IN_LIST octavo_rooms_for_size)
@@ -70,7 +70,7 @@ function(octavo_optimized target room)
       target_compile_options(${target} PRIVATE -O2)
     endif()
     target_compile_options(${target} PRIVATE -ffunction-sections -fdata-sections)
-  elseif(OCTAVO_UNITY AND room IN_LIST octavo_rooms_for_time)
+  elseif(OCTAVO_UNITY AND target IN_LIST octavo_targets_for_time)
     target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
   endif()
 endfunction()
