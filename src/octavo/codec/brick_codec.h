@@ -20,6 +20,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "octavo/core/bytes.h"
@@ -112,17 +113,38 @@ class BrickParts {
     VoxelTarget out;   ///< from the first voxel of the box on, of the brick's type
   };
 
-  /// Decodes voxels of parts. Several parts at once take less time than one by one, and boxes that
-  /// end early in their part less than the whole of it.
+  /// Voxels of a part of one of several bricks.
+  struct WantedOf {
+    const BrickParts* brick = nullptr;
+    Wanted wanted;
+  };
+
+  /// Decodes voxels of parts of this brick and of others. Several parts at once take less time than
+  /// one by one, and boxes that end early in their part less than the whole of it.
   /// Throws Error{corrupt} when bytes are not those that the brick's checksum was made of, or are
   ///        inconsistent as far as they were decoded.
-  virtual void decode(std::span<const Wanted> wanted) const = 0;
+  virtual void decode_together(std::span<const WantedOf> wanted) const = 0;
+
+  /// Voxels of parts of this brick alone.
+  void decode(std::span<const Wanted> wanted) const {
+    std::vector<WantedOf> own;
+    for (const Wanted& one : wanted) own.push_back({this, one});
+    decode_together(own);
+  }
 
   /// All voxels of a part.
   void decode(std::size_t number, ByteSpan bytes, const VoxelTarget& out) const {
     const Wanted whole{number, bytes, parts()[number].box, out};
     decode(std::span(&whole, 1));
   }
+};
+
+/// A brick in its bytes.
+struct CodedBrick {
+  BrickShape shape;
+  ValueRange range;
+  /// As for BrickCodec::decode; segment 0 may be an empty span where its parts are told apart.
+  std::span<const ByteSpan> segments;
 };
 
 /// A box of the voxels of one in-brick level, and where they go: from the first of the box on.
@@ -191,13 +213,20 @@ class BrickCodec {
     return {};
   }
 
-  /// Decodes the levels above 0 of a brick whose level 0 has parts; null for other bricks.
-  /// segments  as for `decode`; segment 0 may be an empty span
-  /// Throws    Error{corrupt}
-  virtual std::unique_ptr<BrickParts> open_parts(const BrickShape& /*shape*/, VoxelType /*type*/,
-                                                 const ValueRange& /*range*/,
-                                                 std::span<const ByteSpan> /*segments*/) const {
-    return nullptr;
+  /// Decodes the levels above 0 of bricks whose level 0 has parts; null for other bricks. Four
+  /// bricks at once take less time than one by one.
+  /// Throws Error{corrupt} when one of them is
+  virtual std::vector<std::unique_ptr<BrickParts>> open_together(
+      VoxelType /*type*/, std::span<const CodedBrick> bricks) const {
+    return std::vector<std::unique_ptr<BrickParts>>(bricks.size());
+  }
+
+  /// The same of one brick.
+  std::unique_ptr<BrickParts> open_parts(const BrickShape& shape, VoxelType type,
+                                         const ValueRange& range,
+                                         std::span<const ByteSpan> segments) const {
+    const CodedBrick brick{shape, range, segments};
+    return std::move(open_together(type, std::span(&brick, 1)).front());
   }
 };
 

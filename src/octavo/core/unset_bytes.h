@@ -19,7 +19,7 @@ class UnsetBytes {
     if (size > capacity_) {
       bytes_.reset();
       capacity_ = 0;
-      bytes_ = std::make_unique_for_overwrite<std::byte[]>(size);
+      bytes_.reset(new std::byte[size]);
       capacity_ = size;
     }
     size_ = size;
@@ -28,6 +28,7 @@ class UnsetBytes {
   std::byte* data() { return bytes_.get(); }
   const std::byte* data() const { return bytes_.get(); }
   std::size_t size() const { return size_; }
+  std::size_t capacity() const { return capacity_; }
   std::span<std::byte> bytes() { return {bytes_.get(), size_}; }
   std::span<const std::byte> bytes() const { return {bytes_.get(), size_}; }
 

@@ -113,7 +113,8 @@ class BoxPlanner {
   void add_parts(const BrickEntry& entry, const BrickCodec& codec, const BrickShape& shape,
                  const WantedBox& wanted) {
     const Piece piece = file_.piece_of(entry, 1);
-    const Bytes front = file_.read_within(piece, 0, std::min(piece.length, kPartListBytes));
+    Bytes front;
+    file_.read_within(piece, 0, std::min(piece.length, kPartListBytes), front);
     const BrickEntry::StoredPiece& finest = entry.pieces.front();
     for (const BrickParts::Part& part : parts_in(front, codec, shape)) {
       if (part.offset > finest.length || part.length > finest.length - part.offset) return;

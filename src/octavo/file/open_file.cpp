@@ -206,19 +206,24 @@ std::shared_ptr<const BrickCodec> OpenFile::parse_model_in(std::uint32_t model,
 }
 
 Bytes OpenFile::read_piece(const Piece& piece) const {
-  return named([&] {
-    Bytes bytes = read_bytes(piece.offset, piece.length);
+  Bytes bytes;
+  read_piece(piece, bytes);
+  return bytes;
+}
+
+void OpenFile::read_piece(const Piece& piece, Bytes& bytes) const {
+  named([&] {
+    read_arriving(*source_, piece.offset, piece.length, bytes);
     const std::uint32_t found = piece_crc(header_.build_id, piece.level, piece.code, bytes);
     if (!checksum_matches(found, piece.crc)) {
       fail_checksum(describe(piece), found, piece.crc, piece.offset, piece.length);
     }
-    return bytes;
   });
 }
 
-Bytes OpenFile::read_within(const Piece& piece, std::uint64_t offset,
-                            std::uint64_t length) const {
-  return named([&] { return read_bytes(piece.offset + offset, length); });
+void OpenFile::read_within(const Piece& piece, std::uint64_t offset, std::uint64_t length,
+                           Bytes& bytes) const {
+  named([&] { read_arriving(*source_, piece.offset + offset, length, bytes); });
 }
 
 // Pieces of a brick stand far apart: where each of them takes a wait, they are waited for together.
@@ -234,17 +239,18 @@ void OpenFile::fetch_pieces(const BrickEntry& entry, int first) const {
 
 BrickBytes OpenFile::read_segments(const BrickEntry& entry, int in_brick_level) const {
   BrickBytes bytes;
+  for (Bytes& piece : *bytes.pieces) piece.clear();
   const auto count = static_cast<int>(entry.pieces.size());
   // A brick without coarsest samples holds all its voxels in the finest segment.
   const int first = entry.pieces.back().length == 0 ? 0 : piece_of_level(in_brick_level);
   fetch_pieces(entry, first);
   for (int i = first; i < count; ++i) {
     const Piece piece = piece_of(entry, i);
-    if (piece.length > 0) bytes.pieces[static_cast<std::size_t>(i)] = read_piece(piece);
+    if (piece.length > 0) read_piece(piece, (*bytes.pieces)[static_cast<std::size_t>(i)]);
   }
   try {
     bytes.segments =
-        segments_of(std::span(bytes.pieces).first(entry.pieces.size()),
+        segments_of(std::span(std::as_const(*bytes.pieces)).first(entry.pieces.size()),
                     levels_.tier_level_count(entry.tier));
   } catch (const Error& error) {
     const Piece piece = piece_of(entry, count - 1);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "octavo/codec/brick_codec.h"
+#include "octavo/core/recycled.h"
 #include "octavo/file/directory.h"
 #include "octavo/file/index.h"
 #include "octavo/file/layout.h"
@@ -31,7 +32,7 @@ std::string describe(const Piece& piece);
 
 /// The segments of a brick and the bytes that they point into.
 struct BrickBytes {
-  std::array<Bytes, kTierPieces> pieces;
+  Recycled<std::array<Bytes, kTierPieces>, BrickBytes> pieces;
   std::array<ByteSpan, kTierLevels> segments;
 };
 
@@ -80,10 +81,13 @@ class OpenFile {
   /// Throws Error{corrupt} naming it, both checksums and the flipped bit if a single one explains
   /// them.
   Bytes read_piece(const Piece& piece) const;
+  /// The same into a buffer, which may have memory already.
+  void read_piece(const Piece& piece, Bytes& bytes) const;
 
   /// Bytes from `offset` on inside a piece, whose checksum does not prove them. Requires that the
   /// piece holds them.
-  Bytes read_within(const Piece& piece, std::uint64_t offset, std::uint64_t length) const;
+  void read_within(const Piece& piece, std::uint64_t offset, std::uint64_t length,
+                   Bytes& bytes) const;
 
   /// The segments of a brick that one of its levels needs, the others empty; all for level 0.
   /// Throws Error{corrupt}

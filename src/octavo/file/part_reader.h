@@ -8,6 +8,8 @@
 
 #include "octavo/codec/brick_codec.h"
 #include "octavo/core/bytes.h"
+#include "octavo/core/error.h"
+#include "octavo/core/recycled.h"
 #include "octavo/file/box_target.h"
 #include "octavo/file/for_each.h"
 #include "octavo/file/lru_cache.h"
@@ -18,7 +20,7 @@ namespace octavo {
 
 /// How the voxels that a request shares with a brick are read.
 struct BrickReading {
-  bool keeps = true;             ///< in the cache what was decoded
+  bool keeps = true;             ///< whole bricks in the cache, as those that a box cuts
   const ForEach* run = nullptr;  ///< parts in its tasks; null: one after the other
 };
 
@@ -32,10 +34,18 @@ class PartReader {
   /// decoded  bricks and parts that are kept; outlives the reader
   PartReader(const OpenFile& file, LruCache<Bytes>& decoded, const ReaderOptions& options);
 
-  /// Reads what `box` and the brick share of level 0 of its tier, into the array of the box. False
-  /// where the brick has no parts, or where it is kept as a whole.
-  /// Throws Error{corrupt} naming brick, level and offset; Error{cancelled}
-  bool read(const BrickEntry& entry, const Box& box, const BrickReading& how,
+  /// So many bricks are opened at the same time.
+  static constexpr std::size_t kBricksAtOnce = 4;
+
+  /// Whether a brick that is not uniform has parts, and is not kept as a whole.
+  bool reads(const BrickEntry& entry) const;
+
+  /// Reads what `box` and bricks with parts share of level 0 of their tier, into the array of the
+  /// box. Several take less time together; what is opened of them stands in memory at the same
+  /// time.
+  /// entries  at most kBricksAtOnce
+  /// Throws Error{corrupt} naming brick, level and offset, of the first one; Error{cancelled}
+  void read(std::span<const BrickEntry> entries, const Box& box, const BrickReading& how,
             const BoxTarget& out) const;
 
   /// Whether what `box` shares with the parts of a brick is kept.
@@ -51,7 +61,7 @@ class PartReader {
     const BrickEntry& entry;
     const Opened& brick;
     int axis;  ///< along which planes are decoded one after the other
-    const Index3& at;  ///< where the brick begins
+    Index3 at;  ///< where the brick begins
     const Box& box;
     const BoxTarget& out;
     bool keeps;
@@ -61,18 +71,34 @@ class PartReader {
     std::size_t number;
     bool is_new;  ///< nothing of it is kept
   };
+  /// What holds bytes of parts.
+  using PartBytes = Recycled<Bytes, PartReader>;
   /// The same with its bytes.
   struct Found {
+    const Request* request;  ///< of its brick
     std::size_t number;
     bool is_new;
     ByteSpan bytes;
   };
 
-  std::shared_ptr<const Opened> opened(const BrickEntry& entry) const;
-  std::vector<Found> read_bytes(const Request& request, std::span<const Missing> missing,
-                                std::vector<Bytes>& reads) const;
-  void decode_found(const Request& request, std::span<const Found> parts) const;
-  void decode(const Request& request, std::span<const BrickParts::Wanted> wanted) const;
+  bool has_parts(const BrickEntry& entry) const;
+  std::vector<std::shared_ptr<const Opened>> opened(std::span<const BrickEntry> entries) const;
+  std::vector<std::unique_ptr<BrickParts>> open_together(const BrickCodec& codec,
+                                                         const BrickEntry& first,
+                                                         std::span<const CodedBrick> bricks) const;
+  std::shared_ptr<const Opened> kept(const BrickEntry& entry,
+                                     std::shared_ptr<const BrickCodec> codec,
+                                     std::unique_ptr<const BrickParts> parts,
+                                     const BrickShape& shape) const;
+  Error error_in(const BrickEntry& entry, int level, std::uint64_t offset,
+                 const Error& error) const;
+  void read_together(std::span<const BrickEntry> entries, const Box& box, const BrickReading& how,
+                     const BoxTarget& out) const;
+  std::vector<Missing> copy_kept(const Request& request) const;
+  void read_bytes(const Request& request, std::span<const Missing> missing,
+                  std::vector<PartBytes>& reads, std::vector<Found>& found) const;
+  void decode_found(std::span<const Found> parts) const;
+  void decode(std::span<const Found> parts, std::span<const BrickParts::WantedOf> wanted) const;
 
   const OpenFile& file_;
   LruCache<Bytes>& decoded_;

@@ -155,8 +155,9 @@ class FileReaderImpl final : public FileReader {
   }
   void decode_shared(const BrickEntry& entry, int level, const Box& box, bool keeps,
                      const BoxTarget& out) const;
-  void read_shared(const BrickEntry& entry, int level, const Box& box, const BrickReading& how,
+  void read_shared(const BrickEntry& entry, int level, const Box& box, bool keeps,
                    const BoxTarget& out) const;
+  bool is_in_parts(const BrickEntry& entry, int level, const Box& box, const ForEach* run) const;
   void read_bricks(const Box& box, int level, const VoxelTarget& out, const ForEach* run) const;
 
   OpenFile file_;
@@ -305,8 +306,8 @@ bool FileReaderImpl::has_decoded(const BrickEntry& entry, int level, const Box& 
 }
 
 // Reads what `box` and the brick share.
-void FileReaderImpl::read_shared(const BrickEntry& entry, int level, const Box& box,
-                                 const BrickReading& how, const BoxTarget& out) const {
+void FileReaderImpl::read_shared(const BrickEntry& entry, int level, const Box& box, bool keeps,
+                                 const BoxTarget& out) const {
   stop_if_cancelled();
   const Box whole = brick_box_at(levels(), level, entry.brick);
   const Box part = intersection(box, whole);
@@ -319,11 +320,15 @@ void FileReaderImpl::read_shared(const BrickEntry& entry, int level, const Box& 
     }
     return;
   }
-  const BrickReading own{how.keeps || part != whole, how.run};
-  const bool is_first = level == Levels::first_level(entry.tier);
-  const bool is_in_parts = is_first && (part != whole || how.run != nullptr);
-  if (is_in_parts && parts_.read(entry, box, own, out)) return;
-  decode_shared(entry, level, box, own.keeps, out);
+  decode_shared(entry, level, box, keeps || part != whole, out);
+}
+
+// Whether what `box` and a brick share is read in parts.
+bool FileReaderImpl::is_in_parts(const BrickEntry& entry, int level, const Box& box,
+                                 const ForEach* run) const {
+  if (entry.is_uniform() || level != Levels::first_level(entry.tier)) return false;
+  const Box whole = brick_box_at(levels(), level, entry.brick);
+  return (run != nullptr || intersection(box, whole) != whole) && parts_.reads(entry);
 }
 
 void FileReaderImpl::read_bricks(const Box& box, int level, const VoxelTarget& out,
@@ -334,13 +339,26 @@ void FileReaderImpl::read_bricks(const Box& box, int level, const VoxelTarget& o
                       out.plane_stride};
   const bool is_large =
       static_cast<std::uint64_t>(box.size().voxel_count()) * voxel_bytes > cache_.capacity() / 4;
-  const BrickReading how{!is_large, run};
   for_fetched(box, level, [&](const Box& part) {
     const BoxTarget own = target.from(part.lo, box.lo);
+    std::vector<BrickEntry> cut;  // bricks on their way, in their order
+    const auto read_cut = [&] {
+      stop_if_cancelled();
+      parts_.read(cut, part, {!is_large, run}, own);
+      cut.clear();
+    };
     visit_cells(part, brick_side_at(levels(), level), [&](const Index3& position) {
-      read_shared(brick(Levels::tier_of(level), position), level, part, how, own);
+      BrickEntry entry = brick(Levels::tier_of(level), position);
+      if (is_in_parts(entry, level, part, run)) {
+        cut.push_back(std::move(entry));
+        if (cut.size() == PartReader::kBricksAtOnce) read_cut();
+      } else {
+        if (!entry.is_uniform() && !cut.empty()) read_cut();
+        read_shared(entry, level, part, !is_large, own);
+      }
       return true;
     });
+    if (!cut.empty()) read_cut();
   });
 }
 

@@ -11,6 +11,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -134,10 +135,12 @@ struct Split {
 std::vector<Split> splits_of(const BrickShape& shape, int level);
 
 /// A work space of the calling thread, made at first use.
-/// kNumber  the other one is for a second part at the same time
-template <class Sample, int kNumber = 0>
-Workspace<Sample>& thread_workspace() {
-  static thread_local const auto workspace = std::make_unique<Workspace<Sample>>();
+/// number  the others are for what is decoded at the same time
+template <class Sample>
+Workspace<Sample>& thread_workspace(std::size_t number = 0) {
+  static thread_local std::array<std::unique_ptr<Workspace<Sample>>, kMostTogether> workspaces;
+  auto& workspace = workspaces[number];
+  if (!workspace) workspace = std::make_unique<Workspace<Sample>>();
   return *workspace;
 }
 

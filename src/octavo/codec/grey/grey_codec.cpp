@@ -277,10 +277,9 @@ std::vector<BrickParts::Part> GreyCodec::list_parts(const BrickShape& shape,
   return placed_parts(parts, take_part_list(front, parts.size()), p.axis_order);
 }
 
-std::unique_ptr<BrickParts> GreyCodec::open_parts(const BrickShape& shape, VoxelType type,
-                                                  const ValueRange& range,
-                                                  std::span<const ByteSpan> segments) const {
-  return grey::open_parts(*model_, shape, type, range, segments);
+std::vector<std::unique_ptr<BrickParts>> GreyCodec::open_together(
+    VoxelType type, std::span<const CodedBrick> bricks) const {
+  return grey::open_parts(*model_, type, bricks);
 }
 
 }  // namespace octavo::grey

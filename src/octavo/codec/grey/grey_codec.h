@@ -31,9 +31,8 @@ class GreyCodec final : public BrickCodec {
   bool has_parts(const BrickShape& shape) const noexcept override;
   std::vector<BrickParts::Part> list_parts(const BrickShape& shape,
                                            ByteSpan front) const override;
-  std::unique_ptr<BrickParts> open_parts(const BrickShape& shape, VoxelType type,
-                                         const ValueRange& range,
-                                         std::span<const ByteSpan> segments) const override;
+  std::vector<std::unique_ptr<BrickParts>> open_together(
+      VoxelType type, std::span<const CodedBrick> bricks) const override;
 
  private:
   std::unique_ptr<const Model> model_;

@@ -1,11 +1,13 @@
 #include "octavo/codec/grey/grey_decoder.h"
 
 #include <algorithm>
+#include <utility>
+#include <vector>
 
-#include "octavo/codec/grey/edge_pairs.h"
 #include "octavo/codec/grey/grey_brick.h"
 #include "octavo/codec/grey/grey_corrections.h"
 #include "octavo/codec/grey/grey_interpolation.h"
+#include "octavo/codec/grey/grey_level_run.h"
 #include "octavo/codec/grey/grey_parts.h"
 #include "octavo/codec/grey/grey_voxels.h"
 #include "octavo/codec/grey/plain_samples.h"
@@ -112,78 +114,118 @@ struct LevelState {
 /// All samples of any level.
 inline constexpr Box kAllSamples{{0, 0, 0}, {kBrickSide, kBrickSide, kBrickSide}};
 
-/// A split of a level of which a box is looked at. The last split needs all samples of those before
-/// it: its contexts look around their pairs.
-Stage needed_of(Stage stage, const Split& split, const BrickShape& shape, int level,
-                const Box& box) {
-  if (split.fine_size != shape.size[static_cast<std::size_t>(level)]) return stage;
-  // Nothing in the first planes of the last split looks at later ones.
-  stage.first_row = stage.axis == 1 ? box.lo.y / 2 : box.lo.y;
-  stage.last_row = stage.axis == 1 ? (box.hi.y + 1) / 2 : box.hi.y;
-  const std::int64_t pairs = stage.axis == 2 ? (box.hi.z + 1) / 2 : box.hi.z;
-  if (pairs >= stage.pairs.z) return stage;
-  stage.pairs.z = pairs;
-  // The last pair of all is left out.
-  if (stage.axis == 2) stage.last_pair = {};
-  return stage;
-}
-
 /// Decodes the splits of a level, or of a part of it, from its edges and residuals; its means stand
 /// in the work space.
 /// box  of the result that is looked at
 template <class Sample>
 void decode_details(const Source& source, const Part& part, int level, ByteSpan segment,
-                    const BrickHints& hints, int most_states, const Box& box = kAllSamples) {
-  const Parameters& p = source.parameters();
-  Workspace<Sample>& work = thread_workspace<Sample>();
+                    const BrickHints& hints, int most_states, const Box& box,
+                    Workspace<Sample>& work) {
   // A level without details repeats its means
-  const std::int64_t details = level_detail_count(part.shape, level, hints.cells);
-  if (details == 0) {
+  if (level_detail_count(part.shape, level, hints.cells) == 0) {
     if (!segment.empty()) throw Error(ErrorKind::corrupt, "a segment without details has bytes");
     static const Parameters kRepeating{};
     run_level(work, part, source.scale, kRepeating, level, hints, Margins::all,
               [](const Stage&, const Split&) {});
     return;
   }
-  // Edges, then residuals, split by split
-  SymbolReader symbols(source.model, table_set(level), segment, details, source.scale.shift(),
-                       most_states);
-  bool is_whole = true;
-  run_level(work, part, source.scale, p, level, hints, reach_of(p.predictor),
-            [&](const Stage& stage, const Split& split) {
-              if (stage.has_edges) take_edges(stage, work, symbols);
-              const Stage own = needed_of(stage, split, part.shape, level, box);
-              is_whole = is_whole && own.pairs == stage.pairs;
-              stage_functions().of<Sample>().decode(p, {own, work, symbols});
-            });
-  if (is_whole) symbols.finish();
+  LevelRun<Sample> run({source.model, source.scale, level, most_states}, part, segment, hints, box,
+                       work);
+  LevelRun<Sample>* const only = &run;
+  run_together<Sample>(std::span(&only, 1));
 }
 
-/// Decodes the levels from the coarsest to `level`, but not level 0, into the work space.
+/// A brick whose levels above 0 are decoded.
+template <class Sample>
+struct CoarserLevels {
+  const Source& source;
+  std::span<const ByteSpan> segments;
+  Workspace<Sample>& work;
+  LevelState state = {};
+
+  /// The samples of the last level.
+  void load_coarsest() {
+    const auto last = static_cast<std::size_t>(source.shape.level_count) - 1;
+    const Size3& size = source.shape.size[last];
+    load_means(work, decode_plain<Sample>(source.scale, segments[last], size).data(), size);
+  }
+  /// The bytes of the details of a level, behind what its segment tells of finer ones.
+  ByteSpan take_hints(int level) {
+    const Parameters& p = source.parameters();
+    const BrickShape& shape = source.shape;
+    ByteSpan segment = segments[static_cast<std::size_t>(level)];
+    if (level == 1 && has_parts(shape, p.cut_axes)) {
+      state.entries = take_part_list(segment, parts_of(shape, p.cut_axes).size());
+    }
+    if (level == 1 && has_cells(shape)) {
+      state.cells = decode_cells(take_counted(segment), shape.size[2]);
+    }
+    return segment;
+  }
+};
+
+/// Decodes a level of some bricks of one model, at the same time where all have details.
+/// details  the bytes of each
+template <class Sample>
+void decode_level(std::span<CoarserLevels<Sample>> bricks, std::span<const ByteSpan> details,
+                  int level, const Box& box) {
+  std::vector<Part> parts;
+  std::vector<BrickHints> hints;
+  bool goes = bricks.size() > 1;
+  for (const CoarserLevels<Sample>& brick : bricks) {
+    const Source& source = brick.source;
+    parts.push_back({source.shape, {}, {}, kAllFaces});
+    hints.push_back(brick.state.hints(source.parameters()));
+    goes = goes && are_split_alike(source.shape, bricks.front().source.shape, level) &&
+           level_detail_count(source.shape, level, hints.back().cells) > 0;
+  }
+  if (!goes) {
+    for (std::size_t i = 0; i < bricks.size(); ++i) {
+      decode_details(bricks[i].source, parts[i], level, details[i], hints[i], kMaxStates, box,
+                     bricks[i].work);
+    }
+    return;
+  }
+  std::vector<std::unique_ptr<LevelRun<Sample>>> runs;
+  std::vector<LevelRun<Sample>*> together;
+  for (std::size_t i = 0; i < bricks.size(); ++i) {
+    const Source& source = bricks[i].source;
+    runs.push_back(std::make_unique<LevelRun<Sample>>(
+        typename LevelRun<Sample>::Setting{source.model, source.scale, level, kMaxStates}, parts[i],
+        details[i], hints[i], box, bricks[i].work));
+    together.push_back(runs.back().get());
+  }
+  run_together<Sample>(together);
+}
+
+/// Decodes the levels from the coarsest to `level`, but not level 0, into the work spaces: of up to
+/// kMostTogether bricks of one model that have as many levels.
 /// box  of `level` that is looked at
+template <class Sample>
+void decode_coarser(std::span<CoarserLevels<Sample>> bricks, int level,
+                    const Box& box = kAllSamples) {
+  for (CoarserLevels<Sample>& brick : bricks) brick.load_coarsest();
+  const int last = bricks.front().source.shape.level_count - 1;
+  for (int at = last - 1; at >= std::max(level, 1); --at) {
+    std::vector<ByteSpan> details;
+    for (CoarserLevels<Sample>& brick : bricks) details.push_back(brick.take_hints(at));
+    decode_level<Sample>(bricks, details, at, at == level ? box : kAllSamples);
+  }
+  if (level > 0) return;
+  for (CoarserLevels<Sample>& brick : bricks) {
+    const Source& source = brick.source;
+    brick.state.gaps =
+        gaps_of(source.parameters().value_map, source.map, source.shape, source.scale);
+  }
+}
+
+/// The same of one brick.
 template <class Sample>
 LevelState decode_coarser(const Source& source, std::span<const ByteSpan> segments, int level,
                           const Box& box = kAllSamples) {
-  const BrickShape& shape = source.shape;
-  const Parameters& p = source.parameters();
-  const auto last = static_cast<std::size_t>(shape.level_count) - 1;
-  const std::vector<Sample> coarsest =
-      decode_plain<Sample>(source.scale, segments[last], shape.size[last]);
-  load_means(thread_workspace<Sample>(), coarsest.data(), shape.size[last]);
-  LevelState state;
-  for (int at = static_cast<int>(last) - 1; at >= std::max(level, 1); --at) {
-    ByteSpan segment = segments[static_cast<std::size_t>(at)];
-    if (at == 1 && has_parts(shape, p.cut_axes)) {
-      state.entries = take_part_list(segment, parts_of(shape, p.cut_axes).size());
-    }
-    if (at == 1 && has_cells(shape)) {
-      state.cells = decode_cells(take_counted(segment), shape.size[2]);
-    }
-    decode_details<Sample>(source, Part{shape, {}, {}, kAllFaces}, at, segment, state.hints(p),
-                           kMaxStates, at == level ? box : kAllSamples);
-  }
-  if (level == 0) state.gaps = gaps_of(p.value_map, source.map, shape, source.scale);
-  return state;
+  CoarserLevels<Sample> brick{source, segments, thread_workspace<Sample>()};
+  decode_coarser<Sample>(std::span(&brick, 1), level, box);
+  return std::move(brick.state);
 }
 
 /// Decodes level 0 of a brick, or a part of it, to voxels; its means stand in the work space.
@@ -195,7 +237,8 @@ void decode_finest(const Source& source, const Part& part, ByteSpan segment,
   const Size3 size = own_box(part, order).size();
   if (source.is_corrected()) corrections = take_corrections(segment, size);
   const Box samples = in_order(wanted.box, order);
-  decode_details<Sample>(source, part, 0, segment, hints, most_states, samples);
+  decode_details(source, part, 0, segment, hints, most_states, samples,
+                 thread_workspace<Sample>());
   source.writer().write(thread_workspace<Sample>().means, samples, wanted.out);
   if (source.is_corrected()) apply(corrections, source, size, wanted.box, wanted.out);
 }
@@ -211,98 +254,90 @@ class PartDecoder {
         coarse_(coarse) {}
 
   struct Task {
+    const PartDecoder* decoder;  ///< of its brick
     const Part& part;
     ByteSpan bytes;
     WantedBox wanted;
   };
 
-  /// Decodes parts one after the other, or two by two.
-  void decode(std::span<const Task> tasks) const {
-    for (; tasks.size() > 1; tasks = tasks.subspan(2)) decode_two(tasks[0], tasks[1]);
-    if (!tasks.empty()) decode(tasks[0]);
+  /// Decodes parts of bricks one after the other, or some at the same time.
+  static void decode(std::span<const Task> tasks) {
+    while (!tasks.empty()) {
+      std::size_t count = 1;
+      while (count < std::min(tasks.size(), kMostTogether) && go_in_step(tasks[0], tasks[count])) {
+        ++count;
+      }
+      decode_some(tasks.first(count));
+      tasks = tasks.subspan(count);
+    }
   }
 
  private:
-  void decode(const Task& task) const {
+  void decode_one(const Task& task) const {
     coarse_.put(task.part, thread_workspace<Sample>().means);
     const PartHints own(task.part, hints_);
     decode_finest<Sample>(source_, task.part, task.bytes, own.hints, most_states_, task.wanted);
   }
 
-  /// Two parts at the same time where that is faster.
-  void decode_two(const Task& first, const Task& second) const {
-    if (goes_in_step(first) && goes_in_step(second)) {
+  /// Parts that go in step, or a single one.
+  static void decode_some(std::span<const Task> tasks) {
+    if (tasks.size() > 1) {
       try {
-        decode_in_step(first, second);
+        decode_in_step(tasks);
         return;
       } catch (const Error&) {
-        // What is wrong with the first one is said before what is wrong with the second.
+        // What is wrong with the first one is said before what is wrong with the others.
       }
     }
-    decode(first);
-    decode(second);
+    for (const Task& task : tasks) task.decoder->decode_one(task);
   }
 
-  /// A part whose splits are run one by one.
+  /// A part on its way, and where it ends.
   struct Running {
+    Running(const Task& own, Workspace<Sample>& space)
+        : Running(*own.decoder, own, space) {}
     Running(const PartDecoder& decoder, const Task& own, Workspace<Sample>& space)
         : task(own),
           hints(own.part, decoder.hints_),
           work(space),
-          symbols(decoder.source_.model, table_set(0), own.bytes,
-                  level_detail_count(own.part.shape, 0, hints.hints.cells),
-                  decoder.source_.scale.shift(), decoder.most_states_),
-          splits(splits_of(own.part.shape, 0)),
-          box(in_order(own.wanted.box, decoder.source_.parameters().axis_order)) {
+          box(in_order(own.wanted.box, decoder.source_.parameters().axis_order)),
+          run({decoder.source_.model, decoder.source_.scale, 0, decoder.most_states_}, own.part,
+              own.bytes, hints.hints, box, space) {
       decoder.coarse_.put(task.part, work.means);
-      for (auto& grid : work.magnitudes) grid.set_size({0, 0, 0});
     }
 
     const Task& task;
     PartHints hints;
     Workspace<Sample>& work;
-    SymbolReader symbols;
-    std::vector<Split> splits;
     Box box;  ///< of the samples that are wanted
-    bool is_whole = true;  ///< all symbols are taken
+    LevelRun<Sample> run;
   };
 
   /// Predicted from neighbors, a part keeps the machine busy by itself. Where rows are short, as
-  /// pairs are left out or edges, two work spaces cost more than two streams bring.
+  /// pairs are left out or edges, more work spaces cost more than more streams bring.
   bool goes_in_step(const Task& task) const {
     const bool has_whole_rows = hints_.cells == nullptr && !hints_.has_edges;
     return source_.parameters().predictor == Predictor::means && has_whole_rows &&
            !source_.is_corrected() && !task.bytes.empty();
   }
-
-  void decode_in_step(const Task& first, const Task& second) const {
-    const Parameters& p = source_.parameters();
-    Running a(*this, first, thread_workspace<Sample>());
-    Running b(*this, second, thread_workspace<Sample, 1>());
-    for (std::size_t i = 0; i < a.splits.size(); ++i) {
-      const Stage stage_of_a = begun(a, i);
-      const Stage stage_of_b = begun(b, i);
-      stage_functions().of<Sample>().decode_two(p, {stage_of_a, a.work, a.symbols},
-                                                {stage_of_b, b.work, b.symbols});
-      for (Running* part : {&a, &b}) {
-        end_split(part->work, part->task.part, p, part->splits[i], reach_of(p.predictor),
-                  i + 1 == a.splits.size());
-      }
-    }
-    for (Running* part : {&a, &b}) {
-      if (part->is_whole) part->symbols.finish();
-      source_.writer().write(part->work.means, part->box, part->task.wanted.out);
-    }
+  static bool go_in_step(const Task& a, const Task& b) {
+    return &a.decoder->source_.model == &b.decoder->source_.model &&
+           are_split_alike(a.part.shape, b.part.shape, 0) && a.decoder->goes_in_step(a) &&
+           b.decoder->goes_in_step(b);
   }
 
-  /// What is needed of the i-th split of a part.
-  Stage begun(Running& part, std::size_t i) const {
-    const Split& split = part.splits[i];
-    const Stage all = begin_split(part.work, part.task.part, source_.scale, source_.parameters(), 0,
-                                  part.hints.hints, split);
-    const Stage own = needed_of(all, split, part.task.part.shape, 0, part.box);
-    part.is_whole = part.is_whole && own.pairs == all.pairs;
-    return own;
+  static void decode_in_step(std::span<const Task> tasks) {
+    std::vector<std::unique_ptr<Running>> running;
+    std::vector<LevelRun<Sample>*> together;
+    for (std::size_t i = 0; i < tasks.size(); ++i) {
+      running.push_back(std::make_unique<Running>(tasks[i], thread_workspace<Sample>(i)));
+      together.push_back(&running.back()->run);
+    }
+    run_together<Sample>(together);
+    for (const auto& part : running) {
+      part->task.decoder->source_.writer().write(part->work.means, part->box,
+                                                 part->task.wanted.out);
+    }
   }
 
   const Source& source_;
@@ -356,11 +391,11 @@ void decode_samples(const Source& source, std::span<const ByteSpan> segments, in
     if (shared.is_empty()) continue;
     const Index3& lo = wanted.box.lo;
     const Index3 at{shared.lo.x - lo.x, shared.lo.y - lo.y, shared.lo.z - lo.z};
-    tasks.push_back({parts[i], bytes[i],
+    tasks.push_back({&decoder, parts[i], bytes[i],
                      {moved(shared, {-own.lo.x, -own.lo.y, -own.lo.z}),
                       target_from(wanted.out, at, source.type)}});
   }
-  decoder.decode(tasks);
+  PartDecoder<Sample>::decode(tasks);
 }
 
 /// Decodes a level that has no details.
@@ -378,7 +413,7 @@ void decode_interpolated(const Source& source, const BrickShape& whole, bool is_
     const LevelState state = decode_coarser<Sample>(source, segments, 0);
     if (shape.level_count > 1) {
       decode_details<Sample>(source, Part{shape, {}, {}, kAllFaces}, 0, segments[0],
-                             state.hints(source.parameters()), kMaxStates);
+                             state.hints(source.parameters()), kMaxStates, kAllSamples, work);
     }
   }
   interpolate_levels(work, whole, source.scale, whole.level_count - shape.level_count, level);
@@ -389,30 +424,45 @@ void decode_interpolated(const Source& source, const BrickShape& whole, bool is_
 template <class Sample>
 class GreyParts final : public BrickParts {
  public:
-  GreyParts(const Source& source, std::span<const ByteSpan> segments)
+  /// means  the samples of level 1
+  GreyParts(const Source& source, LevelState state, SampleGrid<Sample>& means)
       : source_(source),
-        state_(decode_coarser<Sample>(source, segments, 0)),
-        coarse_(thread_workspace<Sample>().means),
+        state_(std::move(state)),
+        coarse_(means),
+        decoder_(source_, state_, coarse_),
         parts_(parts_of(source.shape, source.parameters().cut_axes)),
         own_parts_(placed_parts(parts_, state_.entries, source.parameters().axis_order)) {}
 
   const std::vector<BrickParts::Part>& parts() const noexcept override { return own_parts_; }
 
-  void decode(std::span<const Wanted> wanted) const override {
-    for (const Wanted& one : wanted) prove_part(one.bytes, state_.entries[one.number]);
+  void decode_together(std::span<const WantedOf> wanted) const override {
     std::vector<typename PartDecoder<Sample>::Task> tasks;
-    for (const Wanted& one : wanted) {
-      const Index3& at = own_parts_[one.number].box.lo;
-      tasks.push_back({parts_[one.number], one.bytes,
-                       {moved(one.box, {-at.x, -at.y, -at.z}), one.out}});
+    for (const auto& [brick, own] : wanted) {
+      const auto* const parts = dynamic_cast<const GreyParts*>(brick);
+      if (parts != nullptr) {
+        tasks.push_back(parts->task(own));
+        continue;
+      }
+      // Its samples are of another width.
+      PartDecoder<Sample>::decode(tasks);
+      tasks.clear();
+      brick->decode(std::span(&own, 1));
     }
-    PartDecoder<Sample>(source_, state_, coarse_).decode(tasks);
+    PartDecoder<Sample>::decode(tasks);
   }
 
  private:
+  typename PartDecoder<Sample>::Task task(const Wanted& wanted) const {
+    prove_part(wanted.bytes, state_.entries[wanted.number]);
+    const Index3& at = own_parts_[wanted.number].box.lo;
+    return {&decoder_, parts_[wanted.number], wanted.bytes,
+            {moved(wanted.box, {-at.x, -at.y, -at.z}), wanted.out}};
+  }
+
   Source source_;
   LevelState state_;
   CoarseSamples<Sample> coarse_;
+  PartDecoder<Sample> decoder_;
   std::vector<grey::Part> parts_;
   std::vector<BrickParts::Part> own_parts_;
 };
@@ -443,6 +493,34 @@ Source source_of(const Model& model, const BrickShape& shape, VoxelType type,
   }
   return {model, in_order(shape, p.axis_order), type, range,
           SampleScale::of_voxels(range, code_scale(p, map)), map};
+}
+
+/// A brick to open, one of several.
+struct OpeningBrick {
+  std::size_t number;
+  Source source;
+  std::vector<ByteSpan> segments;
+};
+
+/// Whether the levels above 0 of two bricks gain from being decoded at the same time: predicted
+/// from neighbors, each keeps the machine busy by itself.
+bool go_together(const Source& a, const Source& b) {
+  return a.parameters().predictor == Predictor::means &&
+         a.scale.is_wide() == b.scale.is_wide() && a.shape.level_count == b.shape.level_count;
+}
+
+template <class Sample>
+void open_together(std::span<const OpeningBrick> bricks,
+                   std::vector<std::unique_ptr<BrickParts>>& opened) {
+  std::vector<CoarserLevels<Sample>> levels;
+  for (std::size_t i = 0; i < bricks.size(); ++i) {
+    levels.push_back({bricks[i].source, bricks[i].segments, thread_workspace<Sample>(i)});
+  }
+  decode_coarser<Sample>(std::span(levels), 0);
+  for (std::size_t i = 0; i < bricks.size(); ++i) {
+    opened[bricks[i].number] = std::make_unique<GreyParts<Sample>>(
+        bricks[i].source, std::move(levels[i].state), levels[i].work.means);
+  }
 }
 
 }  // namespace
@@ -487,17 +565,31 @@ std::int64_t decode_parent(const Model& model, const BrickShape& shape, VoxelTyp
   });
 }
 
-std::unique_ptr<BrickParts> open_parts(const Model& model, const BrickShape& shape,
-                                       VoxelType type, const ValueRange& range,
-                                       std::span<const ByteSpan> segments) {
-  const Parameters& p = model.parameters;
-  const bool is_cut = has_parts(in_order(shape, p.axis_order), p.cut_axes);
-  if (range.min == range.max || segments.back().empty() || !is_cut) return nullptr;
-  std::vector<ByteSpan> bytes(segments.begin(), segments.end());
-  const Source source = source_of(model, shape, type, range, bytes.back());
-  return with_sample_type(source.scale, [&](auto sample) -> std::unique_ptr<BrickParts> {
-    return std::make_unique<GreyParts<decltype(sample)>>(source, bytes);
-  });
+std::vector<std::unique_ptr<BrickParts>> open_parts(const Model& model, VoxelType type,
+                                                    std::span<const CodedBrick> bricks) {
+  std::vector<std::unique_ptr<BrickParts>> opened(bricks.size());
+  std::vector<OpeningBrick> opening;
+  for (std::size_t i = 0; i < bricks.size(); ++i) {
+    const auto& [shape, range, segments] = bricks[i];
+    const Parameters& p = model.parameters;
+    const bool is_cut = has_parts(in_order(shape, p.axis_order), p.cut_axes);
+    if (range.min == range.max || segments.back().empty() || !is_cut) continue;
+    std::vector<ByteSpan> bytes(segments.begin(), segments.end());
+    const Source source = source_of(model, shape, type, range, bytes.back());
+    opening.push_back({i, source, std::move(bytes)});
+  }
+  for (std::size_t first = 0; first < opening.size();) {
+    std::size_t end = first + 1;
+    while (end < opening.size() && end - first < kMostTogether &&
+           go_together(opening[first].source, opening[end].source)) {
+      ++end;
+    }
+    with_sample_type(opening[first].source.scale, [&](auto sample) {
+      open_together<decltype(sample)>(std::span(opening).subspan(first, end - first), opened);
+    });
+    first = end;
+  }
+  return opened;
 }
 
 }  // namespace octavo::grey

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "octavo/codec/brick_codec.h"
 #include "octavo/codec/grey/grey_model.h"
@@ -19,10 +20,9 @@ void decode_brick(const Model& model, const BrickShape& shape, VoxelType type,
 std::int64_t decode_parent(const Model& model, const BrickShape& shape, VoxelType type,
                            const ValueRange& range, std::span<const ByteSpan> segments);
 
-/// As BrickCodec::open_parts; the model outlives the result.
+/// As BrickCodec::open_together; the model outlives the result.
 /// Throws Error{corrupt, unsupported_version}.
-std::unique_ptr<BrickParts> open_parts(const Model& model, const BrickShape& shape,
-                                       VoxelType type, const ValueRange& range,
-                                       std::span<const ByteSpan> segments);
+std::vector<std::unique_ptr<BrickParts>> open_parts(const Model& model, VoxelType type,
+                                                    std::span<const CodedBrick> bricks);
 
 }  // namespace octavo::grey

@@ -130,10 +130,12 @@ CoarseSamples<Sample>::CoarseSamples(SampleGrid<Sample>& grid)
   grid.fill_margins();
   const Size3& size = grid.size();
   // All of them are written below.
-  samples_.reset(new Sample[static_cast<std::size_t>(row_ * rows_ * (size.z + 2 * kYZ))]);
+  const auto count = static_cast<std::size_t>(row_ * rows_ * (size.z + 2 * kYZ));
+  bytes_->resize(count * sizeof(Sample));
+  samples_ = reinterpret_cast<Sample*>(bytes_->data());
   for (std::int64_t z = -kYZ; z < size.z + kYZ; ++z) {
     for (std::int64_t y = -kYZ; y < size.y + kYZ; ++y) {
-      std::copy_n(grid.row(y, z) - kX, row_, samples_.get() + place(-kX, y, z));
+      std::copy_n(grid.row(y, z) - kX, row_, samples_ + place(-kX, y, z));
     }
   }
 }
@@ -145,7 +147,7 @@ void CoarseSamples<Sample>::put(const Part& part, SampleGrid<Sample>& grid) cons
   grid.set_size(size);
   for (std::int64_t z = -kYZ; z < size.z + kYZ; ++z) {
     for (std::int64_t y = -kYZ; y < size.y + kYZ; ++y) {
-      std::copy_n(samples_.get() + place(at.x - kX, y + at.y, z + at.z), size.x + 2 * kX,
+      std::copy_n(samples_ + place(at.x - kX, y + at.y, z + at.z), size.x + 2 * kX,
                   grid.row(y, z) - kX);
     }
   }

@@ -17,11 +17,11 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <vector>
 
 #include "octavo/codec/brick_codec.h"
 #include "octavo/codec/grey/grey_stage.h"
+#include "octavo/core/recycled.h"
 
 namespace octavo::grey {
 
@@ -78,6 +78,8 @@ class CoarseSamples {
  public:
   /// Takes the samples of a grid, whose margins it fills.
   explicit CoarseSamples(SampleGrid<Sample>& grid);
+  CoarseSamples(const CoarseSamples&) = delete;
+  CoarseSamples& operator=(const CoarseSamples&) = delete;
 
   /// Puts the samples of a part and those around it into a grid.
   void put(const Part& part, SampleGrid<Sample>& grid) const;
@@ -92,7 +94,8 @@ class CoarseSamples {
 
   std::int64_t row_;
   std::int64_t rows_;
-  std::unique_ptr<Sample[]> samples_;
+  Recycled<UnsetBytes, CoarseSamples> bytes_;
+  Sample* samples_;  ///< in the bytes
 };
 
 }  // namespace octavo::grey

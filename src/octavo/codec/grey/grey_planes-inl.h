@@ -11,6 +11,10 @@
 
 #include <hwy/highway.h>
 
+#include <memory>
+#include <span>
+#include <type_traits>
+
 #include "octavo/codec/grey/grey_portable.h"
 #include "octavo/codec/grey/grey_rows-inl.h"
 
@@ -505,19 +509,34 @@ void decode_plane(const Parameters& p, const SplitTask<std::int16_t>& task, std:
   }
 }
 
-/// The same of two parts, whose streams do not wait for each other.
+/// Room for a decoder, which clears nothing.
 template <int kAxis>
-void decode_two_planes(const Parameters& p, const SplitTask<std::int16_t>& first,
-                       const SplitTask<std::int16_t>& second, std::int64_t z) {
-  PlaneDecoder<kAxis> a(p, first, z);
-  PlaneDecoder<kAxis> b(p, second, z);
+union PlaneRoom {
+  PlaneRoom() {}
+  PlaneDecoder<kAxis> decoder;
+};
+
+/// The same of several splits, whose streams do not wait for each other.
+template <int kAxis>
+void decode_planes(const Parameters& p, std::span<const SplitTask<std::int16_t>> tasks,
+                   std::int64_t z) {
+  static_assert(std::is_trivially_destructible_v<PlaneDecoder<kAxis>>);
+  PlaneRoom<kAxis> planes[kMostTogether];
+  StreamRows streams[kMostTogether];
+  for (std::size_t i = 0; i < tasks.size(); ++i) {
+    std::construct_at(&planes[i].decoder, p, tasks[i], z);
+  }
   while (true) {
-    const TokenRows of_a = a.gather();
-    const TokenRows of_b = b.gather();
-    if (of_a.row_count == 0 && of_b.row_count == 0) return;
-    const auto has_big = take_token_rows(a.symbols(), of_a, b.symbols(), of_b);
-    if (of_a.row_count > 0) a.settle(has_big[0]);
-    if (of_b.row_count > 0) b.settle(has_big[1]);
+    int row_count = 0;
+    for (std::size_t i = 0; i < tasks.size(); ++i) {
+      streams[i] = {&planes[i].decoder.symbols(), planes[i].decoder.gather()};
+      row_count += streams[i].rows.row_count;
+    }
+    if (row_count == 0) return;
+    take_token_rows(std::span(streams, tasks.size()));
+    for (std::size_t i = 0; i < tasks.size(); ++i) {
+      if (streams[i].rows.row_count > 0) planes[i].decoder.settle(streams[i].has_big);
+    }
   }
 }
 

@@ -208,7 +208,7 @@ inline MagnitudeRows magnitude_rows(const SampleGrid<std::int16_t>* magnitudes, 
 ///   take_row(symbols, contexts, coded, count, residuals)   0 for pairs that are not coded
 ///   takes_planes(p, stage)                     whether take_plane knows this split from means
 ///   take_plane(p, task, z)                     all of a plane: contexts, residuals and samples
-///   take_two_planes(p, task, other task, z)    the same for two parts
+///   take_planes(p, tasks, z)                   the same for several splits along one axis
 ///   give_plane(p, stage, work, z)              details of a plane to contexts, residuals, samples
 ///                                              and magnitudes
 ///   write_row(residuals, contexts, count, writer)
@@ -321,21 +321,28 @@ struct Passes {
     Kernel::template reconstruct<false>(p, stage, work);
   }
 
-  static void decode_two(const Parameters& p, const SplitTask<Sample>& first,
-                         const SplitTask<Sample>& second) {
-    const auto is_of_planes = [&](const SplitTask<Sample>& task) {
+  static void decode_together(const Parameters& p, std::span<const SplitTask<Sample>> tasks) {
+    const bool is_of_planes = std::all_of(tasks.begin(), tasks.end(), [&](const auto& task) {
       return task.stage.pairs.voxel_count() > 0 && takes_planes(p, task.stage);
-    };
-    if (!is_of_planes(first) || !is_of_planes(second)) {
-      decode(p, first);
-      decode(p, second);
+    });
+    if (tasks.size() == 1 || !is_of_planes) {
+      for (const auto& task : tasks) decode(p, task);
       return;
     }
-    for (const auto* task : {&first, &second}) set_sizes(task->stage, false, task->work);
-    const std::int64_t both = std::min(first.stage.pairs.z, second.stage.pairs.z);
-    for (std::int64_t z = 0; z < both; ++z) Kernel::take_two_planes(p, first, second, z);
-    for (const auto* task : {&first, &second}) {
-      for (std::int64_t z = both; z < task->stage.pairs.z; ++z) Kernel::take_plane(p, *task, z);
+    std::int64_t most = 0;
+    for (const auto& task : tasks) {
+      set_sizes(task.stage, false, task.work);
+      most = std::max(most, task.stage.pairs.z);
+    }
+    // Some may have fewer planes than others.
+    std::vector<SplitTask<Sample>> left;
+    for (std::int64_t z = 0; z < most; ++z) {
+      left.clear();
+      for (const auto& task : tasks) {
+        if (z < task.stage.pairs.z) left.push_back(task);
+      }
+      if (left.size() == 1) Kernel::take_plane(p, left.front(), z);
+      else Kernel::take_planes(p, left, z);
     }
   }
 
@@ -497,7 +504,8 @@ struct Passes {
 
   /// Less those of edges.
   static constexpr StagePasses<Sample> functions() {
-    return {decode, decode_two, measure, predict, list_symbols, encode, write, nullptr, nullptr};
+    return {decode, decode_together, measure, predict, list_symbols,
+            encode, write,           nullptr, nullptr};
   }
 };
 
@@ -529,8 +537,7 @@ struct PortableKernel {
   }
   static bool takes_planes(const Parameters&, const Stage&) { return false; }
   static void take_plane(const Parameters&, const SplitTask<Sample>&, std::int64_t) {}
-  static void take_two_planes(const Parameters&, const SplitTask<Sample>&,
-                              const SplitTask<Sample>&, std::int64_t) {}
+  static void take_planes(const Parameters&, std::span<const SplitTask<Sample>>, std::int64_t) {}
   static void give_plane(const Parameters&, const Stage&, Workspace<Sample>&, std::int64_t) {}
   static bool predicts_rows(const Parameters&, const Stage&) { return true; }
   static void predict_row(const Parameters& p, const Stage& stage, Workspace<Sample>& work,

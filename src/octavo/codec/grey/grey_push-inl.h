@@ -13,7 +13,7 @@
 
 #include <bit>
 
-#include "octavo/codec/grey/grey_symbols-inl.h"
+#include "octavo/codec/grey/grey_residuals-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace octavo::grey {

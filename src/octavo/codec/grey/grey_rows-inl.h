@@ -11,7 +11,7 @@
 #include <hwy/highway.h>
 
 #include "octavo/codec/grey/grey_portable.h"
-#include "octavo/codec/grey/grey_symbols-inl.h"
+#include "octavo/codec/grey/grey_residuals-inl.h"
 
 // Places within a row are small numbers.
 // NOLINTBEGIN(bugprone-implicit-widening-of-multiplication-result)

@@ -12,7 +12,9 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
+#include <span>
 #include <string_view>
 #include <type_traits>
 #include <vector>
@@ -88,7 +90,9 @@ using Limit = std::conditional_t<sizeof(Sample) == 2, std::uint16_t, std::int64_
 template <class T, std::int64_t kPadding = 8>
 class PairGrid {
  public:
-  PairGrid() : values_(static_cast<std::size_t>(kBrickSide * kBrickSide * kBrickSide / 2 + 64)) {}
+  PairGrid()
+      : values_(unset_room<T>(
+            static_cast<std::size_t>(kBrickSide * kBrickSide * kBrickSide / 2 + 64))) {}
   void set_size(const Size3& pairs) {
     row_ = (pairs.x + kPadding - 1) & ~(kPadding - 1);
     plane_ = row_ * pairs.y;
@@ -98,24 +102,26 @@ class PairGrid {
     set_size(pairs);
     plane_ = 0;
   }
-  T* row(std::int64_t y, std::int64_t z) { return values_.data() + z * plane_ + y * row_; }
+  T* row(std::int64_t y, std::int64_t z) {
+    return values_.get() + z * plane_ + y * row_;
+  }
 
  private:
   std::int64_t row_ = 0;
   std::int64_t plane_ = 0;
-  std::vector<T> values_;
+  std::unique_ptr<T[]> values_;
 };
 
 /// Some pairs of every row of a split.
 class PairMasks {
  public:
-  PairMasks() : rows_(static_cast<std::size_t>(kBrickSide * kBrickSide)) {}
+  PairMasks() : rows_(unset_room<RowMask>(static_cast<std::size_t>(kBrickSide * kBrickSide))) {}
   RowMask& row(std::int64_t y, std::int64_t z) {
     return rows_[static_cast<std::size_t>(z * kBrickSide + y)];
   }
 
  private:
-  std::vector<RowMask> rows_;
+  std::unique_ptr<RowMask[]> rows_;
 };
 
 /// The pairs of a split that lie in no uniform cell.
@@ -180,14 +186,17 @@ struct SplitTask {
   SymbolReader& symbols;
 };
 
+/// So many splits are decoded at the same time, at most.
+inline constexpr std::size_t kMostTogether = 4;
+
 /// The passes of a split for samples of 16 bits (sums wrap at 32 bits) and of 32 bits (64).
 template <class Sample>
 struct StagePasses {
   /// Takes the residuals off the symbols and completes the fine grid.
   void (*decode)(const Parameters&, const SplitTask<Sample>&);
-  /// The same for two parts with work spaces and symbols of their own, along one axis; the machine
-  /// may overlap them.
-  void (*decode_two)(const Parameters&, const SplitTask<Sample>&, const SplitTask<Sample>&);
+  /// The same for up to kMostTogether splits along one axis with work spaces and symbols of their
+  /// own; the machine may overlap them.
+  void (*decode_together)(const Parameters&, std::span<const SplitTask<Sample>>);
   /// Finds the activities and limits of all pairs.
   void (*measure)(const Parameters&, const Stage&, Workspace<Sample>&);
   /// Turns the details in `residuals` into residuals, brought to multiples of the step, and

@@ -23,6 +23,7 @@
 #include "octavo/codec/grey/grey_exact-inl.h"
 #include "octavo/codec/grey/grey_planes-inl.h"
 #include "octavo/codec/grey/grey_push-inl.h"
+#include "octavo/codec/grey/grey_residuals-inl.h"
 #include "octavo/codec/grey/grey_rows-inl.h"
 #include "octavo/codec/grey/grey_symbols-inl.h"
 #include "octavo/codec/grey/grey_waves-inl.h"
@@ -67,11 +68,12 @@ struct Kernel {
     else if (task.stage.axis == 1) decode_plane<1>(p, task, z);
     else decode_plane<2>(p, task, z);
   }
-  static void take_two_planes(const Parameters& p, const SplitTask<std::int16_t>& first,
-                              const SplitTask<std::int16_t>& second, std::int64_t z) {
-    if (first.stage.axis == 0) decode_two_planes<0>(p, first, second, z);
-    else if (first.stage.axis == 1) decode_two_planes<1>(p, first, second, z);
-    else decode_two_planes<2>(p, first, second, z);
+  static void take_planes(const Parameters& p, std::span<const SplitTask<std::int16_t>> tasks,
+                          std::int64_t z) {
+    const int axis = tasks.front().stage.axis;
+    if (axis == 0) decode_planes<0>(p, tasks, z);
+    else if (axis == 1) decode_planes<1>(p, tasks, z);
+    else decode_planes<2>(p, tasks, z);
   }
   static void give_plane(const Parameters& p, const Stage& stage, Workspace<std::int16_t>& work,
                          std::int64_t z) {

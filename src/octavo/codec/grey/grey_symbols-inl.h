@@ -1,5 +1,4 @@
-// Residuals off the rANS streams, vectorized: tokens first, as many states at a time as there are
-// lanes, then the plain bits of the row.
+// Tokens off the rANS streams, vectorized: as many states at a time as there are lanes.
 // Included once per instruction set by grey_stage_simd.cpp.
 
 #if defined(OCTAVO_CODEC_GREY_SYMBOLS_INL_H) == defined(HWY_TARGET_TOGGLE)
@@ -11,8 +10,9 @@
 
 #include <hwy/highway.h>
 
-#include <array>
+#include <algorithm>
 #include <bit>
+#include <span>
 #include <type_traits>
 
 #include "octavo/codec/grey/grey_portable.h"
@@ -31,12 +31,6 @@ constexpr hn::CappedTag<std::uint32_t, 8> kWords{};
 constexpr hn::Rebind<std::uint16_t, decltype(kWords)> kShortWords{};
 using Words = hn::Vec<decltype(kWords)>;
 inline constexpr int kStateLanes = static_cast<int>(hn::MaxLanes(kWords));
-
-/// Symbols whose plain bits are taken together: their bits fit in 64.
-inline constexpr int kChunk = 8;
-constexpr hn::FixedTag<std::uint8_t, kChunk> kChunkBytes{};
-constexpr hn::FixedTag<std::uint16_t, kChunk> kChunkHalves{};
-using ChunkHalves = hn::Vec<decltype(kChunkHalves)>;
 
 /// For every set of lanes that need a word: which of the next words each of them gets.
 struct WordPlaces {
@@ -84,9 +78,36 @@ HWY_INLINE Words load_eight(const std::uint32_t* from, const std::uint32_t* plac
 #endif
 }
 
+#if HWY_ARCH_X86_64 && HWY_TARGET <= HWY_AVX3
+/// Four table entries at the places of the lanes of a quarter, which go by registers: what is
+/// stored takes longer to come back.
+HWY_INLINE __m128i load_quarter(const std::uint32_t* from, __m128i places) {
+  const auto low = static_cast<std::uint64_t>(_mm_cvtsi128_si64(places));
+  const auto high = static_cast<std::uint64_t>(_mm_extract_epi64(places, 1));
+  const auto entry = [from](std::uint64_t place) HWY_ATTR {
+    return _mm_cvtsi32_si128(static_cast<int>(from[place]));
+  };
+  const __m128i first = _mm_unpacklo_epi32(entry(low & 0xffffffff), entry(low >> 32));
+  const __m128i last = _mm_unpacklo_epi32(entry(high & 0xffffffff), entry(high >> 32));
+  return _mm_unpacklo_epi64(first, last);
+}
+HWY_INLINE __m256i load_half(const std::uint32_t* from, __m256i places) {
+  return _mm256_inserti128_si256(
+      _mm256_castsi128_si256(load_quarter(from, _mm256_castsi256_si128(places))),
+      load_quarter(from, _mm256_extracti128_si256(places, 1)), 1);
+}
+#endif
+
 /// The table entries at the places of every lane.
 template <class D>
 HWY_INLINE hn::Vec<D> load_each(D d, const std::uint32_t* from, hn::Vec<D> index) {
+#if HWY_ARCH_X86_64 && HWY_TARGET <= HWY_AVX3
+  if constexpr (hn::MaxLanes(d) == 16) {
+    return hn::Vec<D>{_mm512_inserti64x4(
+        _mm512_castsi256_si512(load_half(from, _mm512_castsi512_si256(index.raw))),
+        load_half(from, _mm512_extracti64x4_epi64(index.raw, 1)), 1)};
+  }
+#endif
   alignas(64) std::uint32_t places[hn::MaxLanes(d)];
   hn::Store(index, d, places);
 #if HWY_COMPILER_GCC || HWY_COMPILER_CLANG
@@ -341,206 +362,97 @@ inline bool take_token_rows(SymbolReader& symbols, const TokenRows& rows) {
   }
 }
 
-/// Rows of two streams that do not wait for each other; gives whether any token of each is big.
-template <int kStates>
-std::array<bool, 2> take_rows_of_both(SymbolReader& first, const TokenRows& rows,
-                                      SymbolReader& second, const TokenRows& others) {
-  TokenStates<kStates> a(first);
-  TokenStates<kStates> b(second);
-  TokenRows of_a = rows;
-  TokenRows of_b = others;
-  const int both = std::min(rows.row_count, others.row_count);
-  for (int r = 0; r < both; ++r) {
-    const int count_a = rows.counts[r];
-    const int count_b = others.counts[r];
-    int i = 0;
-    for (; i + kStates <= std::min(count_a, count_b); i += kStates) {
-      a.take_round(of_a.contexts + i, of_a.tokens + i);
-      b.take_round(of_b.contexts + i, of_b.tokens + i);
-    }
-    a.take_rest(of_a.contexts, i, count_a, of_a.tokens);
-    b.take_rest(of_b.contexts, i, count_b, of_b.tokens);
-    of_a.contexts += count_a;
-    of_a.tokens += count_a;
-    of_b.contexts += count_b;
-    of_b.tokens += count_b;
-  }
-  take_rows_from(a, both, of_a);
-  take_rows_from(b, both, of_b);
-  a.give_back(first);
-  b.give_back(second);
-  return {a.is_any_big(), b.is_any_big()};
-}
-
-inline std::array<bool, 2> take_token_rows(SymbolReader& first, const TokenRows& rows,
-                                           SymbolReader& second, const TokenRows& others) {
-  if (first.state_mask == 15 && second.state_mask == 15) {
-    return take_rows_of_both<16>(first, rows, second, others);
-  }
-  if (first.state_mask == 7 && second.state_mask == 7) {
-    return take_rows_of_both<8>(first, rows, second, others);
-  }
-  return {take_token_rows(first, rows), take_token_rows(second, others)};
-}
-
-/// The plain bits of 8 symbols: as many to each byte of the result as the same byte of the mask
-/// has.
-HWY_INLINE std::uint64_t take_plain(const std::uint8_t* plain, std::size_t& at,
-                                    std::uint64_t mask) {
-  std::uint64_t word;
-  std::memcpy(&word, plain + (at >> 3), 8);
-  word >>= at & 7;
-  at += static_cast<std::size_t>(__builtin_popcountll(mask));
-#if HWY_ARCH_X86_64 && HWY_TARGET <= HWY_AVX2
-  return _pdep_u64(word, mask);
-#else
-  std::uint64_t spread = 0;
-  for (int lane = 0; lane < kChunk; ++lane) {
-    const std::uint64_t own = mask >> 8 * lane & 0xff;
-    spread |= (word & own) << 8 * lane;
-    word >>= __builtin_popcountll(own);
-  }
-  return spread;
-#endif
-}
-
-HWY_INLINE hn::Vec<decltype(kChunkBytes)> bytes_of(std::uint64_t eight) {
-  return hn::BitCast(kChunkBytes, hn::Set(hn::FixedTag<std::uint64_t, 1>(), eight));
-}
-
-/// Residuals in 16 bits stand for what does not fit at the ends of their range.
-inline void put_residual(std::int64_t value, std::int32_t& residual) {
-  residual = static_cast<std::int32_t>(value);
-}
-inline void put_residual(std::int64_t value, std::int16_t& residual) {
-  residual = static_cast<std::int16_t>(std::clamp<std::int64_t>(value, -32768, 32767));
-}
-HWY_INLINE void store_residuals(hn::Vec<hn::FixedTag<std::int16_t, 8>> values,
-                                std::int16_t* residuals) {
-  hn::StoreU(values, hn::FixedTag<std::int16_t, 8>(), residuals);
-}
-HWY_INLINE void store_residuals(hn::Vec<hn::FixedTag<std::int16_t, 8>> values,
-                                std::int32_t* residuals) {
-  const hn::FixedTag<std::int32_t, 4> quad;
-  const hn::FixedTag<std::int16_t, 4> half;
-  hn::StoreU(hn::PromoteTo(quad, hn::LowerHalf(half, values)), quad, residuals);
-  hn::StoreU(hn::PromoteTo(quad, hn::UpperHalf(half, values)), quad, residuals + 4);
-}
-
-/// Residuals of tokens and the plain bits below them.
-template <class Residual>
-void finish_residuals(SymbolReader& symbols, const std::uint16_t* contexts,
-                      const std::uint16_t* tokens, int coded, bool has_big, Residual* residuals) {
-  alignas(16) static constexpr std::uint8_t kMasks[16] = {0, 1, 3, 7, 15, 31, 63, 127};
-  const hn::FixedTag<std::uint8_t, 16> table;
-  const hn::RebindToSigned<decltype(kChunkHalves)> signed_halves;
-  const auto masks = hn::Load(table, kMasks);
-  const auto set = [](std::uint16_t value) HWY_ATTR { return hn::Set(kChunkHalves, value); };
-  std::size_t at = symbols.plain_at;
-  for (int i = 0; i < coded; i += kChunk) {
-    const ChunkHalves token = hn::LoadU(kChunkHalves, tokens + i);
-    const ChunkHalves packed = hn::LoadU(kChunkHalves, contexts + i);
-    const int left = coded - i;
-    if (HWY_UNLIKELY(has_big)) {
-      const auto big = hn::And(token, set(kDirectTokens));
-      if (left < kChunk || !hn::AllTrue(kChunkHalves, hn::Eq(big, hn::Zero(kChunkHalves)))) {
-        symbols.plain_at = at;
-        for (int k = i; k < std::min(coded, i + kChunk); ++k) {
-          put_residual(symbols.value_of(tokens[k], contexts[k] >> 8), residuals[k]);
-        }
-        at = symbols.plain_at;
-        continue;
-      }
-    }
-    const auto counts = hn::DemoteTo(
-        kChunkBytes, hn::BitCast(signed_halves, hn::ShiftRight<8>(packed)));
-    const auto lane_masks = hn::TableLookupBytes(masks, counts);
-    std::uint64_t mask = hn::GetLane(hn::BitCast(hn::FixedTag<std::uint64_t, 1>(), lane_masks));
-    if (left < kChunk) mask &= (std::uint64_t{1} << 8 * left) - 1;
-    const ChunkHalves plain =
-        hn::PromoteTo(kChunkHalves, bytes_of(take_plain(symbols.plain, at, mask)));
-    const ChunkHalves scale = hn::Add(hn::PromoteTo(kChunkHalves, lane_masks), set(1));
-    const ChunkHalves value = hn::Add(hn::Mul(token, scale), plain);
-    const ChunkHalves residual = hn::Xor(
-        hn::ShiftRight<1>(value), hn::Sub(hn::Zero(kChunkHalves), hn::And(value, set(1))));
-    store_residuals(hn::BitCast(signed_halves, residual), residuals + i);
-  }
-  symbols.plain_at = at;
-}
-
-/// For every set of 8 lanes: its lanes one after the other, a byte each, the first lowest.
-struct LaneLists {
-  std::uint64_t lists[std::size_t{1} << kChunk];
+/// A stream and the rows whose tokens are taken off it.
+struct StreamRows {
+  SymbolReader* symbols = nullptr;
+  TokenRows rows;
+  bool has_big = false;  ///< whether any of the tokens is big, once they are taken
 };
-constexpr LaneLists make_lane_lists() {
-  LaneLists made{};
-  for (std::uint64_t set = 0; set < std::size(made.lists); ++set) {
-    int count = 0;
-    for (std::uint64_t lane = 0; lane < kChunk; ++lane) {
-      if ((set >> lane & 1) != 0) made.lists[set] |= lane << 8 * count++;
-    }
-  }
-  return made;
-}
-alignas(64) inline constexpr LaneLists kLaneLists = make_lane_lists();
 
-/// Puts the contexts of some pairs of a row side by side, into a place of their own with room for a
-/// chunk more, or where they stand.
-inline void gather_contexts(RowMask coded, int count, const std::uint16_t* contexts,
-                            std::uint16_t* to) {
-  const auto set = [](std::uint16_t value) HWY_ATTR { return hn::Set(kChunkHalves, value); };
-  for (int x = 0; x < count; x += kChunk) {
-    const auto lanes = static_cast<std::uint8_t>(coded >> x);
-    // A lane to the places of its two bytes
-    const ChunkHalves list = hn::PromoteTo(kChunkHalves, bytes_of(kLaneLists.lists[lanes]));
-    const ChunkHalves places = hn::Add(hn::Mul(list, set(0x0202)), set(0x0100));
-    hn::StoreU(hn::TableLookupBytes(hn::LoadU(kChunkHalves, contexts + x), places), kChunkHalves,
-               to);
-    to += std::popcount(lanes);
+/// No streams: what stands behind the last one.
+struct NoStreams {
+  HWY_INLINE explicit NoStreams(const StreamRows*) {}
+  HWY_INLINE void give_back(StreamRows*) const {}
+  HWY_INLINE int row_count() const { return kMaxUnchecked; }
+  HWY_INLINE int fewest(int) const { return kMaxUnchecked; }
+  HWY_INLINE void take_round(int) {}
+  HWY_INLINE void take_rest(int, int) {}
+  HWY_INLINE void take_rows_from(int) {}
+};
+
+/// Streams that do not wait for each other, one by one: compilers keep no arrays in registers.
+template <int kStates, int kCount>
+struct StreamGroup {
+  HWY_INLINE explicit StreamGroup(const StreamRows* streams)
+      : states(*streams->symbols), rows(streams->rows), others(streams + 1) {}
+  HWY_INLINE void give_back(StreamRows* streams) const {
+    states.give_back(*streams->symbols);
+    streams->has_big = states.is_any_big();
+    others.give_back(streams + 1);
+  }
+  HWY_INLINE int row_count() const { return std::min(rows.row_count, others.row_count()); }
+  /// The fewest symbols of the r-th row.
+  HWY_INLINE int fewest(int r) const { return std::min(rows.counts[r], others.fewest(r)); }
+  HWY_INLINE void take_round(int i) {
+    states.take_round(rows.contexts + i, rows.tokens + i);
+    others.take_round(i);
+  }
+  /// From the i-th symbol of the r-th row to its end.
+  HWY_INLINE void take_rest(int r, int i) {
+    const int count = rows.counts[r];
+    states.take_rest(rows.contexts, i, count, rows.tokens);
+    rows.contexts += count;
+    rows.tokens += count;
+    others.take_rest(r, i);
+  }
+  HWY_INLINE void take_rows_from(int r) {
+    octavo::grey::HWY_NAMESPACE::take_rows_from(states, r, rows);
+    others.take_rows_from(r);
+  }
+
+  TokenStates<kStates> states;
+  TokenRows rows;
+  std::conditional_t<kCount == 1, NoStreams, StreamGroup<kStates, kCount - 1>> others;
+};
+
+template <int kStates, int kCount>
+void take_streams_of(StreamRows* streams) {
+  StreamGroup<kStates, kCount> group(streams);
+  const int shared = group.row_count();
+  for (int r = 0; r < shared; ++r) {
+    const int fewest = group.fewest(r);
+    int i = 0;
+    for (; i + kStates <= fewest; i += kStates) group.take_round(i);
+    group.take_rest(r, i);
+  }
+  group.take_rows_from(shared);
+  group.give_back(streams);
+}
+
+/// Streams of so many states, up to four at a time.
+template <int kStates>
+void take_streams_of(std::span<StreamRows> streams) {
+  for (; streams.size() >= 4; streams = streams.subspan(4)) {
+    take_streams_of<kStates, 4>(streams.data());
+  }
+  switch (streams.size()) {
+    case 3: return take_streams_of<kStates, 3>(streams.data());
+    case 2: return take_streams_of<kStates, 2>(streams.data());
+    case 1: return take_streams_of<kStates, 1>(streams.data());
+    default: return;
   }
 }
 
-/// Spreads residuals over some pairs of a row; the other pairs have 0.
-template <class Residual>
-void spread_residuals(RowMask coded, int count, const Residual* found, Residual* residuals) {
-  const hn::RebindToSigned<decltype(kWords)> ints;
-  const hn::Rebind<Residual, decltype(kWords)> stored;
-  const hn::Rebind<std::uint8_t, decltype(kWords)> bytes;
-  for (int x = 0; x < count; x += kStateLanes) {
-    const auto lanes = static_cast<std::uint8_t>(coded >> x & ((1u << kStateLanes) - 1));
-    const Words places = hn::PromoteTo(
-        kWords,
-        hn::LoadU(bytes, reinterpret_cast<const std::uint8_t*>(kWordPlaces.places + lanes)));
-    const auto indices = hn::IndicesFromVec(ints, hn::BitCast(ints, places));
-    const auto mask = hn::LoadMaskBits(ints, &lanes);
-    if constexpr (sizeof(Residual) == sizeof(std::int32_t)) {
-      const auto next = hn::LoadU(ints, found);
-      hn::StoreU(hn::IfThenElseZero(mask, hn::TableLookupLanes(next, indices)), ints,
-                 residuals + x);
-    } else {
-      const auto next = hn::PromoteTo(ints, hn::LoadU(stored, found));
-      const auto spread = hn::IfThenElseZero(mask, hn::TableLookupLanes(next, indices));
-      hn::StoreU(hn::DemoteTo(stored, spread), stored, residuals + x);
-    }
-    found += std::popcount(lanes);
-  }
-}
-
-/// Residuals of a row off the streams: PortableKernel::take_row. Residuals are padded to a multiple
-/// of 8.
-template <class Residual>
-void take_residuals(SymbolReader& symbols, std::uint16_t* contexts, RowMask pairs, int count,
-                    Residual* residuals) {
-  alignas(64) std::uint16_t tokens[kBrickSide + 2 * kChunk];
-  Residual found[kBrickSide + 2 * kChunk];
-  const int coded = std::popcount(pairs);
-  if (coded < count) gather_contexts(pairs, count, contexts, contexts);
-  const bool has_big = take_token_rows(symbols, {&coded, 1, contexts, tokens});
-  // The last chunk may reach beyond the row, and so into what pads residuals and magnitudes.
-  hn::StoreU(hn::Zero(kChunkHalves), kChunkHalves, tokens + coded);
-  finish_residuals(symbols, contexts, tokens, coded, has_big, coded < count ? found : residuals);
-  symbols.expect_inside();
-  if (coded < count) spread_residuals(pairs, count, found, residuals);
+/// Takes the tokens of all streams, at the same time where they have as many states.
+inline void take_token_rows(std::span<StreamRows> streams) {
+  const std::size_t mask = streams.front().symbols->state_mask;
+  const bool is_alike = std::all_of(streams.begin(), streams.end(), [&](const StreamRows& other) {
+    return other.symbols->state_mask == mask;
+  });
+  if (is_alike && mask == 31) return take_streams_of<32>(streams);
+  if (is_alike && mask == 15) return take_streams_of<16>(streams);
+  if (is_alike && mask == 7) return take_streams_of<8>(streams);
+  for (StreamRows& one : streams) one.has_big = take_token_rows(*one.symbols, one.rows);
 }
 
 #endif  // HWY_TARGET != HWY_SCALAR

@@ -12,12 +12,6 @@ constexpr std::size_t kMaxSymbolBits = kEscapeBits + kMaxPlainBits + 16;
 constexpr std::size_t kWordPadding = kMaxUnchecked * 2 + 32;
 constexpr std::size_t kPlainPadding = kMaxUnchecked * kMaxSymbolBits / 8 + 32;
 
-/// Values that will all be written: clearing them first would cost as much again.
-template <class T>
-std::unique_ptr<T[]> unset_array(std::size_t count) {
-  return std::unique_ptr<T[]>(new T[count]);
-}
-
 std::uint8_t* put_little(std::uint8_t* to, std::uint64_t value, int bytes) {
   for (int i = 0; i < bytes; ++i) *to++ = static_cast<std::uint8_t>(value >> 8 * i);
   return to;
@@ -144,15 +138,15 @@ SymbolReader::SymbolReader(const Model& model, int set, ByteSpan segment, std::i
     }
     if (segment.size() % 2 != 0) throw Error(ErrorKind::corrupt, "a segment has half a word");
   }
-  padded_ = unset_array<std::uint8_t>(segment.size() + kWordPadding + plain_span.size() +
-                                      kPlainPadding);
+  padded_->resize(segment.size() + kWordPadding + plain_span.size() + kPlainPadding);
+  auto* const padded = reinterpret_cast<std::uint8_t*>(padded_->data());
   const auto copy_padded = [](ByteSpan bytes, std::size_t padding, std::uint8_t* to) {
     std::fill_n(std::copy(bytes.begin(), bytes.end(), to), padding, std::uint8_t{0});
   };
-  words = padded_.get();
+  words = padded;
   words_end = words + segment.size();
-  copy_padded(segment, kWordPadding, padded_.get());
-  std::uint8_t* const plain_copy = padded_.get() + segment.size() + kWordPadding;
+  copy_padded(segment, kWordPadding, padded);
+  std::uint8_t* const plain_copy = padded + segment.size() + kWordPadding;
   copy_padded(plain_span, kPlainPadding, plain_copy);
   plain = plain_copy;
   plain_end = 8 * plain_span.size();

@@ -14,12 +14,12 @@
 #include <bit>
 #include <cstdint>
 #include <cstring>
-#include <memory>
 #include <span>
 #include <vector>
 
 #include "octavo/codec/entropy/byte_io.h"
 #include "octavo/codec/grey/grey_model.h"
+#include "octavo/core/recycled.h"
 
 namespace octavo::grey {
 
@@ -181,6 +181,11 @@ class SymbolReader {
     const Token shape = token_shape(token);
     return unzigzag((std::uint64_t{shape.base} << low) + take_plain(shape.bits + low));
   }
+  /// What a token with bits of its own stands for above the plain bits, which were taken before.
+  std::uint64_t take_above(int token) {
+    const Token shape = token_shape(token);
+    return shape.base + take_plain(shape.bits);
+  }
 
   std::uint64_t take_plain(int count) {
     std::uint64_t word;
@@ -222,7 +227,7 @@ class SymbolReader {
     words += is_low ? 2 : 0;
   }
 
-  std::unique_ptr<std::uint8_t[]> padded_;
+  Recycled<UnsetBytes, SymbolReader> padded_;
 };
 
 }  // namespace octavo::grey

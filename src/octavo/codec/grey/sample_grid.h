@@ -11,7 +11,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
-#include <vector>
+#include <memory>
 
 #include "octavo/core/box.h"
 
@@ -32,6 +32,13 @@ enum class Margins {
   all
 };
 
+/// Room for numbers that are written before they are read. Of large room, the system gives what is
+/// written to, so that small parts take little of it.
+template <class T>
+std::unique_ptr<T[]> unset_room(std::size_t count) {
+  return std::unique_ptr<T[]>(new T[count]);
+}
+
 template <class Sample>
 class SampleGrid {
  public:
@@ -40,14 +47,16 @@ class SampleGrid {
   static constexpr std::int64_t kRow = kBrickSide + 2 * kMarginX;
   static constexpr std::int64_t kPlane = kRow * (kBrickSide + 2 * kMargin);
 
-  SampleGrid() : samples_(static_cast<std::size_t>(kPlane * (kBrickSide + 2 * kMargin) + 32)) {}
+  SampleGrid()
+      : samples_(unset_room<Sample>(
+            static_cast<std::size_t>(kPlane * (kBrickSide + 2 * kMargin) + 32))) {}
 
   const Size3& size() const { return size_; }
   void set_size(const Size3& size) { size_ = size; }
 
   /// Sample (0, y, z); y and z may reach 2 into the margins, x 8.
   Sample* row(std::int64_t y, std::int64_t z) {
-    return samples_.data() + (z + kMargin) * kPlane + (y + kMargin) * kRow + kMarginX;
+    return samples_.get() + (z + kMargin) * kPlane + (y + kMargin) * kRow + kMarginX;
   }
   const Sample* row(std::int64_t y, std::int64_t z) const {
     return const_cast<SampleGrid*>(this)->row(y, z);
@@ -94,7 +103,7 @@ class SampleGrid {
   }
 
   Size3 size_;
-  std::vector<Sample> samples_;
+  std::unique_ptr<Sample[]> samples_;
 };
 
 /// Repeats a row of `coarse` along `axis` into samples first .. last - 1 of row (y, z) of `fine`,

@@ -40,13 +40,19 @@ std::vector<ByteRange> ByteSource::missing(std::span<const ByteRange> /*ranges*/
 std::vector<std::uint8_t> read_arriving(const ByteSource& source, std::uint64_t offset,
                                         std::uint64_t length) {
   std::vector<std::uint8_t> bytes;
+  read_arriving(source, offset, length, bytes);
+  return bytes;
+}
+
+void read_arriving(const ByteSource& source, std::uint64_t offset, std::uint64_t length,
+                   std::vector<std::uint8_t>& bytes) {
+  bytes.clear();
   while (bytes.size() < length) {
     const std::size_t have = bytes.size();
     const std::uint64_t part = std::max<std::uint64_t>(kFirstPartBytes, have);
     bytes.resize(have + static_cast<std::size_t>(std::min(part, length - have)));
     source.read(offset + have, std::span(bytes).subspan(have));
   }
-  return bytes;
 }
 
 std::shared_ptr<ByteSource> byte_source_of(std::vector<std::uint8_t> bytes, std::string name) {

@@ -49,6 +49,9 @@ class ByteSource {
 /// whatever `length` claims. Throws as ByteSource::read
 std::vector<std::uint8_t> read_arriving(const ByteSource& source, std::uint64_t offset,
                                         std::uint64_t length);
+/// The same into a buffer, which may have memory already.
+void read_arriving(const ByteSource& source, std::uint64_t offset, std::uint64_t length,
+                   std::vector<std::uint8_t>& bytes);
 
 /// A ByteSource over bytes in memory.
 std::shared_ptr<ByteSource> byte_source_of(std::vector<std::uint8_t> bytes, std::string name);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -331,6 +332,79 @@ TEST(Parts, DoNotDependOnEachOther) {
           }
         }
       }
+    }
+  }
+}
+
+/// Waves and grain; of a range of more than 16 bits, or with cells of one value.
+std::vector<std::int32_t> some_waves(const Size3& size, std::int64_t height, bool has_cells) {
+  std::mt19937 random(static_cast<unsigned>(size.z + height));
+  std::vector<std::int32_t> voxels;
+  for (std::int64_t i = 0; i < size.voxel_count(); ++i) {
+    const std::int64_t x = i % size.x, y = i / size.x % size.y, z = i / size.x / size.y;
+    const double wave = std::sin(0.21 * static_cast<double>(x + 2 * y)) +
+                        std::cos(0.17 * static_cast<double>(z - y));
+    const auto grain = static_cast<std::int32_t>(random() % 16);
+    const auto voxel = static_cast<std::int32_t>(static_cast<double>(height) * wave) + grain;
+    voxels.push_back(has_cells && z < 20 ? 7 : voxel);
+  }
+  return voxels;
+}
+
+/// Of one model: of other sizes, with flagged cells, of a wider range, and in any order.
+TEST(Parts, OfSeveralBricksDecodeTogether) {
+  struct Opening {
+    Size3 size;
+    std::vector<std::int32_t> voxels;
+    EncodedBrick brick;
+    std::vector<ByteSpan> segments;
+    std::vector<std::int32_t> out;
+  };
+  std::mt19937 random(14);
+  std::vector<Opening> openings;
+  std::vector<TrainingBrick> training;
+  const Size3 sizes[] = {{64, 64, 64}, {64, 64, 40}, {64, 64, 64}, {64, 40, 64}, {64, 64, 64}};
+  openings.reserve(std::size(sizes));
+  for (const Size3& size : sizes) {
+    const std::size_t i = openings.size();
+    Opening& own = openings.emplace_back();
+    own.size = size;
+    own.voxels = some_waves(size, i == 4 ? 90000 : 300, i == 2);
+    own.out.resize(own.voxels.size());
+    training.push_back({shape_of(size), view_of(own.voxels, size)});
+  }
+  for (const Preset preset : {Preset::small, Preset::fast}) {
+    CodecSettings settings{preset};
+    settings.axis_order = kStraightOrder;
+    settings.access = Access::none;
+    const auto codec = cut_codec<std::int32_t>(
+        train_grey_model(VoxelType::int32, training, settings)->serialized(), kAllCuts);
+    std::vector<CodedBrick> coded;
+    for (Opening& own : openings) {
+      own.brick = codec->encode(shape_of(own.size), view_of(own.voxels, own.size));
+      own.segments = spans_of(own.brick);
+      coded.push_back({shape_of(own.size), own.brick.range, own.segments});
+    }
+    const auto parts = codec->open_together(VoxelType::int32, coded);
+    std::vector<BrickParts::WantedOf> wanted;
+    for (std::size_t i = 0; i < openings.size(); ++i) {
+      Opening& own = openings[i];
+      ASSERT_TRUE(parts[i]) << i;
+      for (std::size_t k = 0; k < parts[i]->parts().size(); ++k) {
+        const BrickParts::Part& part = parts[i]->parts()[k];
+        const Index3& lo = part.box.lo;
+        std::int32_t* const first =
+            own.out.data() + (lo.z * own.size.y + lo.y) * own.size.x + lo.x;
+        wanted.push_back({parts[i].get(),
+                          {k, bytes_of(own.brick, part), part.box,
+                           {first, own.size.x, own.size.x * own.size.y}}});
+      }
+    }
+    for (int round = 0; round < 3; ++round) {
+      for (Opening& own : openings) std::fill(own.out.begin(), own.out.end(), 0);
+      parts.front()->decode_together(wanted);
+      for (const Opening& own : openings) ASSERT_EQ(own.out, own.voxels);
+      std::shuffle(wanted.begin(), wanted.end(), random);
     }
   }
 }

@@ -428,13 +428,13 @@ std::vector<std::int16_t> samples_of(const RandomSplit& s) {
   return pairs_of(work, s);
 }
 
-/// Of every two sizes, with and without cells, edges and gaps, whatever the number of states.
-TEST_P(StagesOf, DecodeTwoPartsAtOnceToWhatEachHolds) {
+/// Of any sizes, with and without cells, edges and gaps, whatever the number of states.
+TEST_P(StagesOf, DecodePartsTogetherToWhatEachHolds) {
   const auto functions = stage_functions_of(GetParam());
   if (!functions) GTEST_SKIP() << "this machine has no " << GetParam();
   std::mt19937 random(27);
   const Size3 sizes[] = {{64, 32, 32}, {64, 32, 7}, {33, 5, 32}, {2, 1, 2}, {16, 40, 9}};
-  Workspace<std::int16_t> works[2];
+  Workspace<std::int16_t> works[kMostTogether];
   // Seven divides no number of choices either.
   for (int round = 0; round < 60; round += octavo::testing::is_full_form() ? 1 : 7) {
     SCOPED_TRACE(round);
@@ -443,31 +443,40 @@ TEST_P(StagesOf, DecodeTwoPartsAtOnceToWhatEachHolds) {
     const auto kind = static_cast<Samples>(round / 3 % 4);
     const int bits = kind == Samples::any ? 12 : 7;
     const int most_states = 1 << (round % 6);
-    Size3 fine[2] = {sizes[random() % 5], sizes[random() % 5]};
-    for (Size3& size : fine) size[axis] += size[axis] % 2;
-    RandomSplit a = make_split(random, fine[0], axis, predictor, bits, round % 2 == 0, kind);
-    RandomSplit b = make_split(random, fine[1], axis, predictor, bits, round % 5 == 0, kind);
-    a.stage.cells = round % 2 == 0 ? &a.cells : nullptr;
-    b.stage.cells = round % 5 == 0 ? &b.cells : nullptr;
-    // Both are of one model.
-    b.model.parameters = a.model.parameters;
-    build_tables(b.model);
-    b.stage.group = a.stage.group;
-    load(works[0], a);
-    load(works[1], b);
-    const Bytes bytes[2] = {segment_of(a, most_states), segment_of(b, most_states)};
-    SymbolReader of_a(a.model, a.stage.set, bytes[0], a.stage.detail_count(), 0, most_states);
-    SymbolReader of_b(b.model, b.stage.set, bytes[1], b.stage.detail_count(), 0, most_states);
-    if (a.stage.has_edges) {
-      functions->narrow.take_edges(a.stage, works[0], of_a);
-      functions->narrow.take_edges(b.stage, works[1], of_b);
+    const std::size_t count = 1 + random() % kMostTogether;
+    std::vector<std::unique_ptr<RandomSplit>> splits;
+    std::vector<Bytes> bytes;
+    for (std::size_t i = 0; i < count; ++i) {
+      Size3 fine = sizes[random() % 5];
+      fine[axis] += fine[axis] % 2;
+      const bool has_cells = random() % 2 == 0;
+      splits.push_back(std::make_unique<RandomSplit>(
+          make_split(random, fine, axis, predictor, bits, has_cells, kind)));
+      RandomSplit& split = *splits.back();
+      split.stage.cells = has_cells ? &split.cells : nullptr;
+      // All are of one model.
+      split.model.parameters = splits.front()->model.parameters;
+      build_tables(split.model);
+      split.stage.group = splits.front()->stage.group;
+      load(works[i], split);
+      bytes.push_back(segment_of(split, most_states));
     }
-    functions->narrow.decode_two(a.model.parameters, {a.stage, works[0], of_a},
-                                 {b.stage, works[1], of_b});
-    of_a.finish();
-    of_b.finish();
-    ASSERT_EQ(pairs_of(works[0], a), samples_of(a));
-    ASSERT_EQ(pairs_of(works[1], b), samples_of(b));
+    std::vector<std::unique_ptr<SymbolReader>> readers;
+    std::vector<SplitTask<std::int16_t>> tasks;
+    for (std::size_t i = 0; i < count; ++i) {
+      const RandomSplit& split = *splits[i];
+      readers.push_back(std::make_unique<SymbolReader>(
+          split.model, split.stage.set, bytes[i], split.stage.detail_count(), 0, most_states));
+      if (split.stage.has_edges) {
+        functions->narrow.take_edges(split.stage, works[i], *readers[i]);
+      }
+      tasks.push_back({split.stage, works[i], *readers[i]});
+    }
+    functions->narrow.decode_together(splits.front()->model.parameters, tasks);
+    for (std::size_t i = 0; i < count; ++i) {
+      readers[i]->finish();
+      ASSERT_EQ(pairs_of(works[i], *splits[i]), samples_of(*splits[i])) << i << " of " << count;
+    }
   }
 }
 
