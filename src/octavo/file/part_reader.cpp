@@ -13,7 +13,7 @@ namespace octavo {
 namespace {
 
 /// So many parts at once keep a thread busy: the steps of one do not wait for those of the other.
-constexpr std::size_t kPartsAtOnce = 4;
+constexpr std::size_t kPartsAtOnce = 8;
 
 // Of a part of level 0 among the decoded bricks.
 LruCache<Bytes>::Key key_of_part(const BrickEntry& entry, std::size_t part) {

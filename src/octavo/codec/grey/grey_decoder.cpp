@@ -164,38 +164,39 @@ struct CoarserLevels {
   }
 };
 
-/// Decodes a level of some bricks of one model, at the same time where all have details.
+/// Decodes a level of some bricks of one model, at the same time those that have details and are
+/// split alike.
 /// details  the bytes of each
 template <class Sample>
 void decode_level(std::span<CoarserLevels<Sample>> bricks, std::span<const ByteSpan> details,
                   int level, const Box& box) {
   std::vector<Part> parts;
   std::vector<BrickHints> hints;
-  bool goes = bricks.size() > 1;
   for (const CoarserLevels<Sample>& brick : bricks) {
-    const Source& source = brick.source;
-    parts.push_back({source.shape, {}, {}, kAllFaces});
-    hints.push_back(brick.state.hints(source.parameters()));
-    goes = goes && are_split_alike(source.shape, bricks.front().source.shape, level) &&
-           level_detail_count(source.shape, level, hints.back().cells) > 0;
+    parts.push_back({brick.source.shape, {}, {}, kAllFaces});
+    hints.push_back(brick.state.hints(brick.source.parameters()));
   }
-  if (!goes) {
-    for (std::size_t i = 0; i < bricks.size(); ++i) {
-      decode_details(bricks[i].source, parts[i], level, details[i], hints[i], kMaxStates, box,
-                     bricks[i].work);
+  std::vector<bool> is_done(bricks.size());
+  for (std::size_t first = 0; first < bricks.size(); ++first) {
+    std::vector<std::unique_ptr<LevelRun<Sample>>> runs;
+    std::vector<LevelRun<Sample>*> together;
+    for (std::size_t i = first; i < bricks.size(); ++i) {
+      const Source& source = bricks[i].source;
+      if (is_done[i] || !are_split_alike(source.shape, bricks[first].source.shape, level) ||
+          level_detail_count(source.shape, level, hints[i].cells) == 0) {
+        continue;
+      }
+      runs.push_back(std::make_unique<LevelRun<Sample>>(
+          typename LevelRun<Sample>::Setting{source.model, source.scale, level, kMaxStates},
+          parts[i], details[i], hints[i], box, bricks[i].work));
+      together.push_back(runs.back().get());
+      is_done[i] = true;
     }
-    return;
+    if (!together.empty()) run_together<Sample>(together);
+    if (is_done[first]) continue;
+    decode_details(bricks[first].source, parts[first], level, details[first], hints[first],
+                   kMaxStates, box, bricks[first].work);
   }
-  std::vector<std::unique_ptr<LevelRun<Sample>>> runs;
-  std::vector<LevelRun<Sample>*> together;
-  for (std::size_t i = 0; i < bricks.size(); ++i) {
-    const Source& source = bricks[i].source;
-    runs.push_back(std::make_unique<LevelRun<Sample>>(
-        typename LevelRun<Sample>::Setting{source.model, source.scale, level, kMaxStates}, parts[i],
-        details[i], hints[i], box, bricks[i].work));
-    together.push_back(runs.back().get());
-  }
-  run_together<Sample>(together);
 }
 
 /// Decodes the levels from the coarsest to `level`, but not level 0, into the work spaces: of up to
@@ -261,14 +262,18 @@ class PartDecoder {
   };
 
   /// Decodes parts of bricks one after the other, or some at the same time.
-  static void decode(std::span<const Task> tasks) {
-    while (!tasks.empty()) {
-      std::size_t count = 1;
-      while (count < std::min(tasks.size(), kMostTogether) && go_in_step(tasks[0], tasks[count])) {
-        ++count;
+  static void decode(std::span<const Task> all) {
+    std::vector<const Task*> tasks;
+    for (const Task& task : all) tasks.push_back(&task);
+    for (auto first = tasks.begin(); first != tasks.end();) {
+      auto end = first + 1;
+      for (auto other = end; other != tasks.end() && end - first < kTogether; ++other) {
+        if (!go_in_step(**first, **other)) continue;
+        std::rotate(end, other, other + 1);
+        ++end;
       }
-      decode_some(tasks.first(count));
-      tasks = tasks.subspan(count);
+      decode_some(std::span(first, end));
+      first = end;
     }
   }
 
@@ -279,8 +284,10 @@ class PartDecoder {
     decode_finest<Sample>(source_, task.part, task.bytes, own.hints, most_states_, task.wanted);
   }
 
+  static constexpr std::ptrdiff_t kTogether = kMostTogether;
+
   /// Parts that go in step, or a single one.
-  static void decode_some(std::span<const Task> tasks) {
+  static void decode_some(std::span<const Task* const> tasks) {
     if (tasks.size() > 1) {
       try {
         decode_in_step(tasks);
@@ -289,7 +296,7 @@ class PartDecoder {
         // What is wrong with the first one is said before what is wrong with the others.
       }
     }
-    for (const Task& task : tasks) task.decoder->decode_one(task);
+    for (const Task* const task : tasks) task->decoder->decode_one(*task);
   }
 
   /// A part on its way, and where it ends.
@@ -326,11 +333,11 @@ class PartDecoder {
            b.decoder->goes_in_step(b);
   }
 
-  static void decode_in_step(std::span<const Task> tasks) {
+  static void decode_in_step(std::span<const Task* const> tasks) {
     std::vector<std::unique_ptr<Running>> running;
     std::vector<LevelRun<Sample>*> together;
     for (std::size_t i = 0; i < tasks.size(); ++i) {
-      running.push_back(std::make_unique<Running>(tasks[i], thread_workspace<Sample>(i)));
+      running.push_back(std::make_unique<Running>(*tasks[i], thread_workspace<Sample>(i)));
       together.push_back(&running.back()->run);
     }
     run_together<Sample>(together);
@@ -439,14 +446,9 @@ class GreyParts final : public BrickParts {
     std::vector<typename PartDecoder<Sample>::Task> tasks;
     for (const auto& [brick, own] : wanted) {
       const auto* const parts = dynamic_cast<const GreyParts*>(brick);
-      if (parts != nullptr) {
-        tasks.push_back(parts->task(own));
-        continue;
-      }
-      // Its samples are of another width.
-      PartDecoder<Sample>::decode(tasks);
-      tasks.clear();
-      brick->decode(std::span(&own, 1));
+      // Samples of another width are not decoded with these.
+      if (parts != nullptr) tasks.push_back(parts->task(own));
+      else brick->decode(std::span(&own, 1));
     }
     PartDecoder<Sample>::decode(tasks);
   }

@@ -132,6 +132,8 @@ void prepare_rows(D d, const Parameters& p, const Stage& stage, Workspace<std::i
     const bool is_predicted = stage.is_looked_at(y);
     for (int x = 0; x < stage.pairs.x; x += kLanes) {
       if (!is_any_from(d, open, x)) {
+        // An encoder looks at them: the lowest number, which others may have left, has no opposite.
+        hn::StoreU(hn::Zero(d), d, predictions + x);
         hn::StoreU(hn::Zero(d), d, excesses + x);
         hn::StoreU(hn::Zero(u), u, limits + x);
         continue;

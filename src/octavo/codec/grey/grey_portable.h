@@ -330,16 +330,22 @@ struct Passes {
       return;
     }
     std::int64_t most = 0;
+    std::vector<const SplitTask<Sample>*> sorted;
     for (const auto& task : tasks) {
       set_sizes(task.stage, false, task.work);
       most = std::max(most, task.stage.pairs.z);
+      sorted.push_back(&task);
     }
+    // Streams of as many states stand side by side.
+    std::sort(sorted.begin(), sorted.end(), [](const auto* a, const auto* b) {
+      return a->symbols.state_mask > b->symbols.state_mask;
+    });
     // Some may have fewer planes than others.
     std::vector<SplitTask<Sample>> left;
     for (std::int64_t z = 0; z < most; ++z) {
       left.clear();
-      for (const auto& task : tasks) {
-        if (z < task.stage.pairs.z) left.push_back(task);
+      for (const auto* const task : sorted) {
+        if (z < task->stage.pairs.z) left.push_back(*task);
       }
       if (left.size() == 1) Kernel::take_plane(p, left.front(), z);
       else Kernel::take_planes(p, left, z);

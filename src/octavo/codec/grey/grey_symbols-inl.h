@@ -443,16 +443,23 @@ void take_streams_of(std::span<StreamRows> streams) {
   }
 }
 
-/// Takes the tokens of all streams, at the same time where they have as many states.
+/// Takes the tokens of streams, at the same time of those next to each other that have as many
+/// states.
 inline void take_token_rows(std::span<StreamRows> streams) {
-  const std::size_t mask = streams.front().symbols->state_mask;
-  const bool is_alike = std::all_of(streams.begin(), streams.end(), [&](const StreamRows& other) {
-    return other.symbols->state_mask == mask;
-  });
-  if (is_alike && mask == 31) return take_streams_of<32>(streams);
-  if (is_alike && mask == 15) return take_streams_of<16>(streams);
-  if (is_alike && mask == 7) return take_streams_of<8>(streams);
-  for (StreamRows& one : streams) one.has_big = take_token_rows(*one.symbols, one.rows);
+  while (!streams.empty()) {
+    const std::size_t mask = streams.front().symbols->state_mask;
+    std::size_t count = 1;
+    while (count < streams.size() && streams[count].symbols->state_mask == mask) ++count;
+    const std::span<StreamRows> alike = streams.first(count);
+    switch (mask + 1) {
+      case 32: take_streams_of<32>(alike); break;
+      case 16: take_streams_of<16>(alike); break;
+      case 8: take_streams_of<8>(alike); break;
+      default:
+        for (StreamRows& one : alike) one.has_big = take_rows_of_few(*one.symbols, one.rows);
+    }
+    streams = streams.subspan(count);
+  }
 }
 
 #endif  // HWY_TARGET != HWY_SCALAR

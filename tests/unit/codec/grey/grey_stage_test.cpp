@@ -3,10 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <random>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "octavo/codec/grey/edge_pairs.h"
@@ -159,7 +161,19 @@ struct Results {
   }
 };
 
+/// What other splits may have left of theirs.
+template <class Grid>
+void dirty(Grid& grid) {
+  auto* const first = grid.row(0, 0);
+  using Number = std::remove_cvref_t<decltype(*first)>;
+  constexpr std::int64_t kCount = kBrickSide * kBrickSide * kBrickSide / 2;
+  std::fill_n(first, kCount, std::numeric_limits<Number>::lowest());
+}
+
 void load(Workspace<std::int16_t>& work, const RandomSplit& s) {
+  dirty(work.predictions);
+  dirty(work.excesses);
+  dirty(work.plane_excesses);
   Size3 coarse = s.fine;
   coarse[s.stage.axis] = (coarse[s.stage.axis] + 1) / 2;
   work.means.set_size(coarse);
