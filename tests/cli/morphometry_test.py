@@ -147,7 +147,10 @@ class Morphometry(cli_test.InFolder):
         self.build("full.8vo", lambda x, y, z: True)
         full = self.expect(0, "morphometry", "full.8vo", "--progress", "none")
         self.assertIn("there is no surface in it", full.stderr)
-        self.assertNotIn("Tb.Th", full.stdout)
+        self.assertRegex(full.stdout, r"Tb\.Th +- mm +not measured: there is no surface")
+        told = json.loads(self.expect(0, "morphometry", "full.8vo", "--json").stdout)
+        for key in ("tb_th_mm", "tb_n_per_mm", "tb_sp_mm", "pore_d50_mm"):
+            self.assertIsNone(told[key], key)
         self.expect_error(2, ["full.8vo", "fills the volume"], "morphometry", "full.8vo",
                           "--thickness-map", "map.8vo")
         self.assertFalse((self.folder / "map.8vo").exists())

@@ -132,6 +132,15 @@ def test_what_makes_no_sense_is_rejected(mask, call):
         call(mask)
 
 
+def test_a_full_mask_has_all_numbers_and_no_thickness(mask):
+    some = mask.morphometry()
+    full = (mask | ~mask).morphometry()
+    assert full.keys() == some.keys()
+    for key in ("tb_th_mm", "tb_th_sd_mm", "tb_n_per_mm", "tb_sp_mm", "pore_d50_mm"):
+        assert some[key] > 0
+        assert full[key] is None
+
+
 def test_grey_values_are_no_mask(volume):
     for call in (volume.distance, volume.morphometry, lambda: volume.align(volume)):
         with pytest.raises(octavo.ArgumentError, match="grey"):

@@ -88,6 +88,7 @@ class MorphometryWork {
   MorphometryResult take() {
     measure_volumes();
     measure_form();
+    result_.has_thickness = options_.has_thickness;
     if (options_.has_thickness) measure_thickness();
     if (options_.has_tortuosity || options_.has_diffusion) measure_pores();
     if (grey_) measure_densities();

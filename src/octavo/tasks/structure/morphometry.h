@@ -70,7 +70,8 @@ struct MorphometryResult {
   std::optional<FractalFit> fractal;
   std::optional<FractalFit> surface_fractal;
   std::vector<BoxCount> boxes;
-  std::optional<ThicknessSummary> thickness;  ///< Tb.Th
+  bool has_thickness = false;  ///< as asked for
+  std::optional<ThicknessSummary> thickness;  ///< Tb.Th, where there is a surface
   std::optional<ThicknessSummary> spacing;    ///< Tb.Sp, pore sizes
   std::optional<EllipsoidFactors> ellipsoids;
   /// Of pores along x, y and z; nothing where no way leads through, or not asked for.

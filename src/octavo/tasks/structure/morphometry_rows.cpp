@@ -3,34 +3,66 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <span>
 
 namespace octavo {
 
 namespace {
 
+/// A number in mm that is there where `summary` is, and has voxels.
+struct LengthRow {
+  const char* key;
+  const char* label;
+  double ThicknessSummary::* value;
+  const char* words;
+};
+
+void add_length_rows(const std::optional<ThicknessSummary>& summary,
+                     std::span<const LengthRow> lengths, const char* missing_words,
+                     std::vector<MorphometryRow>& rows) {
+  for (const LengthRow& length : lengths) {
+    const bool is_there = summary && summary->voxels > 0;
+    rows.push_back({length.key, length.label,
+                    is_there ? std::optional((*summary).*length.value) : std::nullopt, "mm",
+                    is_there ? length.words : missing_words});
+  }
+}
+
+constexpr const char* kNoSurface = "not measured: there is no surface";
+constexpr const char* kNoPores = "not measured: nothing but the mask is there";
+
 void add_thickness_rows(const MorphometryResult& result, std::vector<MorphometryRow>& rows) {
-  if (const auto& th = result.thickness) {
-    rows.push_back({"tb_th_mm", "Tb.Th", th->mean_mm, "mm", "mean thickness"});
-    rows.push_back({"tb_th_sd_mm", "Tb.Th.SD", th->deviation_mm, "mm", "its standard deviation"});
-    rows.push_back({"tb_th_max_mm", "Tb.Th.max", th->maximum_mm, "mm", "largest thickness"});
-    const double number = th->mean_mm > 0 ? result.share() / th->mean_mm : 0;
-    rows.push_back({"tb_n_per_mm", "Tb.N", number, "1/mm", "number: BV/TV over Tb.Th"});
-  }
-  if (const auto& ellipsoids = result.ellipsoids) {
-    rows.push_back({"ellipsoid_factor", "EF", ellipsoids->mean, "",
-                    "-1 plates, 0 neither, 1 rods"});
-    rows.push_back({"ellipsoid_factor_sd", "EF.SD", ellipsoids->deviation, "",
-                    "its standard deviation"});
-  }
+  if (!result.has_thickness) return;
+  constexpr LengthRow kThickness[] = {
+      {"tb_th_mm", "Tb.Th", &ThicknessSummary::mean_mm, "mean thickness"},
+      {"tb_th_sd_mm", "Tb.Th.SD", &ThicknessSummary::deviation_mm, "its standard deviation"},
+      {"tb_th_max_mm", "Tb.Th.max", &ThicknessSummary::maximum_mm, "largest thickness"}};
+  constexpr LengthRow kSeparation[] = {
+      {"tb_sp_mm", "Tb.Sp", &ThicknessSummary::mean_mm, "mean separation, size of pores"},
+      {"tb_sp_sd_mm", "Tb.Sp.SD", &ThicknessSummary::deviation_mm, "its standard deviation"},
+      {"tb_sp_max_mm", "Tb.Sp.max", &ThicknessSummary::maximum_mm, "largest separation"}};
+
+  const auto& th = result.thickness;
+  add_length_rows(th, kThickness, kNoSurface, rows);
+  const std::optional<double> number =
+      th && th->mean_mm > 0 ? std::optional(result.share() / th->mean_mm) : std::nullopt;
+  rows.push_back({"tb_n_per_mm", "Tb.N", number, "1/mm",
+                  number ? "number: BV/TV over Tb.Th" : kNoSurface});
+  const auto& ellipsoids = result.ellipsoids;
+  rows.push_back({"ellipsoid_factor", "EF",
+                  ellipsoids ? std::optional(ellipsoids->mean) : std::nullopt, "",
+                  ellipsoids ? "-1 plates, 0 neither, 1 rods" : kNoSurface});
+  rows.push_back({"ellipsoid_factor_sd", "EF.SD",
+                  ellipsoids ? std::optional(ellipsoids->deviation) : std::nullopt, "",
+                  ellipsoids ? "its standard deviation" : kNoSurface});
   const auto& sp = result.spacing;
-  if (!sp || sp->voxels == 0) return;
-  rows.push_back({"tb_sp_mm", "Tb.Sp", sp->mean_mm, "mm", "mean separation, size of pores"});
-  rows.push_back({"tb_sp_sd_mm", "Tb.Sp.SD", sp->deviation_mm, "mm", "its standard deviation"});
-  rows.push_back({"tb_sp_max_mm", "Tb.Sp.max", sp->maximum_mm, "mm", "largest separation"});
+  add_length_rows(sp, kSeparation, kNoPores, rows);
   for (const int percent : {10, 50, 90}) {
+    const bool is_there = sp && sp->voxels > 0;
     rows.push_back({fmt::format("pore_d{}_mm", percent), fmt::format("pore d{}", percent),
-                    sp->quantile_mm(0.01 * percent), "mm",
-                    fmt::format("{} % of the pore volume is narrower", percent)});
+                    is_there ? std::optional(sp->quantile_mm(0.01 * percent)) : std::nullopt, "mm",
+                    is_there ? fmt::format("{} % of the pore volume is narrower", percent)
+                             : kNoPores});
   }
 }
 
@@ -81,20 +113,21 @@ void add_form_rows(const MorphometryResult& result, std::vector<MorphometryRow>&
                   "1 - Euler number, the border of the volume weighted"});
   rows.push_back({"connectivity_density_per_mm3", "Conn.D",
                   result.connectivity / result.total_mm3, "1/mm3", "connectivity over TV"});
-  if (const auto& a = result.anisotropy) {
-    rows.push_back({"degree_of_anisotropy", "DA", a->degree, "", "0 alike all round, 1 aligned"});
-    const bool is_bounded = a->lengths_mm[0] > 0 && a->lengths_mm[2] > 0;
-    rows.push_back({"mil_ratio", "MIL ratio",
-                    is_bounded ? std::optional(a->lengths_mm[0] / a->lengths_mm[2]) : std::nullopt,
-                    "", "longest over shortest mean intercept"});
-  }
+  const auto& a = result.anisotropy;
+  rows.push_back({"degree_of_anisotropy", "DA", a ? std::optional(a->degree) : std::nullopt, "",
+                  a ? "0 alike all round, 1 aligned" : kNoSurface});
+  const bool is_bounded = a && a->lengths_mm[0] > 0 && a->lengths_mm[2] > 0;
+  rows.push_back({"mil_ratio", "MIL ratio",
+                  is_bounded ? std::optional(a->lengths_mm[0] / a->lengths_mm[2]) : std::nullopt,
+                  "", a ? "longest over shortest mean intercept" : kNoSurface});
   const auto add_fractal = [&](const std::optional<FractalFit>& fit, const std::string& key,
                                const std::string& label, const char* words) {
-    if (!fit) return;
-    rows.push_back({key, label, fit->dimension, "",
-                    fmt::format("{}, boxes of {} to {} voxels", words, fit->smallest_side,
-                                fit->largest_side)});
-    rows.push_back({key + "_r2", label + ".R2", fit->r2, "", "how well the line fits"});
+    rows.push_back({key, label, fit ? std::optional(fit->dimension) : std::nullopt, "",
+                    fit ? fmt::format("{}, boxes of {} to {} voxels", words, fit->smallest_side,
+                                      fit->largest_side)
+                        : "not measured: the region is too small, or no box meets it"});
+    rows.push_back({key + "_r2", label + ".R2", fit ? std::optional(fit->r2) : std::nullopt, "",
+                    "how well the line fits"});
   };
   add_fractal(result.fractal, "fractal_dimension", "FD", "fractal dimension");
   add_fractal(result.surface_fractal, "surface_fractal_dimension", "FD.S", "that of the surface");
