@@ -16,7 +16,6 @@
 extern "C" {
 
 extern const FT_Module_Class autofit_module_class;
-extern const FT_Module_Class psnames_module_class;
 extern const FT_Module_Class sfnt_module_class;
 extern const FT_Renderer_Class ft_smooth_renderer_class;
 extern const FT_Module_Class tt_driver_class;  // what a driver's class begins with
@@ -43,7 +42,7 @@ FT_Error FT_Init_FreeType(FT_Library* library) {
   if (const FT_Error error = FT_New_Library(&font_memory, library)) return error;
   for (const FT_Module_Class* module :
        std::array{&autofit_module_class, &tt_driver_class, &sfnt_module_class,
-                  &psnames_module_class, &ft_smooth_renderer_class.root}) {
+                  &ft_smooth_renderer_class.root}) {
     if (const FT_Error error = FT_Add_Module(*library, module)) {
       FT_Done_Library(*library);
       return error;
