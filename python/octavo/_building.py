@@ -152,8 +152,6 @@ def _build_of_planes(planes, path, shape, said, given, progress):
     if hasattr(planes, "shape") or not hasattr(planes, "__iter__"):
         raise ArgumentError("shape is of an iterator of planes; an array has its own")
     shape = _volume_shape(shape)
-    if progress is not None and progress is not True and not callable(progress):
-        raise ArgumentError("progress is a function, or True")
     options = {name: value for name, value in given.items()}
     planes = iter(planes)
     first = next(planes, None)
@@ -198,11 +196,12 @@ class Writer:
                        resume, threads, max_memory)
         self.path = _output(path)
         self.shape = _volume_shape(shape)
-        facts = _facts(np.dtype(dtype), kind, spacing, origin, direction, unit, slope, intercept,
+        dtype = _dtype_of(dtype)
+        facts = _facts(dtype, kind, spacing, origin, direction, unit, slope, intercept,
                        label_names)
         given["kind"] = facts["kind"]
         self.dtype = np.dtype(facts["dtype"])
-        self._given_type = np.dtype(dtype)
+        self._given_type = dtype
         self._writer = _octavo.PlaneWriter(self.path, self.shape, facts, given)
 
     @property
@@ -329,6 +328,13 @@ def _volume_shape(shape):
 def _require_no_mask(array):
     if isinstance(array, np.ma.MaskedArray):
         raise ArgumentError("files hold no mask: give .filled(value) of a masked array")
+
+
+def _dtype_of(given):
+    try:
+        return np.dtype(given)
+    except TypeError:
+        raise ArgumentError(f"dtype is a type of numpy, not {given!r}") from None
 
 
 def _stored_type(dtype):

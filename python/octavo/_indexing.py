@@ -61,7 +61,7 @@ def _range_of(entry, axis, size):
     """The indices that an entry chooses, and whether the axis stays in the result."""
     if isinstance(entry, slice):
         return range(*entry.indices(size)), True
-    if isinstance(entry, (bool, np.bool_)):
+    if isinstance(entry, (bool, np.bool_)) or getattr(entry, "dtype", None) == bool:
         raise IndexError("only integers, slices, ... and None are indices; read the box, then "
                          "choose voxels by a mask")
     try:
@@ -116,3 +116,56 @@ def boxes_of(ranges, side):
             for x in runs(ranges[2], side[2]):
                 start, stop, picks, places = zip(z, y, x)
                 yield start, stop, picks, places
+
+
+def centers_within(affine, shape, low, high):
+    """The smallest box of a grid with all voxels whose centers lie in a box of the world.
+
+    Parameters
+    ----------
+    affine : 4 x 4 array
+        The index (z, y, x, 1) to the world.
+    shape : (int, int, int)
+    low, high : sequence of float
+        Of the box, in the order of the world; what lies on its faces is in it.
+
+    Returns
+    -------
+    (start, stop) or None
+        Half-open; None where there is no such voxel.
+    """
+    matrix, place = affine[:3, :3], affine[:3, 3]
+    # What rounding may have moved across a face.
+    tolerance = 1e-6 * np.linalg.norm(matrix, axis=0).min()
+    low, high = np.asarray(low) - tolerance, np.asarray(high) + tolerance
+    corners = np.array([[(low, high)[c >> axis & 1][axis] for axis in range(3)] for c in range(8)])
+    inverse = np.linalg.inv(matrix)
+    index = (corners - place) @ inverse.T
+    start = np.clip(np.ceil(index.min(0)), 0, shape).astype(int)
+    stop = np.clip(np.floor(index.max(0)) + 1, 0, shape).astype(int)
+    if not (start < stop).all():
+        return None
+    # Every axis of the grid goes along one of the world: the box is one of the grid.
+    if (np.sum(np.abs(matrix) > 1e-9 * np.abs(matrix).max(), axis=0) == 1).all():
+        return start, stop
+
+    # The rows of a plane at a time: along each the box leaves one run of voxels.
+    first, last = np.array(stop), np.array(start)
+    rows = np.arange(start[1], stop[1])
+    for z in range(start[0], stop[0]):
+        begin = np.full(len(rows), start[2], float)
+        end = np.full(len(rows), stop[2] - 1.0)
+        for axis in range(3):
+            step = matrix[axis, 2]
+            at = matrix[axis, 0] * z + matrix[axis, 1] * rows + place[axis]
+            if abs(step) * shape[2] < tolerance:
+                end[(at < low[axis]) | (at > high[axis])] = -1
+                continue
+            one, other = (low[axis] - at) / step, (high[axis] - at) / step
+            begin = np.maximum(begin, np.ceil(np.minimum(one, other)))
+            end = np.minimum(end, np.floor(np.maximum(one, other)))
+        met = np.flatnonzero(begin <= end)
+        if len(met):
+            first = np.minimum(first, (z, rows[met[0]], int(begin[met].min())))
+            last = np.maximum(last, (z + 1, rows[met[-1]] + 1, int(end[met].max()) + 1))
+    return (first, last) if (first < last).all() else None

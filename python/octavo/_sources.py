@@ -97,6 +97,8 @@ class _Url:
     _HEAD, _TAIL = _BLOCK, 5 * _BLOCK
 
     _SILENT_SECONDS = 60  # that a server may be
+    _PAUSES = 0.2, 0.4, 0.8  # before what failed for a while is asked for again
+    _LONGEST_PAUSE = 60  # that a busy server may ask for
 
     def __init__(self, url):
         self._url = url
@@ -119,7 +121,7 @@ class _Url:
                                 "installed (pip install fsspec aiohttp)") from None
         try:
             files, path = fsspec.core.url_to_fs(self._url, **self._options())
-            size = self._opened(files, path)
+            size = self._tried(lambda: self._opened(files, path))
         except (ImportError, ValueError) as error:
             raise ArgumentError(f"{self.name}: {self._words_of(error)}",
                                 path=self.name) from None
@@ -135,7 +137,7 @@ class _Url:
             if held is not None:
                 return held
             try:
-                return files.cat_file(path, start=start, end=stop)
+                return self._tried(lambda: files.cat_file(path, start=start, end=stop))
             except Exception as error:
                 raise OSError(self._words_of(error)) from None
 
@@ -148,8 +150,8 @@ class _Url:
             asked = time.perf_counter()
             try:
                 if wanted:
-                    found.update(zip(wanted, map(bytes, files.cat_ranges(
-                        [path] * len(wanted), *map(list, zip(*wanted)), on_error="raise"))))
+                    found.update(zip(wanted, map(bytes, self._tried(lambda: files.cat_ranges(
+                        [path] * len(wanted), *map(list, zip(*wanted)), on_error="raise")))))
             except Exception as error:
                 raise OSError(self._words_of(error)) from None
             taken = time.perf_counter() - asked if wanted else 0.0
@@ -229,10 +231,32 @@ class _Url:
                                        sock_read=self._SILENT_SECONDS)
         return {"client_kwargs": {"timeout": silent}}
 
+    def _tried(self, ask):
+        """What `ask` returns; asked again as long as a server is busy or loses connections."""
+        for pause in (*self._PAUSES, None):
+            try:
+                return ask()
+            except Exception as error:
+                if pause is not None:
+                    pause = self._pause_before(error, pause)
+                if pause is None:
+                    raise
+            time.sleep(pause)
+
+    def _pause_before(self, error, pause):
+        """Seconds until it is worth asking again: at least `pause`. None: it is not."""
+        reason = _reason_of(error)
+        status = getattr(reason, "status", None) or 0
+        if status != 429 and not 500 <= status < 600:
+            return pause if self._is_http() and _is_lost(reason) else None
+        asked = (getattr(reason, "headers", None) or {}).get("Retry-After", "")
+        if not asked.strip().isdecimal():
+            return pause
+        return max(pause, int(asked)) if int(asked) <= self._LONGEST_PAUSE else None
+
     def _words_of(self, error):
         """Why fetching failed, without the secrets of the URL."""
-        # Whatever a server answers, fsspec says that the file is not found.
-        reason = error.__cause__ if isinstance(error, FileNotFoundError) else error
+        reason = _reason_of(error)
         status = getattr(reason, "status", None)
         if isinstance(error, FileNotFoundError) and (reason is None or status in (404, 410)):
             return "is not there"
@@ -240,6 +264,22 @@ class _Url:
             return f"the server answered {status}"
         words = str(reason).replace(self._url, self.name).strip()
         return words or f"the server did not answer ({type(reason).__name__})"
+
+
+def _reason_of(error):
+    """What is behind an error of fsspec, which says that the file is not found, whatever a server
+    answers."""
+    return error.__cause__ if isinstance(error, FileNotFoundError) else error
+
+
+def _is_lost(reason):
+    """Whether a connection was lost, or not made."""
+    try:
+        import aiohttp
+    except ImportError:
+        return False
+    return isinstance(reason, (aiohttp.ClientConnectionError, aiohttp.ClientPayloadError)) and \
+        not isinstance(reason, (aiohttp.ServerTimeoutError, aiohttp.ClientSSLError))
 
 
 class _Blocks:

@@ -291,8 +291,11 @@ def _step(name, given):
             raise ArgumentError(f"{name} counts whole voxels")
         return name, numbers
     if name == "rotate":
-        axis, degrees = given if isinstance(given, (tuple, list)) and len(given) == 2 else (0, 0)
-        if axis in ("z", "y", "x"):
+        if not isinstance(given, (tuple, list)) or len(given) != 2:
+            raise ArgumentError('rotate is an axis and degrees, ("z", 90) or ((z, y, x), 90), not '
+                                f"{given!r}")
+        axis, degrees = given
+        if isinstance(axis, str) and axis in AXES:
             axis = [float(axis == a) for a in "zyx"]
         return name, [*three_of(axis, "the axis of rotate"), number_of(degrees, "rotate")]
     if name == "mirror":

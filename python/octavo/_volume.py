@@ -9,10 +9,10 @@ import warnings
 import numpy as np
 
 from ._errors import ArgumentError, CorruptError, StorageError
-from ._indexing import Selection, boxes_of
+from ._indexing import Selection, boxes_of, centers_within
 from ._sources import source_of
 from ._tasks import VolumeTasks
-from ._work import MOST_THREADS, grid_affine, whole_number
+from ._work import MOST_THREADS, grid_affine, number_of, whole_number
 
 DEFAULT_CACHE_BYTES = 256 << 20
 
@@ -122,7 +122,7 @@ class View:
             Where stored bytes are damaged.
         """
         threads = whole_number(threads, "threads", 0, MOST_THREADS)
-        start, stop = ((0, 0, 0), self.shape) if box is None else map(_whole_numbers, box)
+        start, stop = ((0, 0, 0), self.shape) if box is None else _corners_of(box)
         if not all(0 <= a < b <= n for a, b, n in zip(start, stop, self.shape)):
             raise ArgumentError(f"box {tuple(start)} to {tuple(stop)} is empty or not inside "
                                 f"the {self.shape} voxels of level {self.level}")
@@ -153,32 +153,29 @@ class View:
         Returns
         -------
         scalar or numpy.ndarray
-            The voxel nearest to the point; or all voxels between the first and the last one
-            whose center lies in the box, along each axis of the grid.
+            The voxel nearest to the point; or, along each axis of the grid, all voxels between the
+            first and the last one whose center lies in the box. Where the grid is oblique, those
+            in its corners lie outside of the box.
 
         Raises
         ------
         octavo.ArgumentError
             Where the point or the whole box lies outside the volume.
         """
-        corners = np.atleast_2d(np.asarray(box_mm, float))
-        if corners.shape not in ((1, 3), (2, 3)) or not np.isfinite(corners).all():
-            raise ArgumentError("give (z, y, x), or two such corners, in mm")
-        low, high = corners.min(0), corners.max(0)
-        world = np.array([[(low, high)[c >> a & 1][a] for a in range(3)] for c in range(8)])
-        inverse = np.linalg.inv(self.affine)
-        index = world[:, ::-1] @ inverse[:3, :3].T + inverse[:3, 3]
+        corners = _places_of(box_mm)
         if len(corners) == 1:
-            at = np.floor(index[0] + 0.5).astype(int)
+            inverse = np.linalg.inv(self.affine)
+            index = inverse[:3, :3] @ corners[0, ::-1] + inverse[:3, 3]
+            at = np.floor(index + 0.5)
             if not all(0 <= a < n for a, n in zip(at, self.shape)):
-                raise ArgumentError(f"{tuple(corners[0])} mm lies outside the volume")
-            return self[tuple(at)]
-        tolerance = 1e-6
-        start = np.maximum(np.ceil(index.min(0) - tolerance), 0).astype(int)
-        stop = np.minimum(np.floor(index.max(0) + tolerance) + 1, self.shape).astype(int)
-        if not (start < stop).all():
+                place = ", ".join(f"{mm:g}" for mm in corners[0])
+                raise ArgumentError(f"({place}) mm lies outside the volume")
+            return self[tuple(at.astype(int))]
+        found = centers_within(self.affine, self.shape, corners.min(0)[::-1],
+                               corners.max(0)[::-1])
+        if found is None:
             raise ArgumentError("no voxel has its center in that box")
-        return self.read((start, stop))
+        return self.read(found)
 
     def __repr__(self):
         size = " x ".join(map(str, self.shape))
@@ -337,17 +334,20 @@ class Volume(VolumeTasks, View):
 
     def read(self, box=None, level=0, *, out=None, threads=0):
         """As `View.read`, of any level: the box counts that level's voxels."""
-        if level == 0:
+        if isinstance(level, int) and level == 0:
             return super().read(box, out=out, threads=threads)
         return self._level(level).read(box, out=out, threads=threads)
 
     def at_mm(self, box_mm, level=0):
         """As `View.at_mm`, of any level."""
-        return super().at_mm(box_mm) if level == 0 else self._level(level).at_mm(box_mm)
+        if isinstance(level, int) and level == 0:
+            return super().at_mm(box_mm)
+        return self._level(level).at_mm(box_mm)
 
     def level_for(self, spacing_mm):
         """The number of the coarsest level whose spacings are all `spacing_mm` or finer; 0 where
         even the scan is coarser."""
+        spacing_mm = number_of(spacing_mm, "spacing_mm")
         fitting = [view.level for view in self.levels if max(view.spacing) <= spacing_mm]
         return max(fitting, default=0)
 
@@ -359,7 +359,7 @@ class Volume(VolumeTasks, View):
         octavo.ArgumentError
             Where not even the last level, a single voxel, does.
         """
-        return self.levels[self._file.level_in(nbytes)]
+        return self.levels[self._file.level_in(number_of(nbytes, "nbytes"))]
 
     def brick_ranges(self):
         """The smallest and the largest voxel of each brick of level 0, without decoding any.
@@ -407,10 +407,14 @@ class Volume(VolumeTasks, View):
         return repr(self) if self.closed else html_of(self)
 
     def _level(self, level):
-        if not 0 <= level < len(self.levels):
-            raise ArgumentError(f"level {level} is not there: {self.name} has levels 0 to "
+        try:
+            number = operator.index(level)
+        except TypeError:
+            number = -1
+        if not 0 <= number < len(self.levels):
+            raise ArgumentError(f"level {level!r} is not there: {self.name} has levels 0 to "
                                 f"{len(self.levels) - 1}")
-        return self.levels[level]
+        return self.levels[number]
 
 
 class _File:
@@ -473,7 +477,7 @@ class _File:
         for view in self.levels:
             if view.nbytes <= nbytes:
                 return view.level
-        raise ArgumentError(f"{nbytes} bytes hold no voxel")
+        raise ArgumentError(f"{nbytes:g} bytes hold no voxel")
 
     def close(self):
         self._handle = None
@@ -496,6 +500,15 @@ def _opened_view(level, source, cache_bytes):
 _kept_for_good = []
 
 
+def _corners_of(box):
+    try:
+        start, stop = box
+    except (TypeError, ValueError):
+        raise ArgumentError("a box has two corners, (z0, y0, x0) and (z1, y1, x1), not "
+                            f"{box!r}") from None
+    return _whole_numbers(start), _whole_numbers(stop)
+
+
 def _whole_numbers(point):
     try:
         numbers = tuple(operator.index(n) for n in point)
@@ -504,6 +517,17 @@ def _whole_numbers(point):
     if len(numbers) != 3:
         raise ArgumentError("a corner of a box has three whole numbers, z, y, x")
     return numbers
+
+
+def _places_of(box_mm):
+    """One or two places as rows z, y, x."""
+    try:
+        corners = np.atleast_2d(np.asarray(box_mm, float))
+    except (TypeError, ValueError):
+        corners = np.empty(0)
+    if corners.shape not in ((1, 3), (2, 3)) or not np.isfinite(corners).all():
+        raise ArgumentError("give (z, y, x), or two such corners, in mm")
+    return corners
 
 
 def _memory_bytes():

@@ -142,6 +142,8 @@ def whole_number(given, name, lowest, highest=(1 << 63) - 1):
 @contextlib.contextmanager
 def _reporter(progress):
     if progress is not True:
+        if progress is not None and progress is not False and not callable(progress):
+            raise ArgumentError(f"progress is a function, or True, not {progress!r}")
         yield progress or None
         return
     try:

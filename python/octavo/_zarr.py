@@ -262,8 +262,9 @@ def from_ome_zarr(source, path, *, level=0, channel=None, time=None, **options):
         What is taken where there are several; a channel also by its label.
     **options
         Of `octavo.build`; what is not given is what the image says: the spacing in mm, and all
-        else of one that `export` wrote. Paths are read as by the program; a group or a URL through
-        zarr 3, which has to be installed.
+        else of one that `export` wrote. Paths and groups of local folders are read as by the
+        program; other groups and URLs through zarr 3, which has to be installed and does not
+        narrow voxels of 64 bits.
 
     Returns
     -------
@@ -281,6 +282,10 @@ def from_ome_zarr(source, path, *, level=0, channel=None, time=None, **options):
     except ImportError:
         raise ArgumentError("from_ome_zarr needs zarr 3 for URLs (pip install zarr), and a folder "
                             "or an .ozx file otherwise") from None
+    if isinstance(source, zarr.Group):
+        folder = _folder_of(zarr, source)
+        if folder and is_zarr(folder):
+            return _build_of_path(folder, path, level, channel, time, options)
     group = source if isinstance(source, zarr.Group) else _opened_group(zarr, source)
     attributes = dict(group.attrs)
     multiscales = attributes.get("ome", attributes).get("multiscales")
@@ -294,6 +299,7 @@ def from_ome_zarr(source, path, *, level=0, channel=None, time=None, **options):
     array = group[dataset["path"]]
     chosen = _Chosen(array, axes, {"c": channel, "t": time}, source)
     facts = _facts_of_image(attributes, image, dataset, axes, units, level)
+    facts.setdefault("kind", "grey")
     facts.update(options)
     if "spacing" not in facts and "octavo" not in attributes:
         warnings.warn(f"{source}: its axes have no unit of length that is known here: its scale "
@@ -352,6 +358,13 @@ class _Chosen:
         key = tuple(planes if axis == "z" else slice(None) if axis in "yx" else next(picks)
                     for axis in self._axes)
         return np.asarray(self._array[key]).transpose(self._turn)
+
+
+def _folder_of(zarr, group):
+    """The folder of a group of zarr on a local disk; None of others."""
+    if not isinstance(group.store, zarr.storage.LocalStore):
+        return None
+    return os.path.normpath(os.path.join(group.store.root, group.path))
 
 
 def _opened_group(zarr, source):

@@ -1,5 +1,7 @@
 """Reading: numpy's rules of indexing, levels, places, what a volume says of itself."""
 
+import warnings
+
 import numpy as np
 import pytest
 
@@ -41,10 +43,22 @@ def test_random_boxes_and_steps_choose_what_numpy_does(volume, voxels):
     ([1, 2], "choose voxels by arrays"),
     (True, "choose voxels by a mask"),
     (1.5, "only integers"),
+    (np.array(130), "index 130 is out of bounds"),
+    (np.array(True), "choose voxels by a mask"),
+    (np.array(1.5), "only integers"),
 ], ids=str)
 def test_other_indices_are_rejected_as_by_numpy(volume, key, text):
     with pytest.raises(IndexError, match=text):
         volume[key]
+
+
+@pytest.mark.parametrize("key", [
+    np.array(3), (np.array(-1), slice(None), np.array(4)), (..., np.array(2), np.uint8(1)),
+    (np.array(1), np.array(2), np.array(3)), slice(np.array(1), np.int64(5)), ()], ids=str)
+def test_arrays_without_axes_are_indices(volume, voxels, key):
+    found = volume[key]
+    assert np.array_equal(found, voxels[key])
+    assert type(found) is type(voxels[key])
 
 
 def test_a_step_of_0_is_rejected(volume):
@@ -94,6 +108,64 @@ def test_a_box_in_mm_has_the_voxels_whose_centers_it_has(volume, voxels):
     corners = (30 + 2 * 10, 20 + 0.5 * 5, 10), (30 + 2 * 20.5, 20 + 0.5 * 8, 10 + 0.25 * 4)
     assert np.array_equal(volume.at_mm(corners), voxels[10:21, 5:9, 0:5])
     assert np.array_equal(volume.at_mm(corners[::-1]), voxels[10:21, 5:9, 0:5])
+
+
+def test_a_box_in_mm_is_the_smallest_of_an_oblique_grid(tmp_path):
+    """Against all centers, one by one."""
+    random = np.random.default_rng(5)
+    shape = (23, 31, 27)
+    counts = [0, 0]
+    for turn in range(8):
+        direction, _ = np.linalg.qr(random.normal(size=(3, 3)))
+        if turn == 7:  # turned about one axis alone
+            direction = np.array([[0.8, -0.6, 0], [0.6, 0.8, 0], [0, 0, 1]])
+        spacing = random.uniform(0.3, 2, 3)
+        voxels = random.integers(0, 99, shape).astype(np.uint8)
+        with octavo.build(voxels, tmp_path / f"{turn}.8vo", spacing=spacing, origin=(5, -7, 9),
+                          direction=direction) as volume:
+            index = np.indices(shape).reshape(3, -1)
+            centers = volume.affine @ [*index, np.ones(index.shape[1])]
+            for _ in range(12):
+                middle = centers[:3, random.integers(centers.shape[1])]
+                half = random.uniform(0.05, 9, 3)
+                corners = (middle + half * random.uniform(-0.5, 1, 3))[::-1], (middle - half)[::-1]
+                low, high = np.sort(corners, axis=0)[:, ::-1]
+                inside = index[:, ((centers[:3].T >= low) & (centers[:3].T <= high)).all(1)]
+                counts[inside.size > 0] += 1
+                if inside.size == 0:
+                    with pytest.raises(octavo.ArgumentError, match="no voxel has its center"):
+                        volume.at_mm(corners)
+                    continue
+                wanted = tuple(slice(a, b + 1) for a, b in zip(inside.min(1), inside.max(1)))
+                assert np.array_equal(volume.at_mm(corners), voxels[wanted])
+    assert min(counts) >= 5
+
+
+@pytest.mark.parametrize("call, text", [
+    (lambda v: v.read(1), "a box has two corners, .* not 1"),
+    (lambda v: v.read(((0, 0, 0), (1, 1, 1), (2, 2, 2))), "a box has two corners"),
+    (lambda v: v.read("ab"), "three whole numbers"),
+    (lambda v: v.read(level="a"), "level 'a' is not there: .*scan.8vo has levels 0 to "),
+    (lambda v: v.read(level=1.5), "level 1.5 is not there"),
+    (lambda v: v.read(level=None), "level None is not there"),
+    (lambda v: v.at_mm("a"), "in mm"),
+    (lambda v: v.at_mm(((1, 2, 3), (1, 2))), "in mm"),
+    (lambda v: v.at_mm((0, 0, 0), level=1.0), "level 1.0 is not there"),
+    (lambda v: v.at_mm((1e300, 0, 0)), r"\(1e\+300, 0, 0\) mm lies outside the volume"),
+    (lambda v: v.level_for("a"), "spacing_mm is a number, not 'a'"),
+    (lambda v: v.level_for(float("nan")), "spacing_mm is a number"),
+    (lambda v: v.at_budget(None), "nbytes is a number, not None"),
+    (lambda v: v.at_budget(1), "1 bytes hold no voxel"),
+    (lambda v: octavo.build(v, "x.8vo", progress=1), "progress is a function, or True, not 1"),
+    (lambda v: octavo.Writer("x.8vo", (1, 1, 1), "zzz"), "dtype is a type of numpy, not 'zzz'"),
+    (lambda v: v.transform("x.8vo", rotate=5), "rotate is an axis and degrees, .* not 5"),
+    (lambda v: v.transform("x.8vo", rotate=("q", 9)), "the axis of rotate .* not 'q'"),
+])
+def test_what_makes_no_sense_is_an_error_of_octavo(volume, call, text):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with pytest.raises(octavo.ArgumentError, match=text):
+            call(volume)
 
 
 def test_levels_are_found_by_spacing_and_by_bytes(volume):

@@ -30,6 +30,7 @@ class RangedFiles(http.server.SimpleHTTPRequestHandler):
     has_ranges = True
     has_suffixes = True
     status = None  # that every answer has
+    busy = []      # statuses of the answers that come next
     flips = 0      # answers of more than this many bytes have a wrong one; 0: none has
 
     def log_message(self, *_):
@@ -46,8 +47,8 @@ class RangedFiles(http.server.SimpleHTTPRequestHandler):
         if not file.exists():
             self.send_error(404)
             return
-        if self.status:
-            self.send_error(self.status)
+        if self.status or self.busy:
+            self.send_error(self.status or self.busy.pop())
             return
         held = file.read_bytes()
         span = self.headers.get("Range", "")
@@ -77,8 +78,10 @@ class RangedFiles(http.server.SimpleHTTPRequestHandler):
 
 
 @pytest.fixture
-def served(path):
-    handler = type("Handler", (RangedFiles,), {"directory": os.path.dirname(path), "asked": []})
+def served(path, monkeypatch):
+    monkeypatch.setattr("octavo._sources._Url._PAUSES", (0.01, 0.02, 0.03))
+    handler = type("Handler", (RangedFiles,), {"directory": os.path.dirname(path), "asked": [],
+                                               "busy": []})
     server = http.server.ThreadingHTTPServer(
         ("127.0.0.1", 0), lambda *a: handler(*a, directory=os.path.dirname(path)))
     threading.Thread(target=server.serve_forever, daemon=True).start()
@@ -155,6 +158,25 @@ def test_a_server_that_rejects_says_why(served):
             octavo.open(f"{root}/scan.8vo")
     with pytest.raises(octavo.StorageError, match="onnect"):
         octavo.open("http://127.0.0.1:1/scan.8vo")
+
+
+def test_a_server_that_is_busy_is_asked_again(served, voxels):
+    pytest.importorskip("aiohttp")
+    handler, root = served
+    handler.busy[:] = [503, 502]
+    volume = octavo.open(f"{root}/scan.8vo")
+    for statuses in ([503], [429, 500, 503]):
+        handler.busy[:] = statuses
+        assert np.array_equal(volume[60:70], voxels[60:70])
+        assert not handler.busy
+        volume = octavo.open(f"{root}/scan.8vo")
+    handler.status = 503
+    handler.asked.clear()
+    with pytest.raises(octavo.StorageError, match="the server answered 503"):
+        volume[100]
+    handler.status = 403  # which no patience helps
+    with pytest.raises(octavo.StorageError, match="the server answered 403"):
+        volume[100]
 
 
 def test_secrets_of_urls_are_never_seen(served, voxels):

@@ -1,7 +1,6 @@
 """Images and arrays of zarr into files, without zarr; test_zarr.py has those that zarr wrote."""
 
 import json
-import warnings
 
 import numpy as np
 import pytest
@@ -103,9 +102,27 @@ def test_a_group_without_units_is_told_as_its_folder_is(tmp_path):
         with pytest.warns(UserWarning, match="no unit of length"):
             made = octavo.from_ome_zarr(source, tmp_path / "x.8vo", overwrite=True)
         assert np.array_equal(made[...], voxels) and not made.is_spacing_known
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        octavo.from_ome_zarr(group, tmp_path / "y.8vo", spacing=(3, 2, 1))
+        with pytest.warns(UserWarning, match="place are left out"):
+            made = octavo.from_ome_zarr(source, tmp_path / "x.8vo", overwrite=True,
+                                        spacing=(3, 2, 1))
+        assert made.spacing == (3, 2, 1)
+
+
+@pytest.mark.parametrize("dtype", ["bool", "int8", ">u2", "int64", "uint64", "float32", "float64"])
+def test_a_group_of_a_folder_is_read_as_its_path_is(tmp_path, dtype):
+    zarr = pytest.importorskip("zarr", minversion="3")
+    group = zarr.open_group(tmp_path / "a.zarr", mode="w", zarr_format=3).create_group("inner")
+    voxels = (np.arange(8 * 9 * 10).reshape(8, 9, 10) % 100).astype(dtype)
+    group.create_array("0", shape=voxels.shape, chunks=(8, 8, 8), dtype=dtype)[...] = voxels
+    group.attrs["ome"] = {"version": "0.5", "multiscales": [{
+        "axes": [{"name": n, "type": "space", "unit": "millimeter"} for n in "zyx"],
+        "datasets": [{"path": "0", "coordinateTransformations": [
+            {"type": "scale", "scale": [1, 2, 3]}]}]}]}
+    of_group = octavo.from_ome_zarr(group, tmp_path / "x.8vo")
+    of_path = octavo.from_ome_zarr(tmp_path / "a.zarr/inner", tmp_path / "y.8vo")
+    assert (of_group.dtype, of_group.kind) == (of_path.dtype, of_path.kind)
+    assert of_group.spacing == of_path.spacing == (1, 2, 3)
+    assert np.array_equal(of_group[...], voxels.astype(of_path.dtype))
 
 
 @pytest.mark.parametrize("options", [dict(slope=2), dict(kind="other"), dict(level=40),
