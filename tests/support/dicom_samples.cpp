@@ -62,9 +62,14 @@ void write_dicom(const std::string& path, const DicomSample& s) {
 void write_segmentation(const std::string& path, const SegmentationSample& s) {
   std::string segments;
   std::string frames;
-  for (const std::uint16_t number : s.numbers) {
-    segments += item(element(0x62, 0x04, "US", u16(number)) +
-                     element(0x62, 0x05, "LO", "part " + std::to_string(number)));
+  for (std::size_t i = 0; i < s.numbers.size(); ++i) {
+    std::string segment = element(0x62, 0x04, "US", u16(s.numbers[i])) +
+                          element(0x62, 0x05, "LO", "part " + std::to_string(s.numbers[i]));
+    if (!s.colors.empty()) {
+      const auto& [l, a, b] = s.colors[i];
+      segment += element(0x62, 0x0d, "US", u16(l) + u16(a) + u16(b));
+    }
+    segments += item(segment);
   }
   for (std::size_t i = 0; i < s.positions.size(); ++i) {
     const std::uint16_t segment = s.segments.empty() ? 1 : s.segments[i];

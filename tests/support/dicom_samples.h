@@ -1,6 +1,7 @@
 // Small DICOM files.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -45,6 +46,7 @@ struct SegmentationSample {
   std::uint16_t label_bits = 8;
   std::optional<std::uint16_t> padding; ///< Pixel Padding Value
   std::vector<std::uint16_t> numbers = {1, 2};  ///< of the segments, each "part N"
+  std::vector<std::array<std::uint16_t, 3>> colors;  ///< of the segments, in CIELab; empty: none
   std::string overlap;                  ///< "YES", "NO" or nothing
   std::string spacing;                  ///< Spacing Between Slices
   std::string thickness;

@@ -6,6 +6,7 @@
 
 #include "octavo/io/dicom/dicom_attributes.h"
 #include "octavo/io/dicom/dicom_library.h"
+#include "octavo/io/dicom/dicom_tags.h"
 
 namespace octavo {
 
@@ -20,7 +21,7 @@ bool is_layout(DicomTag tag) {
       0x00020001, 0x00020010,  // of the file meta information
       0x00020002, 0x00080016,  // what kind of object it is
       0x00080005,              // characters
-      0x00200013, 0x00200032, 0x00200037, 0x00280030};
+      0x00200013, 0x00200032, 0x00200037, 0x00280030, kSegmentColor};
   if ((tag & 0xffffU) == 0 || kLayout.contains(tag)) return true;
   const DicomTag group = tag >> 16;
   if (group == 0x7fe0 || group == 0xfffe) return true;

@@ -149,6 +149,23 @@ std::vector<DicomSlice> of_label_map(std::vector<DicomSlice> slices, const Sourc
   return slices;
 }
 
+/// Whether voxels are numbers of segments, else 1 where they are in the only one.
+bool holds_numbers(const DicomSlice& slice) {
+  return !slice.label_frames.empty() || (slice.layout->is_label_map() && !slice.taken_label);
+}
+
+/// The colors of the labels that a volume of these slices has.
+LabelNames colors_of(const DicomSlice& slice) {
+  LabelNames colors;
+  if (!slice.layout->is_binary_segmentation()) return colors;
+  for (const DicomSegment& segment : segments_of(*slice.layout)) {
+    const bool is_there = holds_numbers(slice) || segment.number == slice.segment;
+    if (!segment.color || !is_there || colors.size() == kMaxNotedSegments) continue;
+    colors.set(holds_numbers(slice) ? segment.number : 1, {"", segment.color});
+  }
+  return colors;
+}
+
 }  // namespace
 
 std::vector<DicomSlice> choose_segments(std::vector<DicomSlice> slices,
@@ -182,16 +199,16 @@ std::vector<DicomSlice> choose_segments(std::vector<DicomSlice> slices,
 void note_segments(const std::vector<DicomSlice>& slices, const SourceOptions& options,
                    MetadataFacts& noted) {
   const DicomSlice& first = slices.front();
+  noted.labels = colors_of(first);
   std::vector<SegmentNote> all;
   for (const DicomSegment& segment : segments_of(*first.layout)) {
     if (!options.segment.empty() && segment.number == first.segment) {
       noted.segment = SegmentNote{segment.number};
-      return;
+      break;
     }
     if (all.size() < kMaxNotedSegments) all.push_back({segment.number});
   }
-  const bool holds_several = !first.label_frames.empty() || first.layout->is_label_map();
-  if (holds_several && !all.empty()) noted.segments = std::move(all);
+  if (!noted.segment && holds_numbers(first) && !all.empty()) noted.segments = std::move(all);
 }
 
 }  // namespace octavo

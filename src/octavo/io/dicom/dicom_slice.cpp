@@ -8,6 +8,7 @@
 #include "octavo/core/error.h"
 #include "octavo/core/text.h"
 #include "octavo/core/vectors.h"
+#include "octavo/io/dicom/dicom_cielab.h"
 #include "octavo/io/dicom/dicom_extent.h"
 #include "octavo/io/dicom/dicom_mosaic.h"
 #include "octavo/io/dicom/dicom_nuclear.h"
@@ -160,8 +161,9 @@ DicomLayout read_layout(const DicomFile& file) {
   layout.segments_overlap = data.text(0x00620013) == "YES";
   layout.max_fraction = data.unsigned_value(0x0062000e).value_or(layout.max_fraction);
   for (const DicomSet& segment : data.items(kSegmentSequence)) {
-    layout.segments.push_back(
-        {segment.unsigned_value(0x00620004).value_or(0), segment.text(0x00620005)});
+    layout.segments.push_back({segment.unsigned_value(0x00620004).value_or(0),
+                               segment.text(0x00620005),
+                               color_of_cielab(segment.words(kSegmentColor))});
   }
   layout.frames = frame_count(data, file.path);
   layout.is_cine = is_cine(data, layout);

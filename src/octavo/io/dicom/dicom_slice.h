@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "octavo/core/geometry.h"
+#include "octavo/core/label_names.h"
 #include "octavo/io/dicom/dicom_file.h"
 #include "octavo/io/dicom/dicom_values.h"
 
@@ -22,6 +23,7 @@ struct DicomColorTable;
 struct DicomSegment {
   std::int64_t number = 0;
   std::string label;
+  std::optional<LabelColor> color;  ///< its Recommended Display CIELab Value
 };
 
 /// A frame of 1-bit voxels, and the value that its set voxels have in the volume.

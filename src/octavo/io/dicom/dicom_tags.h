@@ -7,6 +7,7 @@ namespace octavo {
 
 inline constexpr DicomTag kRescaleIntercept = 0x00281052;
 inline constexpr DicomTag kRescaleSlope = 0x00281053;
+inline constexpr DicomTag kSegmentColor = 0x0062000d;  // Recommended Display CIELab Value
 inline constexpr DicomTag kGridFrameOffsets = 0x3004000c;
 inline constexpr DicomTag kDoseScaling = 0x3004000e;
 

@@ -61,6 +61,44 @@ TEST(DicomSegments, KeepTheirLabelsOnlyWhereThatIsAskedFor) {
   }
 }
 
+/// The labels in the metadata of the segmentation, or of one segment of it.
+nlohmann::json labels_of(const TempFolder& folder, const SegmentationSample& sample,
+                         const std::string& segment) {
+  write_segmentation(folder.file("seg.dcm"), sample);
+  SourceOptions options;
+  options.segment = segment;
+  const auto source = open_source({folder.file("seg.dcm")}, options);
+  return nlohmann::json::parse(source->description().metadata.text())["labels"];
+}
+
+TEST(DicomSegments, HaveTheColorsThatTheyAreRecommendedIn) {
+  const TempFolder folder;
+  const nlohmann::json red = {{"color", "#ff0000"}};
+  const nlohmann::json green = {{"color", "#008040"}};
+  SegmentationSample sample = two_segments(false);
+  EXPECT_TRUE(labels_of(folder, sample, "").is_null());
+  sample.colors = {{34886, 53484, 50172}, {30619, 21203, 39669}};
+  EXPECT_EQ(labels_of(folder, sample, ""), (nlohmann::json{{"1", red}, {"2", green}}));
+  EXPECT_EQ(labels_of(folder, sample, "2"), (nlohmann::json{{"1", green}}));
+  SegmentationSample fractions = sample;
+  fractions.type = "FRACTIONAL";
+  fractions.fractions = std::string(60, 'a');
+  EXPECT_TRUE(labels_of(folder, fractions, "2").is_null());
+  SegmentationSample only = sample;
+  only.positions.resize(2);
+  only.segments = {2, 2};
+  only.voxels.resize(30);
+  EXPECT_EQ(labels_of(folder, only, ""), (nlohmann::json{{"1", green}}));
+
+  SegmentationSample map = sample;
+  map.type = "LABELMAP";
+  map.positions.resize(2);
+  map.numbers = {7, 200};
+  map.labels = std::string(29, '\7') + '\xc8';
+  EXPECT_EQ(labels_of(folder, map, ""), (nlohmann::json{{"7", red}, {"200", green}}));
+  EXPECT_EQ(labels_of(folder, map, "200"), (nlohmann::json{{"1", green}}));
+}
+
 TEST(DicomSegments, AreTakenOneByOneByNumberOrLabel) {
   const TempFolder folder;
   write_segmentation(folder.file("seg.dcm"), two_segments(true));
