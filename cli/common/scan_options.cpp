@@ -19,7 +19,9 @@ void add_scan_options(Verb verb, ScanOptions& options) {
   verb.add_parsed("--time N", source.time, parse_integer,
                   "Of several volumes in time take one, counted from 0")
       .group(group);
-  verb.add_option("--series UID", source.series, "SeriesInstanceUID, where a folder holds several")
+  verb.add_option("--series UID|N", source.series,
+                  "Of several series take one: of DICOM by its SeriesInstanceUID, of those in one "
+                  "TIFF file by its number from 0")
       .group(group);
   verb.add_option("--segment N|LABEL", source.segment,
                   "Of several segments of a DICOM SEG take one: its number or its label")

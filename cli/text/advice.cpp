@@ -48,6 +48,8 @@ constexpr Advice kAdvice[] = {
     {kSource, "segment", "", "give --segment with {}"},
     {kUsage, "segment", "", "give --segment with {}"},
     {kUsage, "segment", "", "leave out --segment"},
+    {kSource, "series", "", "give --series with {}"},
+    {kUsage, "series", "", "give --series with {}"},
     {kSource, "series", "", "give --series UID"},
     {kUsage, "series", "", "leave out --series"},
     {kAny, "spacing_mm", "", "give --spacing x,y,z in mm"},

@@ -344,7 +344,8 @@ def build(source: Any, path: _Path, *, kind: Literal["grey", "labels"] | None = 
           keep_details: int = 0, nan: float | None = None, inf: float | None = None,
           thumbnail: bool = False, overwrite: bool = False, resume: bool = False, threads: int = 0,
           max_memory: int = 0, progress: _Progress = None, shape: Sequence[int] | None = None,
-          channel: int | str | None = None, time: int | None = None) -> Volume: ...
+          channel: int | str | None = None, time: int | None = None,
+          series: int | str | None = None) -> Volume: ...
 def export(volume: Volume, path: _Path, *, level: int = 0,
            compression: Literal["zstd", "blosc", "none"] = "zstd", chunk_side: int = 64,
            shard_chunks: int = 4, overwrite: bool = False, threads: int = 0, max_memory: int = 0,

@@ -25,7 +25,7 @@ def build(source, path, *, kind=None, spacing=None, origin=None, direction=None,
           slope=None, intercept=None, label_names=None, preset="small", access=None,
           max_error=0.0, keep_details=0, nan=None, inf=None, thumbnail=False, overwrite=False,
           resume=False, threads=0, max_memory=0, progress=None, shape=None, channel=None,
-          time=None):
+          time=None, series=None):
     """Build an .8vo file.
 
     Parameters
@@ -74,7 +74,9 @@ def build(source, path, *, kind=None, spacing=None, origin=None, direction=None,
         z, y, x, of planes that an iterator gives.
     channel : int or str, optional
     time : int, optional
-        What is taken of a path that has several.
+    series : int or str, optional
+        What is taken of a path that has several. A series is a number in one TIFF file, or a
+        SeriesInstanceUID of DICOM.
 
     Returns
     -------
@@ -93,13 +95,16 @@ def build(source, path, *, kind=None, spacing=None, origin=None, direction=None,
     if isinstance(source, (str, os.PathLike)):
         source = os.fspath(source)
         if is_zarr(source):
+            if series is not None:
+                raise ArgumentError("series are of DICOM and TIFF; zarr has none")
             return build_zarr(source, path, said, given, progress, channel=channel, time=time)
         if progress is not None:
             raise ArgumentError("progress is told of arrays; files are read by another program")
-        _build_by_program(source, path, said, {**given, "channel": channel, "time": time})
+        _build_by_program(source, path, said, {**given, "channel": channel, "time": time,
+                                                "series": series})
         return Volume(path)
-    if channel is not None or time is not None:
-        raise ArgumentError("channel and time are of paths; index an array")
+    if channel is not None or time is not None or series is not None:
+        raise ArgumentError("channel, time and series are of paths; index an array")
     if shape is not None:
         return _build_of_planes(source, path, shape, said, given, progress)
     if isinstance(source, View):
@@ -485,8 +490,8 @@ def _words_of(options, given):
     if options["spacing"] is not None:
         words += ["--spacing", ",".join(map(repr, _three(options["spacing"], "spacing")[::-1]))]
     for name, flag in (("access", "--access"), ("nan", "--nan"), ("inf", "--inf"),
-                       ("channel", "--channel"), ("time", "--time")):
-        # Builds by parts have no channel and no time.
+                       ("channel", "--channel"), ("time", "--time"), ("series", "--series")):
+        # Builds by parts have none of the last three.
         if given.get(name) is not None:
             words += [flag, str(given[name])]
     for name, flag in (("max_error", "--max-error"), ("keep_details", "--keep-details")):

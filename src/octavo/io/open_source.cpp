@@ -58,24 +58,25 @@ Format format_of(const std::string& path) {
 
 /// The NIfTI header of the pair of files of which `path` holds the voxels (.img); nothing where
 /// there is none: other formats (ENVI) have such pairs as well.
+/// Throws Error{source_rejected} where it is that of an Analyze pair, or damaged
 std::string header_beside(const std::string& path) {
   for (const std::string ending : {".img", ".img.gz"}) {
     if (!has_ending(path, ending)) continue;
     const std::string stem = path.substr(0, path.size() - ending.size());
     const std::string header = stem + (ending == ".img" ? ".hdr" : ".hdr.gz");
     try {
-      read_nifti_header(header);
-      return header;
+      if (!begins_as_nifti_header(header)) return {};
     } catch (const Error&) {
       return {};
     }
+    read_nifti_header(header);
+    return header;
   }
   return {};
 }
 
 /// What an option of SourceOptions::dicom_option does.
 std::string dicom_work(const std::string& field) {
-  if (field == "series") return "one of several series is chosen";
   if (field == "on_gap") return "missing planes are made from their neighbors";
   if (field == "drop_duplicates") return "copies of slices are left out";
   if (field == "segment") return "one of several segments is chosen";
@@ -89,6 +90,11 @@ void require_fitting(Format format, const SourceOptions& options, const std::str
     throw Error(ErrorKind::invalid_argument, dicom_work(field) + " in DICOM series alone", path)
         .with_field(field);
   }
+  if (!options.series.empty() && format != Format::dicom && format != Format::tiff) {
+    throw Error(ErrorKind::invalid_argument,
+                "one of several series is chosen in DICOM and TIFF alone", path)
+        .with_field("series");
+  }
   const bool is_stack =
       format == Format::tiff || format == Format::png || format == Format::raw_planes;
   if (options.on_gap == GapPolicy::ignore && !is_stack) {
@@ -101,6 +107,12 @@ void require_fitting(Format format, const SourceOptions& options, const std::str
 std::unique_ptr<PlaneSource> open_stack(Format format, const std::vector<std::string>& files,
                                         const std::string& path, const SourceOptions& options) {
   require_fitting(format, options, path);
+  if (!options.series.empty() && files.size() > 1) {
+    throw Error(ErrorKind::invalid_argument,
+                "one of several series is chosen in a single TIFF file, not in a stack of them",
+                path)
+        .with_field("series");
+  }
   return format == Format::tiff ? open_tiff_source(files, options)
                                 : open_png_source(files, options);
 }

@@ -57,7 +57,6 @@ RawLayout parse_raw_layout(const std::string& text) {
 }
 
 std::string SourceOptions::dicom_option() const {
-  if (!series.empty()) return "series";
   if (on_gap == GapPolicy::fill || on_gap == GapPolicy::resample) return "on_gap";
   if (drop_duplicates) return "drop_duplicates";
   if (!segment.empty()) return "segment";

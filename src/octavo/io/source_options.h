@@ -34,7 +34,7 @@ enum class GapPolicy {
 struct SourceOptions {
   std::optional<RawLayout> raw;  ///< the paths are headerless planes (one file, or one per plane)
   std::optional<Point3> spacing_mm;       ///< overrides, or supplies what the files lack
-  std::string series;                     ///< DICOM SeriesInstanceUID, when a folder holds several
+  std::string series;                     ///< of several: DICOM's UID, or the number in one TIFF
   GapPolicy on_gap = GapPolicy::error;    ///< ignore: TIFF and PNG stacks; the others: DICOM
   bool drop_duplicates = false;           ///< DICOM: of equal slices at one place one is taken
   bool untilt = false;                    ///< DICOM: slices sheared by a tilt are put upright

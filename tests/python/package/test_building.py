@@ -324,6 +324,11 @@ def test_a_scan_on_disk_goes_through_the_program(tmp_path, voxels, monkeypatch):
     for option in ({"unit": "HU"}, {"origin": (0, 0, 0)}, {"progress": print}):
         with pytest.raises(octavo.ArgumentError, match="array"):
             octavo.build(tmp_path / "a.8vo", tmp_path / "c.8vo", **option)
+    # The program is told of a series, and says that a file of its own has none.
+    with pytest.raises(octavo.ArgumentError, match="series"):
+        octavo.build(tmp_path / "a.8vo", tmp_path / "c.8vo", series=1)
+    with pytest.raises(octavo.ArgumentError, match="series are of paths"):
+        octavo.build(voxels[:3], tmp_path / "c.8vo", series=1)
     monkeypatch.chdir(tmp_path)
     octavo.build(voxels[:3], "--force.8vo")
     assert np.array_equal(octavo.build("--force.8vo", "-o.8vo")[...], voxels[:3])

@@ -83,6 +83,25 @@ TEST(OpenSource, MincIsRejectedWithWhatToDo) {
   }
 }
 
+TEST(OpenSource, ASeriesIsChosenWhereThereAreSome) {
+  const TempFolder folder;
+  write_png(folder.file("a.png"), 2, 2, 8, 0, "abcd");
+  TiffSample sample;
+  sample.pages = {counted(12, 0)};
+  write_tiff(folder.file("t/s1.tif"), sample);
+  write_tiff(folder.file("t/s2.tif"), sample);
+  SourceOptions options;
+  options.series = "0";
+  for (const auto& [path, said] : std::vector<std::pair<std::string, std::string>>{
+           {folder.file("a.png"), "in DICOM and TIFF alone"},
+           {folder.file("t"), "in a single TIFF file"}}) {
+    const Error error = source_error({path}, options);
+    EXPECT_EQ(error.kind(), ErrorKind::invalid_argument);
+    EXPECT_EQ(error.field(), "series");
+    EXPECT_TRUE(contains(error, said)) << error.what();
+  }
+}
+
 TEST(OpenSource, OptionsOfDicomAreRejectedForOtherFormats) {
   const TempFolder folder;
   write_png(folder.file("a.png"), 2, 2, 8, 0, "abcd");
@@ -141,6 +160,37 @@ TEST(OpenSource, AVolumeNamesItsHeaderAndItsData) {
     EXPECT_EQ(files.paths, expected);
     EXPECT_TRUE(files.of_plane.empty()) << name;
   }
+}
+
+TEST(OpenSource, VoxelsOfAPairAreToldOfTheirHeader) {
+  const TempFolder folder;
+  std::string pair = nifti_header({});
+  pair.replace(344, 4, std::string("ni1\0", 4));
+  std::string analyze = nifti_header({});
+  analyze.replace(344, 4, std::string(4, '\0'));
+  std::string big_analyze = nifti_header({.big_endian = true});
+  big_analyze.replace(344, 4, std::string(4, '\0'));
+  const std::string of_analyze = "an Analyze 7.5 header, which does not say where left and right";
+  const std::string unknown = "not a DICOM, TIFF";
+  const struct {
+    std::string name, header, said;
+  } table[] = {{"a", pair, "whose header stands beside it; give that, " + folder.file("a.hdr")},
+               {"b", analyze, of_analyze},
+               {"c", big_analyze, of_analyze},
+               {"d", "ENVI\nsamples = 4\n" + std::string(400, ' '), unknown},
+               {"e", "ENVI", unknown},
+               {"f", "", unknown}};
+  for (const auto& [name, header, said] : table) {
+    write_file(folder.file(name + ".img"), bytes_of(kStoredValues));
+    write_file(folder.file(name + ".img.gz"), gzip(bytes_of(kStoredValues)));
+    write_file(folder.file(name + ".hdr"), header);
+    write_file(folder.file(name + ".hdr.gz"), gzip(header));
+    EXPECT_TRUE(contains(source_error({folder.file(name + ".img")}), said)) << name;
+    const std::string compressed = said.substr(0, said.find(", /"));
+    EXPECT_TRUE(contains(source_error({folder.file(name + ".img.gz")}), compressed)) << name;
+  }
+  write_file(folder.file("g.img"), bytes_of(kStoredValues));
+  EXPECT_TRUE(contains(source_error({folder.file("g.img")}), unknown));
 }
 
 TEST(OpenSource, FilesHaveAbsolutePaths) {

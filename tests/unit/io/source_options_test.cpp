@@ -25,8 +25,8 @@ TEST(SourceOptions, TheFirstOptionOfDicomIsNamedByItsField) {
   EXPECT_EQ(options.dicom_option(), "untilt");
   options.on_gap = GapPolicy::fill;
   EXPECT_EQ(options.dicom_option(), "on_gap");
-  options.series = "1.2.3";
-  EXPECT_EQ(options.dicom_option(), "series");
+  options.drop_duplicates = true;
+  EXPECT_EQ(options.dicom_option(), "on_gap");
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "octavo/io/source/header_text.h"
 #include "octavo/io/source/length_unit.h"
@@ -16,6 +17,7 @@ namespace {
 
 constexpr std::string_view kXmlBlanks = " \t\r\n";
 constexpr std::size_t kMaxReferenceBytes = 12;
+constexpr std::int64_t kMostOfAnAxis = 1 << 20;  // for a list: the product of three is no overflow
 
 /// A character by its number, in UTF-8; nothing for numbers that are none.
 std::string utf8(std::uint32_t code) {
@@ -149,16 +151,49 @@ OmePages read_tiff_data(std::string_view element) {
   return pages;
 }
 
+/// The parts of a description that tell of one image each: those with pixels.
+std::vector<std::string_view> images_of(std::string_view text) {
+  std::vector<std::string_view> images;
+  std::size_t at = find_element(text, "Image");
+  if (at == std::string_view::npos) at = find_element(text, "Pixels");
+  while (at != std::string_view::npos) {
+    const std::size_t next = find_element(text, "Image", at + 1);
+    const std::string_view image = text.substr(at, next - at);
+    if (find_element(image, "Pixels") != std::string_view::npos) images.push_back(image);
+    at = next;
+  }
+  return images;
+}
+
+std::string_view pixels_tag(std::string_view image) {
+  return tag_at(image, find_element(image, "Pixels"));
+}
+
+/// image  has pixels
+OmeTiffImage read_image(std::string_view image) {
+  const std::string_view pixels = pixels_tag(image);
+  const auto size_of = [&](const std::string& name) {
+    return std::clamp<std::int64_t>(count_of(pixels, name).value_or(1), 1, kMostOfAnAxis);
+  };
+  OmeTiffImage result;
+  if (image.starts_with("<Image")) result.name = text_of(tag_at(image, 0), "Name");
+  result.planes = size_of("SizeZ") * size_of("SizeC") * size_of("SizeT");
+  result.width = size_of("SizeX");
+  result.height = size_of("SizeY");
+  return result;
+}
+
 }  // namespace
 
-void read_ome_description(std::string_view text, TiffDescription& result) {
+void read_ome_description(std::string_view text, std::size_t image, TiffDescription& result) {
   result.file_id = text_of(tag_at(text, text.find("<OME")), "UUID");
   if (const std::size_t at = find_element(text, "BinaryOnly"); at != std::string_view::npos) {
     result.metadata_file = text_of(tag_at(text, at), "MetadataFile");
   }
-  const std::size_t start = find_element(text, "Pixels");
-  if (start == std::string_view::npos) return;
-  const std::string_view pixels = tag_at(text, start);
+  const std::vector<std::string_view> images = images_of(text);
+  for (const std::string_view each : images) result.ome_images.push_back(read_image(each));
+  if (image >= images.size()) return;
+  const std::string_view pixels = pixels_tag(images[image]);
   result.program = "OME";
   result.counts_samples = true;
   result.channels = std::max<std::int64_t>(count_of(pixels, "SizeC").value_or(0), 0);
@@ -171,10 +206,11 @@ void read_ome_description(std::string_view text, TiffDescription& result) {
   result.z_mm = length_mm(pixels, "Z", result);
 }
 
-void read_ome_pages(std::string_view text, TiffDescription& result) {
-  const std::size_t start = find_element(text, "Pixels");
-  if (start == std::string_view::npos) return;
-  const std::string_view content = content_at(text, start, "Pixels");
+void read_ome_pages(std::string_view text, std::size_t image, TiffDescription& result) {
+  const std::vector<std::string_view> images = images_of(text);
+  if (image >= images.size()) return;
+  text = images[image];
+  const std::string_view content = content_at(text, find_element(text, "Pixels"), "Pixels");
   std::size_t at = find_element(content, "TiffData");
   while (at != std::string_view::npos) {
     const std::size_t next = find_element(content, "TiffData", at + 1);

@@ -136,12 +136,12 @@ void read_imagej(std::string_view text, double x_resolution, double y_resolution
 }  // namespace
 
 TiffDescription parse_tiff_description(const std::string& text, double x_resolution,
-                                       double y_resolution) {
+                                       double y_resolution, std::size_t ome_image) {
   TiffDescription result;
   // SCIFIO writes the lines of ImageJ, which reads them so.
   const bool has_lines = text.starts_with("ImageJ=") || text.starts_with("SCIFIO=");
   if (has_lines) read_imagej(text, x_resolution, y_resolution, result);
-  if (text.find("<OME") != std::string::npos) read_ome_description(text, result);
+  if (text.find("<OME") != std::string::npos) read_ome_description(text, ome_image, result);
   return result;
 }
 

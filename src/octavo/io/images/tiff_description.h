@@ -23,6 +23,14 @@ struct OmePages {
   std::string file_id;                ///< its UUID
 };
 
+/// One of the images that an OME description has.
+struct OmeTiffImage {
+  std::string name;
+  std::int64_t planes = 1;
+  std::int64_t width = 0;
+  std::int64_t height = 0;
+};
+
 /// Counts are 0 and spacings absent where the description is silent.
 struct TiffDescription {
   bool is_imagej = false;
@@ -45,14 +53,16 @@ struct TiffDescription {
   std::optional<Point3> origin_mm;  ///< of the center of the first voxel, noted by our exports
   std::optional<std::array<double, 9>> direction;  ///< as in Geometry, noted by our exports
   bool is_place_known = false;  ///< these two lead to places in a body
-  std::vector<OmePages> ome_pages; ///< empty until read_ome_pages
+  std::vector<OmeTiffImage> ome_images;
+  std::vector<OmePages> ome_pages; ///< of the image read; empty until read_ome_pages
   std::string file_id;             ///< OME: the UUID of this file
   std::string metadata_file;       ///< OME: the file that has the description instead
 };
 
 /// x_resolution, y_resolution  pixels per unit from the tags; 0 when absent (ImageJ keeps x and y
 /// there)
+/// ome_image  which of the images that OME's description has
 TiffDescription parse_tiff_description(const std::string& text, double x_resolution,
-                                       double y_resolution);
+                                       double y_resolution, std::size_t ome_image);
 
 }  // namespace octavo

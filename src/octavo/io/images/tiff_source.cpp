@@ -7,12 +7,10 @@
 
 #include "octavo/core/checked.h"
 #include "octavo/core/text.h"
-#include "octavo/io/images/ome_description.h"
-#include "octavo/io/images/page_notes.h"
 #include "octavo/io/images/tiff_description.h"
 #include "octavo/io/images/tiff_page.h"
 #include "octavo/io/images/tiff_page_order.h"
-#include "octavo/io/images/tiff_series.h"
+#include "octavo/io/images/tiff_stack.h"
 #include "octavo/io/source/byte_order.h"
 #include "octavo/io/source/length_unit.h"
 #include "octavo/io/source/source_file.h"
@@ -20,242 +18,6 @@
 namespace octavo {
 
 namespace {
-
-constexpr std::int64_t kMostPlanes = 1 << 20;  // that a text alone tells of: each takes memory
-
-/// Where one plane stands.
-struct TiffPlane {
-  std::size_t file = 0;
-  std::int64_t number = 0;  ///< of the page in its file, thumbnails counted
-  TiffPage page;
-  std::uint64_t data_offset = 0;  ///< of a plane that has no page of its own
-};
-
-/// Everything the pages say.
-struct TiffStack {
-  std::vector<std::string> files;
-  std::vector<TiffPlane> planes;
-  TiffDescription description;   ///< of the first page
-  std::optional<std::uint64_t> plain_run;  ///< start of the first page's voxels, as in TiffFile
-  double tag_x_mm = 0;           ///< pixels by the resolution tags of the first page; 0: none
-  double tag_y_mm = 0;
-  bool is_big_endian = false;    ///< of the first file
-  std::int64_t reduced_pages = 0;
-  std::int64_t silent_files = 0; ///< without a size of voxels, where the first file has one
-  std::string odd_resolution;    ///< the first file with other resolution tags than the first one
-  std::string order_warning;     ///< why the order of files is not sure
-  std::string count_warning;     ///< pages that the description does not tell of
-  std::int64_t sample = 0;       ///< the one of each pixel that is taken
-  SourceIdentity identity;       ///< of all pages
-};
-
-/// "uint8", "RGB uint16 (white is 0)", "4 samples of uint8", "uint8 (with a palette)".
-std::string type_text(const TiffPage& page) {
-  std::string text(stored_type_name(page.type));
-  if (page.is_rgb) text = "RGB " + text;
-  if (page.samples > (page.is_rgb ? 3 : 1)) {
-    text = std::to_string(page.samples) + " samples of " + text;
-  }
-  if (page.has_palette) text += " (with a palette)";
-  return text + (page.is_min_white ? " (white is 0)" : "");
-}
-
-std::string place(const TiffStack& stack, const TiffPlane& plane, std::size_t index) {
-  const std::string name = escaped(base_name(stack.files[plane.file]));
-  return stack.files.size() == 1 ? "page " + std::to_string(index) : name;
-}
-
-void require_alike(const TiffStack& stack, const TiffPlane& plane, std::size_t index) {
-  const TiffPlane& first = stack.planes.front();
-  const std::string& path = stack.files[plane.file];
-  if (plane.page.width != first.page.width || plane.page.height != first.page.height) {
-    throw Error(ErrorKind::source_rejected,
-                place(stack, plane, index) + " is " +
-                    size_text(plane.page.width, plane.page.height) + ", " + place(stack, first, 0) +
-                    " is " + size_text(first.page.width, first.page.height) +
-                    "; all planes of a stack must have one size",
-                path);
-  }
-  if (type_text(plane.page) != type_text(first.page)) {
-    throw Error(ErrorKind::source_rejected,
-                place(stack, plane, index) + " holds " + type_text(plane.page) + ", " +
-                    place(stack, first, 0) + " holds " + type_text(first.page) +
-                    "; all planes of a stack must have one type",
-                path);
-  }
-  if (plane.page.orientation != first.page.orientation) {
-    throw Error(ErrorKind::source_rejected,
-                place(stack, plane, index) + " has the orientation tag " +
-                    std::to_string(plane.page.orientation) + ", " + place(stack, first, 0) +
-                    " has " + std::to_string(first.page.orientation) +
-                    ": some planes are mirrored or turned; save all of them upright",
-                path);
-  }
-}
-
-bool differ(double a, double b) {
-  constexpr double kSameSize = 1e-3;
-  return std::abs(a - b) > kSameSize * std::max(std::abs(a), std::abs(b));
-}
-
-/// What stored values mean: "2 x + -1000 HU", "function 4".
-std::string calibration_text(const TiffDescription& text) {
-  if (text.has_other_function) return "function " + std::to_string(text.other_function);
-  const Rescale rescale = text.rescale.value_or(Rescale{});
-  return exact_text(rescale.slope) + " x + " + exact_text(rescale.intercept) +
-         (text.value_unit.empty() ? "" : " " + text.value_unit);
-}
-
-std::string unit_text(const TiffDescription& text) {
-  return text.unknown_unit.empty() ? "another" : "\"" + escaped(text.unknown_unit) + "\"";
-}
-
-/// Proves that a file's values and voxels mean what those of the first file do.
-/// is_spacing_given  by an option, which counts for all files
-void require_same_meaning(TiffStack& stack, const TiffDescription& text, const std::string& path,
-                          bool is_spacing_given) {
-  const TiffDescription& first = stack.description;
-  const std::string name = escaped(base_name(path));
-  const std::string first_name = escaped(base_name(stack.files.front()));
-  const auto difference = [&](const std::string& what, const std::string& found,
-                              const std::string& expected) {
-    return Error(ErrorKind::source_rejected,
-                 name + " has " + what + " " + found + ", " + first_name + " has " + expected +
-                     "; all planes of a stack must have the same",
-                 path);
-  };
-  if (calibration_text(text) != calibration_text(first)) {
-    throw difference("the calibration", calibration_text(text), calibration_text(first));
-  }
-  if (is_spacing_given) return;
-  if (text.unknown_unit != first.unknown_unit) {
-    throw difference("the unit of lengths", unit_text(text), unit_text(first))
-        .with_field("spacing_mm");
-  }
-  const auto compare = [&](const char* axis, std::optional<double> found,
-                           std::optional<double> expected) {
-    if (!found || !expected || !differ(*found, *expected)) return;
-    throw difference(std::string("voxels along ") + axis + " of", precise_text(*found) + " mm",
-                     precise_text(*expected) + " mm")
-        .with_field("spacing_mm");
-  };
-  compare("x", text.x_mm, first.x_mm);
-  compare("y", text.y_mm, first.y_mm);
-  compare("z", text.z_mm, first.z_mm);
-  if (first.x_mm && !text.x_mm) ++stack.silent_files;
-}
-
-/// What programs write into a page of all planes from it on.
-/// told_in  becomes the text that says it
-TiffDescription told_planes(TiffFile& file, const TiffPage& page, const std::string& path,
-                            std::string& told_in) {
-  const auto told_by = [&](const std::string& words) {
-    TiffDescription text = parse_tiff_description(words, file.x_resolution(), file.y_resolution());
-    if (text.program.empty()) read_shaped_description(words, page, path, text);
-    return text;
-  };
-  told_in = file.image_description();
-  TiffDescription text = told_by(told_in);
-  if (!text.program.empty() || !text.metadata_file.empty()) return text;
-  for (const std::string& words : file.further_descriptions()) {
-    const TiffDescription further = told_by(words);
-    if (further.program.empty()) continue;
-    told_in = words;
-    return further;
-  }
-  return text;
-}
-
-/// Takes what the first page of a file says of all its pages.
-TiffDescription take_description(TiffStack& stack, TiffFile& file, const TiffPage& page,
-                                 std::size_t index, bool is_spacing_given) {
-  std::string told_in;
-  TiffDescription text = told_planes(file, page, stack.files[index], told_in);
-  if (text.program.empty()) read_lsm_record(file.lsm_record(), text);
-  if (text.program.empty()) read_metamorph_planes(file.metamorph_planes(), text);
-  const bool has_tags = file.x_resolution() > 0 && file.y_resolution() > 0;
-  const double x_mm = has_tags ? file.resolution_unit_mm() / file.x_resolution() : 0;
-  const double y_mm = has_tags ? file.resolution_unit_mm() / file.y_resolution() : 0;
-  if (index == 0) {
-    stack.description = text;
-    read_ome_pages(told_in, stack.description);
-    stack.plain_run = file.plain_run(page);
-    stack.is_big_endian = file.is_big_endian();
-    stack.tag_x_mm = x_mm;
-    stack.tag_y_mm = y_mm;
-    return text;
-  }
-  require_same_meaning(stack, text, stack.files[index], is_spacing_given);
-  if (stack.odd_resolution.empty() &&
-      (differ(x_mm, stack.tag_x_mm) || differ(y_mm, stack.tag_y_mm))) {
-    stack.odd_resolution = base_name(stack.files[index]);
-  }
-  return text;
-}
-
-std::uint64_t plane_bytes(const TiffPage& page) {
-  return checked_mul(checked_mul(static_cast<std::uint64_t>(page.width),
-                                 static_cast<std::uint64_t>(page.height), "plane"),
-                     bytes_per_value(page.type), "plane");
-}
-
-/// Whether planes without a page may follow that of the one page of a file: huge stacks of ImageJ,
-/// truncated ones of tifffile and those of MetaMorph are written so.
-/// plain_run  where the voxels of the page start
-bool may_hold(const TiffPage& page, std::optional<std::uint64_t> plain_run, std::int64_t planes,
-              const std::string& path) {
-  if (!plain_run || planes > kMostPlanes) return false;
-  const std::uint64_t volume =
-      checked_mul(plane_bytes(page), static_cast<std::uint64_t>(planes), "volume");
-  return SourceFile(path).size() >= checked_add(*plain_run, volume, "file length");
-}
-
-/// Adds the pages of a file to the planes.
-void examine_file(TiffStack& stack, std::size_t index, bool is_spacing_given) {
-  const std::string& path = stack.files[index];
-  TiffFile file(path);
-  TiffSeries series;
-  std::int64_t planes = 0;
-  bool has_more = false;
-  std::int64_t page_count = 0;
-  std::int64_t number = -1;
-  do {
-    ++number;
-    const TiffPage page = file.page();
-    if (number == 0) {
-      const TiffDescription text = take_description(stack, file, page, index, is_spacing_given);
-      planes = text.images;
-      has_more = stack.files.size() > 1 && planes > 1 &&
-                 may_hold(page, file.plain_run(page), planes, path);
-      series.add(0, text);
-    }
-    file.note_identity(stack.identity);
-    if (page.is_reduced && !stack.planes.empty()) {
-      ++stack.reduced_pages;
-      continue;
-    }
-    if (stack.files.size() == 1 && series.is_start(page_count)) {
-      std::string told_in;
-      series.add(page_count, told_planes(file, page, path, told_in));
-    }
-    ++page_count;
-    stack.planes.push_back({index, number, page});
-    require_alike(stack, stack.planes.back(), stack.planes.size() - 1);
-  } while (file.next_page());
-  if (stack.files.size() == 1) return series.require_one(path);
-  has_more = has_more && page_count == 1;
-  if (page_count == 1 && !has_more) return;
-  reject(path, "it has " + (has_more ? std::to_string(planes) + " planes"
-                                     : std::to_string(page_count) + " pages") +
-                   "; the files of a stack must have one page each; give this file alone");
-}
-
-TiffStack examine(std::vector<std::string> files, bool is_spacing_given) {
-  TiffStack stack;
-  stack.files = std::move(files);
-  for (std::size_t i = 0; i < stack.files.size(); ++i) examine_file(stack, i, is_spacing_given);
-  return stack;
-}
 
 [[noreturn]] void reject_stack(const TiffStack& stack, const std::string& why) {
   throw Error(ErrorKind::source_rejected, why, stack.files.front());
@@ -371,7 +133,7 @@ void unfold_planes(TiffStack& stack) {
                                  : ", and planes behind a page that is not one plain run of "
                                    "bytes are not read; save it with a page for each plane"));
   }
-  const std::uint64_t plane = plane_bytes(first);
+  const std::uint64_t plane = stored_bytes(first);
   for (std::int64_t z = 1; z < images; ++z) {
     stack.planes.push_back(stack.planes.front());
     stack.planes.back().data_offset = *stack.plain_run + static_cast<std::uint64_t>(z) * plane;
@@ -424,6 +186,7 @@ void add_warnings(const TiffStack& stack, SourceFacts& facts) {
     facts.warnings.push_back(std::to_string(stack.reduced_pages) + " thumbnail pages left out");
   }
   if (!stack.order_warning.empty()) facts.warnings.push_back(stack.order_warning);
+  if (!stack.series_warning.empty()) facts.warnings.push_back(stack.series_warning);
   if (!stack.count_warning.empty()) facts.warnings.push_back(stack.count_warning);
   if (stack.silent_files > 0) {
     facts.warnings.push_back("the first file gives the size of pixels, " +
@@ -515,7 +278,7 @@ SourceFacts describe(const TiffStack& stack) {
 
 std::unique_ptr<PlaneSource> open_tiff_source(const std::vector<std::string>& files,
                                               const SourceOptions& options) {
-  TiffStack stack = examine(files, options.spacing_mm.has_value());
+  TiffStack stack = examine_tiffs(files, options);
   PageCounts counts;
   if (options.excerpt) {
     counts.slices = static_cast<std::int64_t>(stack.planes.size());

@@ -5,6 +5,7 @@
 #include <map>
 #include <numbers>
 #include <span>
+#include <string_view>
 
 #include "octavo/core/error.h"
 #include "octavo/core/text.h"
@@ -20,6 +21,9 @@ namespace {
 
 constexpr std::size_t kHeader1Bytes = 348;
 constexpr std::size_t kHeader2Bytes = 540;
+constexpr std::size_t kMagic1Offset = 344;
+constexpr std::size_t kMagic2Offset = 4;
+constexpr std::size_t kMagicBytes = 3;
 constexpr std::uint64_t kExtenderBytes = 4;  // behind the header: whether extensions follow
 constexpr double kFormTolerance = 1e-3;
 constexpr double kFormDegrees = 0.1;
@@ -27,6 +31,10 @@ constexpr double kQuaternionExcess = 1e-5;  // what rounding may add to the squa
 constexpr int kMeter = 1;
 constexpr int kMillimeter = 2;
 constexpr int kMicrometer = 3;
+
+std::string_view magic_at(std::span<const std::byte> header, std::size_t offset) {
+  return {reinterpret_cast<const char*>(header.data()) + offset, kMagicBytes};
+}
 
 void take_text(const HeaderBytes& read, std::size_t offset, std::size_t length, const char* name,
                NiftiHeader& h) {
@@ -244,6 +252,21 @@ void require_grid(const Geometry& geometry, const std::string& path) {
 
 }  // namespace
 
+bool begins_as_nifti_header(const std::string& path) {
+  VoxelStream stream(path, 0, is_gzip_file(path) ? StreamCoding::deflated : StreamCoding::plain);
+  std::array<std::byte, kMagic2Offset + kMagicBytes> bytes{};
+  stream.read(bytes);
+  for (const bool big_endian : {false, true}) {
+    const auto length = HeaderBytes(bytes, big_endian).at<std::int32_t>(0);
+    if (length == static_cast<std::int32_t>(kHeader1Bytes)) return true;
+    const std::string_view magic = magic_at(bytes, kMagic2Offset);
+    if (length == static_cast<std::int32_t>(kHeader2Bytes) && (magic == "n+2" || magic == "ni2")) {
+      return true;
+    }
+  }
+  return false;
+}
+
 NiftiHeader read_nifti_header(const std::string& path) {
   const bool deflated = is_gzip_file(path);
   VoxelStream stream(path, 0, deflated ? StreamCoding::deflated : StreamCoding::plain);
@@ -257,8 +280,8 @@ NiftiHeader read_nifti_header(const std::string& path) {
   for (const bool big_endian : {false, true}) {
     const HeaderBytes read(bytes, big_endian);
     const auto length = read.at<std::int32_t>(0);
-    const std::string_view magic1(reinterpret_cast<const char*>(bytes.data()) + 344, 3);
-    const std::string_view magic2(reinterpret_cast<const char*>(bytes.data()) + 4, 3);
+    const std::string_view magic1 = magic_at(bytes, kMagic1Offset);
+    const std::string_view magic2 = magic_at(bytes, kMagic2Offset);
     NiftiHeader header;
     if (length == static_cast<std::int32_t>(kHeader1Bytes)) {
       if (magic1 != "n+1" && magic1 != "ni1") {

@@ -38,6 +38,10 @@ struct NiftiHeader {
 /// Error{io}.
 NiftiHeader read_nifti_header(const std::string& path);
 
+/// Whether the file at `path` begins as a header of NIfTI or of Analyze 7.5 does, with its length.
+/// Throws Error{source_rejected} when it is shorter than that, Error{io}.
+bool begins_as_nifti_header(const std::string& path);
+
 /// "RGB 24 bit", "complex 64 bit", ...: the type's name for messages.
 std::string nifti_type_name(std::int64_t datatype);
 

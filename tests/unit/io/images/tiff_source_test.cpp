@@ -415,37 +415,6 @@ TEST(TiffSource, PagesThatTifffileTurnedAreRejected) {
   EXPECT_EQ(open_source({folder.file("a.tif")}, {})->description().size, (Size3{4, 3, 2}));
 }
 
-TEST(TiffSource, SeveralSeriesInOneFileAreListed) {
-  const TempFolder folder;
-  TiffSample sample;
-  for (int page = 0; page < 5; ++page) sample.pages.push_back(counted(12, page));
-  const std::string one = R"({"shape": [3, 4]})";
-  const std::string four = R"({"shape": [2, 2, 3, 4], "axes": "CZYX"})";
-  const std::string cut = R"({"shape": [6, 3, 4], "truncated": true})";
-  const auto listed = [&](const std::vector<std::string>& texts) {
-    sample.descriptions = texts;
-    write_tiff(folder.file("a.tif"), sample);
-    return source_error({folder.file("a.tif")});
-  };
-  EXPECT_TRUE(contains(listed({one, four, "", "", ""}),
-                       "2 series of pages (1 plane in page 0, 4 planes from page 1 on"));
-  EXPECT_TRUE(contains(listed({"", four, "", "", ""}), "2 series"));
-  EXPECT_TRUE(contains(listed({"", "", "", one, cut}),
-                       "(4 planes in pages 0 to 3, 6 planes from page 4 on"));
-  EXPECT_TRUE(contains(listed({cut, one, one, one, one}), "4 planes in pages 1 to 4"));
-  EXPECT_TRUE(contains(listed({cut, cut, cut, cut, cut}), "and 1 more"));
-  EXPECT_TRUE(contains(listed({"ImageJ=1\nimages=2\n", "", "ImageJ=1\nimages=3\n", "", ""}),
-                       "2 series"));
-  // Pages saved one by one are one stack.
-  for (const std::vector<std::string>& texts :
-       {std::vector<std::string>(5, one), {"ImageJ=1\n", one, "a", "", "ImageJ=1\n"},
-        std::vector<std::string>(5, "ImageJ=1\nimages=5\n")}) {
-    sample.descriptions = texts;
-    write_tiff(folder.file("a.tif"), sample);
-    EXPECT_EQ(open_source({folder.file("a.tif")}, {})->description().size.z, 5);
-  }
-}
-
 TEST(TiffSource, PagesThatImageJDoesNotTellOfBringAWarning) {
   const TempFolder folder;
   for (const std::string program : {"ImageJ", "SCIFIO"}) {
