@@ -153,8 +153,9 @@ class View:
         Returns
         -------
         scalar or numpy.ndarray
-            The voxel nearest to the point; or, along each axis of the grid, all voxels between the
-            first and the last one whose center lies in the box. Where the grid is oblique, those
+            The voxel nearest to the point, halfway between two the one of the higher index; or,
+            along each axis of the grid, all voxels between the first and the last one whose center
+            lies in the box. Where the grid is oblique, those
             in its corners lie outside of the box.
 
         Raises
@@ -166,7 +167,7 @@ class View:
         if len(corners) == 1:
             inverse = np.linalg.inv(self.affine)
             index = inverse[:3, :3] @ corners[0, ::-1] + inverse[:3, 3]
-            at = np.floor(index + 0.5)
+            at = np.floor(index + (0.5 + 1e-6))
             if not all(0 <= a < n for a, n in zip(at, self.shape)):
                 place = ", ".join(f"{mm:g}" for mm in corners[0])
                 raise ArgumentError(f"({place}) mm lies outside the volume")

@@ -11,6 +11,7 @@
 
 #include "octavo/core/error.h"
 #include "octavo/core/memory_limit.h"
+#include "octavo/core/nearest_voxel.h"
 #include "octavo/threads/parallel_for.h"
 
 namespace octavo {
@@ -20,8 +21,6 @@ namespace {
 constexpr std::int64_t kTileSide = 32;
 // A tile that needs more source voxels is cut in two.
 constexpr std::int64_t kMostSourceVoxels = std::int64_t{1} << 22;
-// Points this close to the border between two voxels, in voxels, count as on it.
-constexpr double kRoundingSlack = 1e-6;
 
 double as_double(std::int64_t number) { return static_cast<double>(number); }
 std::size_t as_index(std::int64_t number) { return static_cast<std::size_t>(number); }
@@ -61,10 +60,6 @@ Extent extent_of(const Affine& map, const Box& box) {
     }
   }
   return extent;
-}
-
-bool is_inside(double at, std::int64_t size) {
-  return at >= -0.5 - kRoundingSlack && at < as_double(size) - 0.5 + kRoundingSlack;
 }
 
 // Weights of the voxels at -1, 0, 1, 2 for a point `t` behind 0.
@@ -228,8 +223,8 @@ class Resampler::Tile {
       const int follows = m[2] != 0 ? 2 : m[1] != 0 ? 1 : 0;
       if (follows != axis) continue;
       const double p = of_.to_source_.offset[static_cast<std::size_t>(s)] + m[axis] * at;
-      if (!is_inside(p, of_.size_[s])) return {};
-      sum += distance(s, voxel_at(p + 0.5 + kRoundingSlack));
+      if (!is_in_voxels(p, of_.size_[s])) return {};
+      sum += distance(s, nearest_voxel(p));
     }
     return sum;
   }
@@ -245,7 +240,7 @@ class Resampler::Tile {
         const double py = point(1, as_double(x), as_double(y), as_double(z));
         const double pz = point(2, as_double(x), as_double(y), as_double(z));
         const bool is_in =
-            is_inside(px, of_.size_.x) && is_inside(py, of_.size_.y) && is_inside(pz, of_.size_.z);
+            is_in_voxels(px, of_.size_.x) && is_in_voxels(py, of_.size_.y) && is_in_voxels(pz, of_.size_.z);
         if (is_in) take(row[x], px, py, pz);
         else row[x] = outside;
       }
@@ -293,6 +288,18 @@ class Resampler::Tile {
     return along_y(distance(2, vz)) * (1 - tz) + along_y(distance(2, vz + 1)) * tz;
   }
 
+  // The voxels along an axis that have a weight.
+  struct Taps {
+    std::array<double, 4> weights{};
+    std::array<std::int64_t, 4> distances{};
+    std::size_t count = 0;
+
+    void add(double weight, std::int64_t distance) {
+      weights[count] = weight;
+      distances[count++] = distance;
+    }
+  };
+
   // The voxel at a point, of which `value` was interpolated.
   template <class T>
   T voxel_at_point(const T* source, double value, double x, double y, double z) const {
@@ -308,32 +315,37 @@ class Resampler::Tile {
   T beside_no_number(const T* source, double x, double y, double z) const {
     const bool is_cubic = of_.interpolation_ == Interpolation::cubic;
     const Point3 point = {x, y, z};
-    std::array<std::array<double, 4>, 3> weights{};
-    std::array<std::int64_t, 3> first{};
+    std::array<Taps, 3> taps;
     for (std::size_t a = 0; a < 3; ++a) {
-      const double share = point[a] - as_double(voxel_at(point[a]));
-      first[a] = voxel_at(point[a]) - 1;
-      weights[a] = is_cubic ? cubic_weights(share) : std::array{0.0, 1 - share, share, 0.0};
+      const std::int64_t before = voxel_at(point[a]);
+      const double share = point[a] - as_double(before);
+      const auto weights = is_cubic ? cubic_weights(share) : std::array{0.0, 1 - share, share, 0.0};
+      for (std::size_t i = 0; i < weights.size(); ++i) {
+        if (weights[i] == 0) continue;
+        const std::int64_t voxel = before - 1 + static_cast<std::int64_t>(i);
+        taps[a].add(weights[i], distance(static_cast<int>(a), voxel));
+      }
     }
     double sum = 0;
-    for (std::size_t i = 0; i < 64; ++i) {
-      const std::array<std::size_t, 3> tap = {i % 4, i / 4 % 4, i / 16};
-      double weight = 1;
-      std::int64_t at = 0;
-      for (std::size_t a = 0; a < 3; ++a) {
-        weight *= weights[a][tap[a]];
-        at += distance(static_cast<int>(a), first[a] + static_cast<std::int64_t>(tap[a]));
+    for (std::size_t k = 0; k < taps[2].count; ++k) {
+      for (std::size_t j = 0; j < taps[1].count; ++j) {
+        const double of_row = taps[2].weights[k] * taps[1].weights[j];
+        const T* const row = source + taps[2].distances[k] + taps[1].distances[j];
+        for (std::size_t i = 0; i < taps[0].count; ++i) {
+          const double voxel = as_value(row[taps[0].distances[i]]);
+          // Whatever is added, it is no number any more.
+          if (!std::isfinite(voxel)) return nearest_to(source, x, y, z);
+          sum += of_row * taps[0].weights[i] * voxel;
+        }
       }
-      if (weight != 0) sum += weight * as_value(source[at]);
     }
-    return std::isfinite(sum) ? voxel_of<T>(sum) : nearest_to(source, x, y, z);
+    return voxel_of<T>(sum);
   }
 
   template <class T>
   T nearest_to(const T* source, double x, double y, double z) const {
-    constexpr double kHalf = 0.5 + kRoundingSlack;
-    return source[distance(0, voxel_at(x + kHalf)) + distance(1, voxel_at(y + kHalf)) +
-                  distance(2, voxel_at(z + kHalf))];
+    return source[distance(0, nearest_voxel(x)) + distance(1, nearest_voxel(y)) +
+                  distance(2, nearest_voxel(z))];
   }
 
   template <class T>

@@ -22,7 +22,7 @@
 namespace octavo {
 
 enum class Interpolation : std::uint8_t {
-  nearest,  ///< the voxel whose box holds the point; halfway, the one with the higher index
+  nearest,  ///< that of core/nearest_voxel.h; halfway, the one with the higher index
   linear,   ///< between 8 voxels
   /// Keys' cubic convolution with a = -0.5 (Catmull-Rom) over 64 voxels: through every voxel, and
   /// beyond the values around where they bend. No B-spline, which ITK calls by this order.

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "octavo/core/error.h"
+#include "octavo/core/nearest_voxel.h"
 #include "octavo/threads/parallel_for.h"
 
 namespace octavo {
@@ -16,7 +17,6 @@ namespace octavo {
 namespace {
 
 constexpr std::int64_t kTileSide = 64;
-constexpr double kBorderTolerance = 1e-6;  // voxels
 constexpr double kOutside = std::numeric_limits<double>::quiet_NaN();
 
 /// The cell of samples around a place, and where in it the place lies.
@@ -117,13 +117,11 @@ class Tile {
     const Point3 index = map_.at(static_cast<double>(x), static_cast<double>(y));
     for (int axis = 0; axis < 3; ++axis) {
       const auto a = static_cast<std::size_t>(axis);
+      if (!is_in_voxels(index[a], size_[axis])) return false;
       const auto last = static_cast<double>(size_[axis] - 1);
-      const bool is_inside =
-          index[a] >= -0.5 - kBorderTolerance && index[a] <= last + 0.5 + kBorderTolerance;
-      if (!is_inside) return false;
       const double inside = std::clamp(index[a], 0.0, last);
       const double at = interpolation_ == SampleInterpolation::nearest
-                            ? std::min(last, std::floor(inside + 0.5))
+                            ? std::min(last, static_cast<double>(nearest_voxel(inside)))
                             : inside;
       cell.low[axis] = static_cast<std::int64_t>(at);
       cell.share[a] = at - std::floor(at);
@@ -162,7 +160,8 @@ class Tile {
   static double nearest(const Cell& cell, TileSamples& samples) {
     Index3 at;
     for (int a = 0; a < 3; ++a) {
-      at[a] = cell.share[static_cast<std::size_t>(a)] < 0.5 ? cell.low[a] : cell.high[a];
+      const std::int64_t beyond = nearest_voxel(cell.share[static_cast<std::size_t>(a)]);
+      at[a] = std::min(cell.low[a] + beyond, cell.high[a]);
     }
     return samples.at(at);
   }

@@ -29,7 +29,8 @@ struct SectionSamples {
 
 /// Reads one level of a volume at the pixels of `section`. A pixel is inside when it lies in the
 /// box of the volume's voxels; between the centers of voxels values are interpolated, beside NaN
-/// and infinities the nearest voxel counts, beyond the outermost they stay the same.
+/// and infinities the nearest voxel counts, beyond the outermost they stay the same. Which voxel is
+/// nearest says core/nearest_voxel.h.
 /// Runs on the threads of the calling task arena; the result does not depend on how many. Throws
 /// Error{invalid_argument} when there is no such level, and what the reader throws.
 /// Memory  8 bytes per pixel, and for each thread the samples of a tile of 64 x 64 pixels

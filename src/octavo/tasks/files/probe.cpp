@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "octavo/core/error.h"
+#include "octavo/core/nearest_voxel.h"
 #include "octavo/core/text.h"
 #include "octavo/tasks/inputs.h"
 #include "octavo/tasks/volume_facts.h"
@@ -57,7 +58,7 @@ Index3 nearest_index(const Geometry& geometry, const Point3& world_mm) {
   const Point3 index = geometry.to_index(world_mm);
   const auto rounded = [](double v) {
     constexpr double kFar = 1e15;
-    return static_cast<std::int64_t>(std::llround(std::clamp(v, -kFar, kFar)));
+    return nearest_voxel(std::clamp(v, -kFar, kFar));
   };
   return {rounded(index[0]), rounded(index[1]), rounded(index[2])};
 }

@@ -243,6 +243,20 @@ TEST_F(SectionSampling, TheNearestVoxelCountsBesideInfinitiesAndNan) {
   }
 }
 
+TEST_F(SectionSampling, HalfwayBetweenVoxelsTheHigherOneCounts) {
+  // A plane just short of halfway, as far as a rounding: on other grids it counts as halfway.
+  const auto reader = cube_of(9, folder_.file("cube.8vo"));
+  const Geometry& geometry = reader->description().geometry;
+  for (const double at : {5.5, 5.5 - 1e-9}) {
+    const PlaneSection section =
+        oblique_section(geometry, {20, 20, 20}, {{9.5, 9.5, at}, {0, 0, 1}}, 0);
+    const SectionSamples samples =
+        sample_section(*reader, 0, section, SampleInterpolation::nearest);
+    const auto in_cube = std::count(samples.values.begin(), samples.values.end(), 9.0);
+    EXPECT_GT(in_cube, 0) << at;
+  }
+}
+
 TEST_F(SectionSampling, OnlyBricksThatThePlaneMeetsAreRead) {
   for (const Point3& normal : {Point3{1, 1, 1}, Point3{0.1, 0, 1}, Point3{1, -0.5, 0}}) {
     const NotingReader noting(reader_);
