@@ -9,7 +9,6 @@
 #include "octavo/core/error.h"
 #include "octavo/core/text.h"
 #include "octavo/mesh/formats/mesh_readers.h"
-#include "octavo/mesh/formats/polygon_triangles.h"
 
 namespace octavo {
 
@@ -91,7 +90,7 @@ void MeshGrowth::add_point(double x, double y, double z) {
   mesh_.points.push_back(point);
 }
 
-void MeshGrowth::add_polygon(const std::vector<std::uint32_t>& corners) {
+void MeshGrowth::add_polygon(std::span<const std::uint32_t> corners) {
   const auto add = [&](const MeshTriangle& triangle) {
     if (mesh_.triangles.size() == mesh_.triangles.capacity()) {
       require_room(3 * mesh_.memory_bytes());
@@ -103,7 +102,7 @@ void MeshGrowth::add_polygon(const std::vector<std::uint32_t>& corners) {
     return;
   }
   require_room(mesh_.memory_bytes() + kCornerBytes * corners.size());
-  for (const MeshTriangle& triangle : polygon_triangles(mesh_.points, corners)) add(triangle);
+  for (const MeshTriangle& triangle : cutter_.cut(mesh_.points, corners)) add(triangle);
 }
 
 void MeshGrowth::weld() {

@@ -4,12 +4,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "octavo/mesh/formats/mesh_reader.h"
+#include "octavo/mesh/formats/polygon_triangles.h"
 
 namespace octavo {
 
@@ -56,7 +58,7 @@ class MeshGrowth {
   void add_point(double x, double y, double z);
   /// The triangles of polygon_triangles.h; of fewer than three corners nothing.
   /// Requires corners that are points. Throws Error{limit_exceeded}
-  void add_polygon(const std::vector<std::uint32_t>& corners);
+  void add_polygon(std::span<const std::uint32_t> corners);
   /// Makes points that are equal one.
   void weld();
 
@@ -69,6 +71,7 @@ class MeshGrowth {
   void require_room(std::uint64_t bytes) const;
 
   TriangleMesh mesh_;
+  PolygonCutter cutter_;
   std::uint64_t most_bytes_;
 };
 

@@ -16,49 +16,19 @@ constexpr std::size_t kMostConcaveCorners = std::size_t{1} << 16;
 // Corners looked at for each one of a polygon: a spiral of long arms asks for far more.
 constexpr std::size_t kMostLooks = std::size_t{1} << 10;
 
-struct FlatPoint {
-  double x = 0;
-  double y = 0;
-
-  bool operator==(const FlatPoint&) const = default;
-};
-
 /// Above 0 where the way from a over b to c turns left; twice the area between them.
 double left_turn(const FlatPoint& a, const FlatPoint& b, const FlatPoint& c) {
   return (b.x - a.x) * (c.y - b.y) - (b.y - a.y) * (c.x - b.x);
 }
 
-/// The corners as they are seen along the normal; they turn left. None where there is no normal.
-std::vector<FlatPoint> seen_along_normal(std::span<const MeshPoint> points,
-                                         std::span<const std::uint32_t> corners) {
-  std::vector<Point3> places;
-  places.reserve(corners.size());
-  const MeshPoint& first = points[corners[0]];
-  for (const std::uint32_t corner : corners) {
-    Point3 place;
-    for (std::size_t i = 0; i < 3; ++i) {
-      place[i] = static_cast<double>(points[corner][i]) - static_cast<double>(first[i]);
-    }
-    places.push_back(place);
+Point3 from_first(std::span<const MeshPoint> points, std::span<const std::uint32_t> corners,
+                  std::size_t i) {
+  Point3 place;
+  for (std::size_t a = 0; a < 3; ++a) {
+    place[a] = static_cast<double>(points[corners[i]][a]) -
+               static_cast<double>(points[corners[0]][a]);
   }
-  Point3 normal{};
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    normal = sum(normal, cross(places[i], places[(i + 1) % places.size()]));
-  }
-  if (!(dot(normal, normal) > 0)) return {};
-  normal = unit(normal);
-  Point3 aside{};
-  std::size_t smallest = 0;
-  for (std::size_t i = 1; i < 3; ++i) {
-    if (std::abs(normal[i]) < std::abs(normal[smallest])) smallest = i;
-  }
-  aside[smallest] = 1;
-  const Point3 across = unit(cross(aside, normal));
-  const Point3 up = cross(normal, across);
-  std::vector<FlatPoint> flat;
-  flat.reserve(places.size());
-  for (const Point3& place : places) flat.push_back({dot(place, across), dot(place, up)});
-  return flat;
+  return place;
 }
 
 /// slack  any turn is a left one up to so much, as a share of its two sides and of the reach of all
@@ -173,31 +143,58 @@ class EarCutter {
 
 }  // namespace
 
-std::vector<MeshTriangle> polygon_triangles(std::span<const MeshPoint> points,
-                                            std::span<const std::uint32_t> corners) {
-  std::vector<MeshTriangle> triangles;
-  if (corners.size() < 3) return triangles;
-  triangles.reserve(corners.size() - 2);
-  if (corners.size() > 3) {
-    const std::vector<FlatPoint> flat = seen_along_normal(points, corners);
+/// The corners turn left as they are seen. False where there is no normal.
+bool PolygonCutter::see_along_normal(std::span<const MeshPoint> points,
+                                     std::span<const std::uint32_t> corners) {
+  Point3 normal{};
+  Point3 place = from_first(points, corners, 0);
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const Point3 next = from_first(points, corners, (i + 1) % corners.size());
+    normal = sum(normal, cross(place, next));
+    place = next;
+  }
+  if (!(dot(normal, normal) > 0)) return false;
+  normal = unit(normal);
+  Point3 aside{};
+  std::size_t smallest = 0;
+  for (std::size_t i = 1; i < 3; ++i) {
+    if (std::abs(normal[i]) < std::abs(normal[smallest])) smallest = i;
+  }
+  aside[smallest] = 1;
+  const Point3 across = unit(cross(aside, normal));
+  const Point3 up = cross(normal, across);
+  flat_.clear();
+  flat_.reserve(corners.size());
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const Point3 seen = from_first(points, corners, i);
+    flat_.push_back({dot(seen, across), dot(seen, up)});
+  }
+  return true;
+}
+
+std::span<const MeshTriangle> PolygonCutter::cut(std::span<const MeshPoint> points,
+                                                 std::span<const std::uint32_t> corners) {
+  triangles_.clear();
+  triangles_.reserve(corners.size());
+  if (corners.size() > 3 && see_along_normal(points, corners)) {
     // Corners of binary32 on a circle may turn right by their rounding.
     constexpr double kRounding = 4 * std::numeric_limits<float>::epsilon();
     const bool is_large = corners.size() > kMostConcaveCorners;
-    if (!flat.empty() && !is_convex(flat, is_large ? kRounding : 0)) {
+    if (!is_convex(flat_, is_large ? kRounding : 0)) {
       if (is_large) {
         throw Error(ErrorKind::limit_exceeded,
                     "a polygon of the mesh is not convex and has more than 65536 corners");
       }
-      EarCutter(flat).cut([&](std::size_t a, std::size_t b, std::size_t c) {
-        triangles.push_back({corners[a], corners[b], corners[c]});
+      EarCutter(flat_).cut([&](std::size_t a, std::size_t b, std::size_t c) {
+        triangles_.push_back({corners[a], corners[b], corners[c]});
       });
-      return triangles;
+      return triangles_;
     }
   }
   for (std::size_t i = 2; i < corners.size(); ++i) {
-    triangles.push_back({corners[0], corners[i - 1], corners[i]});
+    triangles_.push_back({corners[0], corners[i - 1], corners[i]});
   }
-  return triangles;
+  return triangles_;
 }
 
 }  // namespace octavo

@@ -1,6 +1,7 @@
 // Polygons of any shape as triangles.
 //
-// What is convex becomes a fan around its first corner. Of others ears are cut off, one after the
+// What turns left at every corner becomes a fan around the first one. Of others, also of those with
+// a straight corner, whose fan could have a triangle without area, ears are cut off one after the
 // other: corners whose triangle lies inside and holds no other corner.
 //
 //     1---2        A fan around 1 would have the triangle 1 4 5, outside the polygon:
@@ -23,11 +24,31 @@
 
 namespace octavo {
 
-/// The triangles of a polygon.
-/// corners  numbers of points; fewer than three give nothing
-/// Throws Error{limit_exceeded} on one that is not convex with more than 2^16 corners, or winds so
-///        much that each of its corners would be compared with thousands of others
-std::vector<MeshTriangle> polygon_triangles(std::span<const MeshPoint> points,
-                                            std::span<const std::uint32_t> corners);
+/// A corner as it is seen along the normal of its polygon.
+struct FlatPoint {
+  double x = 0;
+  double y = 0;
+
+  bool operator==(const FlatPoint&) const = default;
+};
+
+/// Cuts polygons one after the other, in memory that it keeps: what turns left at every corner
+/// takes none of its own.
+class PolygonCutter {
+ public:
+  /// The triangles of a polygon, until the next is cut.
+  /// corners  numbers of points; fewer than three give nothing
+  /// Throws Error{limit_exceeded} on one that is not convex with more than 2^16 corners, or winds so
+  ///        much that each of its corners would be compared with thousands of others
+  std::span<const MeshTriangle> cut(std::span<const MeshPoint> points,
+                                    std::span<const std::uint32_t> corners);
+
+ private:
+  bool see_along_normal(std::span<const MeshPoint> points,
+                        std::span<const std::uint32_t> corners);
+
+  std::vector<FlatPoint> flat_;
+  std::vector<MeshTriangle> triangles_;
+};
 
 }  // namespace octavo

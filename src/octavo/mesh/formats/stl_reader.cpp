@@ -73,12 +73,12 @@ MeshReading read_stl(ByteSpan bytes, std::uint64_t most_bytes) {
   reading.space = space_in(text_of(bytes.first(kStlHead - 4)));
   for (std::uint64_t i = 0; i < count; ++i) {
     const std::size_t at = kStlHead + static_cast<std::size_t>(i) * kStlTriangle + 12;
-    std::vector<std::uint32_t> corners;
+    MeshTriangle corners{};
     for (std::size_t corner = 0; corner < 3; ++corner) {
       const std::size_t place = at + 12 * corner;
       mesh.add_point(stl_number<float>(bytes, place), stl_number<float>(bytes, place + 4),
                      stl_number<float>(bytes, place + 8));
-      corners.push_back(static_cast<std::uint32_t>(mesh.point_count() - 1));
+      corners[corner] = static_cast<std::uint32_t>(mesh.point_count() - 1);
     }
     mesh.add_polygon(corners);
   }

@@ -12,9 +12,18 @@
 
 #include "octavo/core/error.h"
 #include "octavo/core/vectors.h"
+#include "support/counted_memory.h"
 
 namespace octavo {
 namespace {
+
+std::vector<MeshTriangle> polygon_triangles(const std::vector<MeshPoint>& points,
+                                            const std::vector<std::uint32_t>& corners) {
+  // One for all: what it keeps of the last polygon changes nothing.
+  static PolygonCutter cutter;
+  const auto triangles = cutter.cut(points, corners);
+  return {triangles.begin(), triangles.end()};
+}
 
 using Outline = std::vector<std::array<double, 2>>;
 
@@ -165,6 +174,18 @@ TEST(PolygonTriangles, RoundPolygonsOfAnyNumberOfCornersAreFans) {
     corners[i] = static_cast<std::uint32_t>(i);
   }
   EXPECT_EQ(polygon_triangles(circle, corners).size(), circle.size() - 2);
+}
+
+TEST(PolygonTriangles, QuadsTakeNoMemoryOfTheirOwn) {
+  const std::vector<MeshPoint> points = {{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 1}};
+  const std::array<std::uint32_t, 4> corners = {0, 1, 2, 3};
+  PolygonCutter cutter;
+  cutter.cut(points, corners);
+  const std::uint64_t before = testing::allocation_count();
+  std::size_t triangles = 0;
+  for (int i = 0; i < 100; ++i) triangles += cutter.cut(points, corners).size();
+  EXPECT_EQ(testing::allocation_count(), before);
+  EXPECT_EQ(triangles, 200u);
 }
 
 TEST(PolygonTriangles, SpiralsOfLongArmsAreRejectedBeforeTheyTakeLong) {
