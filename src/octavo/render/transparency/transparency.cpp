@@ -234,6 +234,13 @@ class SumDisplay {
   Window window_;
 };
 
+// Whether some voxel was drawn, also a black one.
+bool has_voxel(const std::vector<LineColor>& colors) {
+  return std::any_of(colors.begin(), colors.end(), [](const LineColor& color) {
+    return color[3] < 1;
+  });
+}
+
 // Whether some line is more than black.
 bool has_light(const std::vector<LineColor>& colors) {
   return std::any_of(colors.begin(), colors.end(), [](const LineColor& color) {
@@ -340,7 +347,7 @@ TransparencyPicture render_transparency(const FileReader& reader, const View& vi
     LineAverages averages = average_along_lines(reader, lines, classes,
                                                 transfer_of(classes, options, layers), progress);
     result.counts = averages.counts;
-    result.is_lit = result.is_seen = has_light(averages.colors);
+    result.is_lit = result.is_seen = has_voxel(averages.colors);
     const LineField field(averages.lines, std::move(averages.colors));
     result.picture = draw_lattice(field, lattice, view, options.background);
     return result;

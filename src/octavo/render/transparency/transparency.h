@@ -62,8 +62,8 @@ struct TransparencyPicture {
   Picture picture;  ///< of three channels
   Window window;    ///< the one used; meaningless for an average
   LineCounts counts;
-  bool is_lit = false;  ///< some voxel gives light
-  bool is_seen = false;  ///< some light is above the window's black
+  bool is_lit = false;   ///< some voxel gives light; of averages, hides some
+  bool is_seen = false;  ///< some light is above the window's black; of averages as is_lit
 };
 
 /// Draws one level of a grey volume. `view` is of that level and looks along lines of voxels. Sums

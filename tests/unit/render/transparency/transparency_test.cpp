@@ -310,6 +310,23 @@ TEST(Transparency, TheNumberOfThreadsChangesNoPixel) {
   }
 }
 
+TEST(Transparency, AnAverageOfBlackVoxelsIsSeen) {
+  const ScratchFolder folder;
+  const auto reader = built(folder, boxes_volume({40, 36, 35}, {}));
+  TransparencyOptions options;
+  options.is_average = true;
+  options.background = {255, 255, 255};
+  for (const double opacity : {0.0, 0.5}) {
+    options.ranges = {{5, 5, {0, 0, 0}, opacity}};
+    const TransparencyPicture picture =
+        drawn(*reader, view_toward(*reader, {1, 0, 0}, 40), options);
+    const auto darkest =
+        *std::min_element(picture.picture.pixels.begin(), picture.picture.pixels.end());
+    EXPECT_EQ(picture.is_lit, darkest < 255) << opacity;
+    EXPECT_EQ(picture.is_seen, opacity > 0);
+  }
+}
+
 TEST(Transparency, EachOfThe26DirectionsIsItsOwnNearest) {
   for (const Direction& d : kDirections) {
     const Viewpoint exact = viewpoint_along(tilted(), {double(d.x), double(d.y), double(d.z)});
