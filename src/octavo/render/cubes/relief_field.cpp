@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <tuple>
 #include <utility>
 
 namespace octavo {
@@ -37,7 +38,11 @@ class MaskRelief final : public ReliefField {
 class GreyRelief final : public ReliefField {
  public:
   GreyRelief(const FileReader& reader, int level, std::vector<ReliefRange> ranges)
-      : reader_(reader), level_(level), ranges_(std::move(ranges)) {}
+      : reader_(reader), level_(level), ranges_(std::move(ranges)) {
+    const VolumeDescription& d = reader.description();
+    std::tie(low_, high_) = std::minmax({d.voxel_of(d.code_near(reader.range().min)),
+                                         d.voxel_of(d.code_near(reader.range().max))});
+  }
 
   std::size_t field_of(std::size_t mask) const override { return mask; }
 
@@ -51,9 +56,15 @@ class GreyRelief final : public ReliefField {
     with_voxel_type(
         type, [&](auto tag) { spread<typename decltype(tag)::type>(bytes, inside, box, values); });
     const ReliefRange& range = ranges_[field];
+    const auto depth_of = [&](double value) {
+      return std::min(value - range.lowest, range.highest - value);
+    };
+    // No mask holds what is no number: it lies as far outside as values reach inside.
+    const double outside = -std::max(std::abs(depth_of(low_)), std::abs(depth_of(high_)));
     for (float* value = values; value != values + box.size().voxel_count(); ++value) {
-      const double above = static_cast<double>(*value) - range.lowest;
-      *value = static_cast<float>(std::min(above, range.highest - static_cast<double>(*value)));
+      const double number = static_cast<double>(*value);
+      *value = static_cast<float>(
+          std::isnan(number) ? outside : depth_of(std::clamp(number, low_, high_)));
     }
   }
 
@@ -76,8 +87,7 @@ class GreyRelief final : public ReliefField {
           T value;
           std::memcpy(&value, bytes.data() + static_cast<std::size_t>(row + from_x) * sizeof value,
                       sizeof value);
-          const auto number = static_cast<float>(value);
-          *values++ = std::isfinite(number) ? number : 0.0F;
+          *values++ = static_cast<float>(value);
         }
       }
     }
@@ -86,6 +96,8 @@ class GreyRelief final : public ReliefField {
   const FileReader& reader_;
   int level_;
   std::vector<ReliefRange> ranges_;
+  double low_ = 0;  // of the finite values of the file
+  double high_ = 0;
 };
 
 /// The weights of a Gaussian for offsets 0 .. reach; with both sides they add up to 1.

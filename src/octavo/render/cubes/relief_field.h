@@ -43,7 +43,8 @@ struct ReliefRange {
 };
 
 /// How far the values of a level of a grey volume lie within the range of a mask, or below 0 beyond
-/// it; those at the border also outside the volume. What is no number counts as 0.
+/// it; those at the border also outside the volume. Infinities count as the ends of the finite
+/// values of the file, NaN as far outside the range as these reach inside.
 /// reader  must outlive it
 /// ranges  of the masks, in their order
 /// Throws  what the reader throws, in `read`

@@ -2,9 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <filesystem>
+#include <limits>
+
 #include "octavo/core/error.h"
 #include "octavo/tasks/inputs.h"
 #include "support/built_file.h"
+#include "support/dense_mask.h"
 
 namespace octavo {
 namespace {
@@ -51,6 +56,42 @@ TEST(SceneLight, KnowsHowSteepValuesAre) {
   matter.has_gradient = true;
   scene_light(*reader, 0, matter, {});
   EXPECT_EQ(steepest, 50);
+}
+
+TEST(SceneLight, HasNoGradientAtWhatIsNoNumber) {
+  const testing::ScratchFolder folder;
+  const float infinity = std::numeric_limits<float>::infinity();
+  for (const float value : {std::nanf(""), infinity, -infinity}) {
+    // A ramp of 3 a voxel along x, from 500 on, and a box that is no number.
+    testing::Volume volume;
+    volume.description.size = {20, 16, 12};
+    volume.description.type = VoxelType::float32;
+    testing::for_each_voxel(volume.description.size, [&](const Index3& p) {
+      const bool is_box = box_of({20, 16, 6}).contains(p) && p.x > 6 && p.y > 5;
+      const float voxel = is_box ? value : static_cast<float>(500 + 3 * p.x);
+      const auto* const bytes = reinterpret_cast<const std::byte*>(&voxel);
+      volume.voxels.insert(volume.voxels.end(), bytes, bytes + sizeof voxel);
+    });
+    testing::build_volume(volume, folder.file("box.8vo"), 1);
+    const auto reader = open_volume(folder.file("box.8vo"), {});
+    SceneMatter matter;
+    matter.kept = box_of({20, 16, 12});
+    matter.has_gradient = true;
+    double steepest = 0;
+    double lowest = infinity;
+    double highest = -infinity;
+    matter.extinction = [&](const SceneMatter::Cell& cell) {
+      steepest = std::max(steepest, cell.gradient);
+      lowest = std::min(lowest, cell.value);
+      highest = std::max(highest, cell.value);
+      return 0.0;
+    };
+    scene_light(*reader, 0, matter, {});
+    EXPECT_EQ(steepest, 3);
+    EXPECT_EQ(lowest, 500);
+    EXPECT_EQ(highest, 557);
+    std::filesystem::remove(folder.file("box.8vo"));
+  }
 }
 
 TEST(SceneLight, MemoryIsLimited) {
