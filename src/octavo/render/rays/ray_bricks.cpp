@@ -203,7 +203,9 @@ void RayBricks::set_bounds(LookBoundOf bound_of, bool has_cells) {
   parallel_for(std::size_t{0}, occupants_.size(), [&](std::size_t slot) {
     set_cube_bounds(static_cast<std::int32_t>(slot));
   });
-  set_seen_begins();
+  for (std::size_t brick = 0; brick < slots_.size(); ++brick) {
+    set_seen_begin(static_cast<std::int32_t>(brick));
+  }
 }
 
 BrickTables RayBricks::tables() const {
@@ -261,7 +263,10 @@ std::vector<std::int32_t> RayBricks::free_slots(std::size_t count) {
   });
   for (std::size_t i = 0; free.size() < count; ++i) {
     const std::int32_t occupant = occupants_[static_cast<std::size_t>(taken[i])];
-    if (occupant >= 0) slots_[static_cast<std::size_t>(occupant)] = -1;
+    if (occupant >= 0) {
+      slots_[static_cast<std::size_t>(occupant)] = -1;
+      set_seen_begin(occupant);
+    }
     free.push_back(taken[i]);
   }
   return free;
@@ -277,15 +282,15 @@ void RayBricks::load(std::span<const std::int32_t> bricks) {
   }
   try {
     load_samples(bricks);
-    set_seen_begins();
+    for (const std::int32_t brick : bricks) set_seen_begin(brick);
   } catch (...) {
     for (const std::int32_t brick : bricks) {
       std::int32_t& slot = slots_[static_cast<std::size_t>(brick)];
       occupants_[static_cast<std::size_t>(slot)] = -1;
       last_uses_[static_cast<std::size_t>(slot)] = 0;
       slot = -1;
+      set_seen_begin(brick);
     }
-    set_seen_begins();
     throw;
   }
   loaded_count_ += static_cast<std::int64_t>(bricks.size());
@@ -503,13 +508,13 @@ void RayBricks::mark_cells(std::int32_t slot) {
   mark_seen_cells(brick, unseen_, seen_cells_.data() + number * seen_bytes(shift_));
 }
 
-void RayBricks::set_seen_begins() {
-  for (std::size_t brick = 0; brick < slots_.size(); ++brick) {
-    const std::int32_t slot = slots_[brick];
-    seen_begins_[brick] = !(brick_bounds_[brick] > 0)  ? kNothingSeen
-                          : slot < 0 || !has_cells_ ? kAnythingSeen
-                                  : slot * static_cast<std::int32_t>(seen_bytes(shift_));
-  }
+void RayBricks::set_seen_begin(std::int32_t brick) {
+  const auto number = static_cast<std::size_t>(brick);
+  const std::int32_t slot = slots_[number];
+  seen_begins_[number] = !(brick_bounds_[number] > 0)   ? kNothingSeen
+                         : slot < 0 || !has_cells_ ? kAnythingSeen
+                                                   : slot * static_cast<std::int32_t>(
+                                                                seen_bytes(shift_));
 }
 
 }  // namespace octavo

@@ -120,7 +120,7 @@ class RayBricks {
   void set_cube_bounds(std::int32_t slot);
   template <class Pooled>
   void mark_cells(std::int32_t slot);
-  void set_seen_begins();
+  void set_seen_begin(std::int32_t brick);
 
   const SampleSource& source_;
   Size3 size_;

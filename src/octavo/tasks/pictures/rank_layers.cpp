@@ -82,8 +82,6 @@ void append_layer(const SentLayer& sent, TileLayers& tile) {
 
 RunLayers layers_of_runs(const RankPicture& picture, const std::vector<NodeRun>& runs,
                          Communicator& ranks, const Progress& watcher) {
-  const auto tile_count =
-      static_cast<std::size_t>(tiles_along(picture.width) * tiles_along(picture.height));
   RunLayers own;
   for (const Bytes& bytes : ranks.exchange(sorted_layers(picture, runs, ranks, watcher))) {
     if (bytes.size() % sizeof(SentLayer) != 0) {
@@ -92,14 +90,17 @@ RunLayers layers_of_runs(const RankPicture& picture, const std::vector<NodeRun>&
     for (std::size_t at = 0; at < bytes.size(); at += sizeof(SentLayer)) {
       SentLayer sent;
       std::memcpy(&sent, bytes.data() + at, sizeof sent);
-      std::vector<TileLayers>& tiles = own[sent.run];
-      if (tiles.empty()) tiles.resize(tile_count);
-      append_layer(sent, tiles.at(sent.tile));
+      // A rank sends tile by tile, and no other has the same tiles.
+      RunTiles& tiles = own[sent.run];
+      if (tiles.numbers.empty() || tiles.numbers.back() != sent.tile) {
+        tiles.numbers.push_back(sent.tile);
+        tiles.layers.emplace_back();
+      }
+      append_layer(sent, tiles.layers.back());
     }
   }
   for (auto& [run, tiles] : own) {
-    for (TileLayers& tile : tiles) {
-      if (tile.is_empty()) continue;
+    for (TileLayers& tile : tiles.layers) {
       tile.begins.resize(kTileRays + 1, static_cast<std::uint32_t>(tile.layers.size()));
     }
   }

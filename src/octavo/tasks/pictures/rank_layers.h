@@ -35,8 +35,15 @@ struct NodeRun {
   std::vector<OctreeNode> nodes;
 };
 
-/// Layers of all tiles of a picture, by run; only of runs that have some.
-using RunLayers = std::map<std::size_t, std::vector<TileLayers>>;
+/// The tiles of a picture that have layers.
+struct RunTiles {
+  std::vector<std::size_t> numbers;  ///< each once, in no order
+  std::vector<TileLayers> layers;
+};
+
+/// Layers by run; only of runs that have some. As large as the layers are, however many runs and
+/// tiles there are.
+using RunLayers = std::map<std::size_t, RunTiles>;
 
 /// Collective: the layers of the frame's meshes that lie in this rank's runs. Of modes other than
 /// volume, which have meshes in front of what was gathered, all of them at rank 0, as of run 0.

@@ -106,11 +106,37 @@ std::vector<RayRegion> regions_of(const NodeRun& run, const RankPicture& picture
   return inside;
 }
 
-/// The layers of all tiles, or none.
-const TileLayers* layers_in(const RunLayers& layers, std::size_t run) {
-  const auto found = layers.find(run);
-  return found == layers.end() ? nullptr : found->second.data();
-}
+/// The layers of one run after the other in a list of all tiles.
+class TilesOfRun {
+ public:
+  TilesOfRun(RunLayers& layers, std::int64_t width, std::int64_t height) : layers_(layers) {
+    if (layers.empty()) return;
+    all_.resize(static_cast<std::size_t>(tiles_along(width) * tiles_along(height)));
+  }
+
+  /// Takes them out of the run, until the next call; none where it has no layers.
+  const TileLayers* take(std::size_t run) {
+    for (const std::size_t tile : filled_) all_[tile] = {};
+    filled_.clear();
+    const auto found = layers_.find(run);
+    if (found == layers_.end()) return nullptr;
+    RunTiles tiles = std::move(found->second);
+    layers_.erase(found);
+    for (std::size_t i = 0; i < tiles.numbers.size(); ++i) {
+      all_.at(tiles.numbers[i]) = std::move(tiles.layers[i]);
+    }
+    filled_ = std::move(tiles.numbers);
+    return all_.data();
+  }
+
+  /// The list after the last call of `take`.
+  std::vector<TileLayers> all() { return std::move(all_); }
+
+ private:
+  RunLayers& layers_;
+  std::vector<TileLayers> all_;
+  std::vector<std::size_t> filled_;
+};
 
 void start_field(RayField& field, std::int64_t width, std::int64_t height, RayMode mode) {
   field.width = width;
@@ -132,6 +158,7 @@ RayField cast_by_ranks(RayBricks& bricks, const RayFrame& frame,
   const std::vector<NodeRun> runs = runs_in_order(frame, ranks.size());
   RunLayers layers;
   if (frame.meshes) layers = layers_of_runs(picture, runs, ranks, context.watcher());
+  TilesOfRun tiles_of_run(layers, width, height);
   const bool has_depth = frame.mode == RayMode::volume;
 
   // Own nodes, and what each rank is to composite of them.
@@ -143,7 +170,7 @@ RayField cast_by_ranks(RayBricks& bricks, const RayFrame& frame,
     if (runs[run].rank != ranks.rank()) continue;
     RayFrame of_run = frame;
     of_run.meshes = nullptr;
-    if (has_depth) of_run.layers = layers_in(layers, run);
+    if (has_depth) of_run.layers = tiles_of_run.take(run);
     const std::vector<RayRegion> inside = regions_of(runs[run], picture);
     if (inside.empty() && of_run.layers == nullptr) continue;
     const RayField field = cast_rays(bricks, of_run, inside, width, height,
@@ -183,7 +210,7 @@ RayField cast_by_ranks(RayBricks& bricks, const RayFrame& frame,
   result.height = height;
   if (!ranks.is_first()) return result;
   start_field(result, width, height, frame.mode);
-  if (!has_depth && !layers.empty()) result.layers = std::move(layers.begin()->second);
+  if (!has_depth && tiles_of_run.take(0) != nullptr) result.layers = tiles_of_run.all();
   for (const Bytes& bytes : all) {
     for (const SentTile& tile : tiles_of(bytes)) {
       composite_behind(tile, frame, result.tiles.at(tile.tile));
