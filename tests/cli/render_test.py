@@ -242,6 +242,13 @@ class Pictures(cli_test.InFolder):
             self.assertEqual({p for row in rows for p in row}, {(0, 0, 0)})
             self.assertEqual(made["warnings"], ["n.8vo: no voxel is seen; the picture is empty"])
 
+    def test_voxels_in_the_color_of_the_background_are_told_from_none(self):
+        for options in (["--mode", "surface", "--shade", "flat", "--fade", "0"], []):
+            made, rows = self.render("n.png", "v.8vo", "--range", "40:=black", *options)
+            self.assertEqual({p for row in rows for p in row} - {(0, 0, 0)}, set())
+            self.assertEqual(made["warnings"], [
+                "v.8vo: the voxels have the color of the background; nothing shows"])
+
     def test_shell_is_a_mask_of_the_leaves_that_render_draws(self):
         self.expect(0, "threshold", "v.8vo", "--range", "40:", "-o", "m.8vo", "-q")
         made = json.loads(self.expect(0, "shell", "m.8vo", "-o", "s.8vo", "--json").stdout)

@@ -145,20 +145,8 @@ class CubeScene final : public RenderScene {
   }
 
   Picture draw(const View& view, const Color& background) override {
-    std::vector<PaintedMask> masks;
-    for (const ScenePart& part : parts_) masks.push_back({&part.tree, part.color});
-    const CubeStyle style{background, options_.fade.value_or(kUsualFade), shown_};
-    Picture picture;
-    context_.on_threads([&] {
-      if (is_smooth_) {
-        picture = draw_relief(masks, view, style, *relief(), kept_);
-      } else if (options_.mode == RenderMode::surface) {
-        picture = draw_nearest_cubes(masks, view, style);
-      } else {
-        picture = draw_cubes(masks, view, style);
-      }
-    });
-    warn_of_nothing(picture, background);
+    const Picture picture = drawn_on(view, background);
+    warn_of_nothing(picture, view, background);
     return picture;
   }
 
@@ -186,15 +174,41 @@ class CubeScene final : public RenderScene {
     if (!filled.is_empty()) shown_ = filled;
   }
 
-  /// Of cubes that are there, once for all pictures of a series.
-  void warn_of_nothing(const Picture& picture, const Color& background) {
-    if (counts_.leaves == 0) return;
+  Picture drawn_on(const View& view, const Color& background) const {
+    std::vector<PaintedMask> masks;
+    for (const ScenePart& part : parts_) masks.push_back({&part.tree, part.color});
+    const CubeStyle style{background, options_.fade.value_or(kUsualFade), shown_};
+    Picture picture;
+    context_.on_threads([&] {
+      if (is_smooth_) {
+        picture = draw_relief(masks, view, style, *relief(), kept_);
+      } else if (options_.mode == RenderMode::surface) {
+        picture = draw_nearest_cubes(masks, view, style);
+      } else {
+        picture = draw_cubes(masks, view, style);
+      }
+    });
+    return picture;
+  }
+
+  static bool is_all_of(const Color& background, const Picture& picture) {
     for (std::size_t i = 0; i < picture.pixels.size(); ++i) {
-      if (picture.pixels[i] != background[i % background.size()]) return;
+      if (picture.pixels[i] != background[i % background.size()]) return false;
     }
-    if (!std::exchange(is_nothing_told_, true)) {
-      context_.warn(options_.input + ": no voxel is seen; the picture is empty");
-    }
+    return true;
+  }
+
+  /// Of cubes that are there, once for all pictures of a series.
+  void warn_of_nothing(const Picture& picture, const View& view, const Color& background) {
+    if (is_nothing_told_ || counts_.leaves == 0 || !is_all_of(background, picture)) return;
+    is_nothing_told_ = true;
+    // Cubes in the color of the background are seen on another one.
+    Color other = background;
+    for (std::uint8_t& channel : other) channel = static_cast<std::uint8_t>(channel ^ 128);
+    const bool is_seen = !is_all_of(other, drawn_on(view, other));
+    context_.warn(options_.input +
+                  (is_seen ? ": the voxels have the color of the background; nothing shows"
+                           : ": no voxel is seen; the picture is empty"));
   }
 
   std::unique_ptr<ReliefField> relief() const {

@@ -293,6 +293,8 @@ class Series {
           std::max(frame_.pixel_mm.value_or(0),
                    fitting_pixel_mm(volume.geometry, scene.fitted(), viewpoints_.back(), frame_));
     }
+    // What cannot be drawn is rejected before anything is.
+    for (std::size_t i = 0; i < count; ++i) view(i);
   }
 
   View view(std::size_t number) const { return view_in(number, frame_); }
@@ -375,10 +377,10 @@ void draw_all(const std::shared_ptr<const FileReader>& reader, const RenderOptio
               const Clock::time_point& opened, const TaskContext& context, Communicator* ranks,
               RenderResult& result) {
   const auto scene = make_scene(reader, options, context, ranks);
-  note_unknown_place(reader->description(), options, context);
   const bool writes = ranks == nullptr || ranks->is_first();
   const std::size_t count = static_cast<std::size_t>(std::max(options.turntable, 1));
   const Series series(*scene, *reader, options, count);
+  note_unknown_place(reader->description(), options, context);
   PictureFiles files(context, options.on_picture);
   std::optional<AnimationFile> animation;
   if (writes && is_animation(options.output.path)) {
@@ -459,8 +461,8 @@ void draw_in_passes(const RenderOptions& asked,
     Picture picture;
     try {
       const auto scene = make_ray_scene(reader, of_pass, timed);
-      if (result.passes.empty()) note_unknown_place(reader->description(), options, context);
       const Series series(*scene, *reader, of_pass, 1);
+      if (result.passes.empty()) note_unknown_place(reader->description(), options, context);
       picture = series.draw(0, result.seconds, shrink);
       describe(series.view(0), *scene, *of_pass.level, result);
     } catch (const Error& error) {
@@ -528,12 +530,7 @@ RenderResult render_for(const RenderOptions& asked, const TaskContext& context,
   const Clock::time_point opened = Clock::now();
   const std::shared_ptr<const FileReader> reader = open_volume(asked.input, context);
   const RenderOptions options = with_level(asked, *reader);
-  const int level = *options.level;
-  require_level(reader->levels(), level);
-  const VolumeDescription& volume = reader->description();
-  const Size3& size = reader->levels().size(level);
-  make_view(reader->levels().geometry(volume.geometry, level), size, box_of(size),
-            viewpoint_of(options.view, volume.geometry), frame_of(options));
+  require_level(reader->levels(), *options.level);
   check_tissues(options.tissues, reader->description(), options.input, context);
   const bool is_of_masks =
       options.mode == RenderMode::cubes || options.mode == RenderMode::surface;
@@ -546,7 +543,7 @@ RenderResult render_for(const RenderOptions& asked, const TaskContext& context,
   }
 
   RenderResult result;
-  result.volume = volume;
+  result.volume = reader->description();
   result.outputs = paths;
   result.shade = shade_of(options);
   const bool is_in_passes = options.time_budget_s || options.is_progressive;
