@@ -1,9 +1,9 @@
 import assert from "node:assert/strict";
 import test from "node:test";
-import { type Vec3, type Voxels } from "../src/reader/volume.js";
-import { type Cell, cellBox, cellKey } from "../src/decode/cells.js";
+import { type Vec3, type VolumeFacts, type Voxels } from "../src/reader/volume.js";
+import { type Cell, boxSize, cellBox, cellKey } from "../src/decode/cells.js";
 import { SlotTable } from "../src/view/atlas.js";
-import { RayScene, type Visible } from "../src/view/ray_scene.js";
+import { RayScene, type Visible, withoutGaps } from "../src/view/ray_scene.js";
 import { MadeUpVolume } from "./made_up_volume.js";
 
 const size: Vec3 = [200, 240, 160];
@@ -42,6 +42,42 @@ test("coarse levels are wanted first, and only what can be seen", async () => {
   const all = (steps2: typeof steps): number =>
     steps2.reduce((n, step) => n + step.cells.length, 0);
   assert.ok(all(part) < all(steps));
+});
+
+test("pages of infinities alone are wanted where the largest value is seen", async () => {
+  const whole: Vec3 = [128, 128, 128];
+  const made = new MadeUpVolume({ size: whole }).facts;
+  const facts: VolumeFacts = { ...made, type: "float32", range: [-50, 40], slope: 1, intercept: 0 };
+  // Of 64 x 64 x 64 voxels, as the index has them: the last block is infinite alone.
+  const ranges = {
+    grid: [2, 2, 2] as Vec3,
+    side: [64, 64, 64] as Vec3,
+    min: new Float64Array(8).fill(-50),
+    max: new Float64Array(8).fill(30),
+  };
+  const coarse = 2;
+  const samples = boxSize(cellBox(facts.levels[coarse]!, [0, 0, 0]));
+  const at = (p: Vec3): boolean => p.every((v, a) => 2 * v >= samples[a as 0]!);
+  for (const [value, seen] of [[Infinity, 1], [-Infinity, 0], [NaN, 0]] as const) {
+    const voxels = new Float32Array(samples[0] * samples[1] * samples[2]);
+    for (let i = 0; i < voxels.length; ++i) {
+      const x = i % samples[0];
+      const y = Math.floor(i / samples[0]) % samples[1];
+      voxels[i] = at([x, y, Math.floor(i / samples[0] / samples[1])]) ? value : 5;
+    }
+    const peek = (): Voxels => voxels;
+    const known = withoutGaps(ranges, facts, coarse, peek);
+    assert.deepEqual([...known.max], [30, 30, 30, 30, 30, 30, 30, seen ? 40 : 30]);
+    const cells = { peek, has: () => true };
+    const s = new RayScene(facts, cells, new SlotTable([10, 10, 10]), coarse, known);
+    const steps = s.plan(0, (_, high) => high >= 35, { lo: [0, 0, 0], hi: whole });
+    const finest = steps.find((step) => step.level === 0)?.cells ?? [];
+    assert.deepEqual(finest.map((cell) => cell.at), seen ? [[1, 1, 1]] : []);
+  }
+  // Where the lowest value is seen, NaN is.
+  const nan = new Float32Array(samples[0] * samples[1] * samples[2]).fill(NaN);
+  const floor = { ...ranges, min: new Float64Array(8).fill(-20) };
+  assert.deepEqual([...withoutGaps(floor, facts, coarse, () => nan).min], Array(8).fill(-50));
 });
 
 test("where the atlas has no room for a level, the next coarser one is the finest", async () => {

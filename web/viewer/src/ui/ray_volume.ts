@@ -4,7 +4,7 @@ import { SlotTable, atlasShape, pageGrid } from "../view/atlas.js";
 import { type Gl } from "../view/gl.js";
 import { LabelIndex } from "../view/label_index.js";
 import { PageAtlas, atlasFormat } from "../view/page_atlas.js";
-import { MOST_BLOCKS, RayScene, type Visible } from "../view/ray_scene.js";
+import { MOST_BLOCKS, RayScene, type Visible, withoutGaps } from "../view/ray_scene.js";
 import { type Session } from "./session.js";
 
 /** Samples of the 3-D view may be so many pixels long. */
@@ -61,7 +61,8 @@ export class RayVolume {
     const { size } = session.facts.levels[0]!;
     if ((size[0] * size[1] * size[2]) / 64 ** 3 > MOST_BLOCKS) return;
     try {
-      this.ranges = await session.volume.ranges();
+      this.ranges = withoutGaps(
+        await session.volume.ranges(), session.facts, session.preview, (c) => session.cells.peek(c));
       this.scene?.setRanges(this.ranges);
       this.changed();
     } catch {

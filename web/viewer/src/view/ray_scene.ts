@@ -1,6 +1,7 @@
 // Which pages the 3-D view wants, which of them stand in the atlas, and the table that says so.
 //
-// What can be seen is known from the index alone: the smallest and largest voxel of every block.
+// What can be seen is known from the index alone: the smallest and largest voxel of every block;
+// where voxels are NaN or infinite, from coarse samples besides.
 // Pages that cannot be seen are neither read nor kept, and rays step over them.
 import {
   AXES,
@@ -10,7 +11,7 @@ import {
   type VolumeFacts,
   type Voxels,
 } from "../reader/volume.js";
-import { CELL_SIDE, type Cell, cellKey } from "../decode/cells.js";
+import { CELL_SIDE, type Cell, cellBox, cellKey, cellsOf, wholeBox } from "../decode/cells.js";
 import { type Step } from "../decode/cell_store.js";
 import {
   PAGE_SIDE,
@@ -48,6 +49,56 @@ export const MOST_BLOCKS = 200_000;
 
 /** Every graphics card takes tables of so many pages along a side. */
 const MOST_PAGES_ALONG = 256;
+
+type Three = [number, number, number];
+
+/** The places of a box, x fastest. */
+function* places(lo: Vec3, hi: Vec3): Generator<Vec3> {
+  for (let z = lo[2]; z < hi[2]; ++z) {
+    for (let y = lo[1]; y < hi[1]; ++y) {
+      for (let x = lo[0]; x < hi[0]; ++x) yield [x, y, z];
+    }
+  }
+}
+
+/**
+ * The ranges of blocks with what is not finite in them, as far as coarse samples tell: the index
+ * holds finite values alone, and a sample is not finite only where all its voxels are so. Infinities
+ * count as the ends of all values, NaN as the lowest, as pages have them.
+ * level  one whose cells are here
+ */
+export function withoutGaps(
+  ranges: BlockRanges,
+  facts: VolumeFacts,
+  level: number,
+  peek: (cell: Cell) => Voxels | undefined,
+): BlockRanges {
+  if (facts.type !== "float32") return ranges;
+  const { grid, side } = ranges;
+  const [min, max] = [ranges.min.slice(), ranges.max.slice()];
+  const of = facts.levels[level]!;
+  const widen = (sample: Vec3, value: number): void => {
+    const first = AXES.map((a) => Math.floor((sample[a] * of.factor[a]) / side[a])) as Three;
+    const end = AXES.map((a) =>
+      Math.min(grid[a], Math.ceil(((sample[a] + 1) * of.factor[a]) / side[a]))) as Three;
+    for (const [x, y, z] of places(first, end)) {
+      const block = (z * grid[1] + y) * grid[0] + x;
+      if (value > 0) max[block] = facts.range[1];
+      else min[block] = facts.range[0];
+    }
+  };
+  for (const cell of cellsOf(level, wholeBox(of))) {
+    const voxels = peek(cell);
+    if (!voxels || voxels.every((v: number) => Number.isFinite(v))) continue;
+    const { lo, hi } = cellBox(of, cell.at);
+    let i = 0;
+    for (const sample of places(lo, hi)) {
+      const value = voxels[i++]!;
+      if (!Number.isFinite(value)) widen(sample, value);
+    }
+  }
+  return { ...ranges, min, max };
+}
 
 export class RayScene {
   private readonly residents = new Map<string, Resident>();
