@@ -155,8 +155,7 @@ class View:
         scalar or numpy.ndarray
             The voxel nearest to the point, halfway between two the one of the higher index; or,
             along each axis of the grid, all voxels between the first and the last one whose center
-            lies in the box. Where the grid is oblique, those
-            in its corners lie outside of the box.
+            lies in the box. Where the grid is oblique, those in its corners lie outside of the box.
 
         Raises
         ------

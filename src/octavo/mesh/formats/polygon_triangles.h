@@ -38,8 +38,8 @@ class PolygonCutter {
  public:
   /// The triangles of a polygon, until the next is cut.
   /// corners  numbers of points; fewer than three give nothing
-  /// Throws Error{limit_exceeded} on one that is not convex with more than 2^16 corners, or winds so
-  ///        much that each of its corners would be compared with thousands of others
+  /// Throws Error{limit_exceeded} on one that is not convex with more than 2^16 corners, or winds
+  ///        so much that each of its corners would be compared with thousands of others
   std::span<const MeshTriangle> cut(std::span<const MeshPoint> points,
                                     std::span<const std::uint32_t> corners);
 

@@ -239,8 +239,8 @@ class Resampler::Tile {
         const double px = point(0, as_double(x), as_double(y), as_double(z));
         const double py = point(1, as_double(x), as_double(y), as_double(z));
         const double pz = point(2, as_double(x), as_double(y), as_double(z));
-        const bool is_in =
-            is_in_voxels(px, of_.size_.x) && is_in_voxels(py, of_.size_.y) && is_in_voxels(pz, of_.size_.z);
+        const bool is_in = is_in_voxels(px, of_.size_.x) && is_in_voxels(py, of_.size_.y) &&
+                           is_in_voxels(pz, of_.size_.z);
         if (is_in) take(row[x], px, py, pz);
         else row[x] = outside;
       }

@@ -61,8 +61,8 @@ export class RayVolume {
     const { size } = session.facts.levels[0]!;
     if ((size[0] * size[1] * size[2]) / 64 ** 3 > MOST_BLOCKS) return;
     try {
-      this.ranges = withoutGaps(
-        await session.volume.ranges(), session.facts, session.preview, (c) => session.cells.peek(c));
+      const { facts, preview, cells, volume } = session;
+      this.ranges = withoutGaps(await volume.ranges(), facts, preview, (c) => cells.peek(c));
       this.scene?.setRanges(this.ranges);
       this.changed();
     } catch {

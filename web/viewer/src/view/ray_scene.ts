@@ -63,8 +63,8 @@ function* places(lo: Vec3, hi: Vec3): Generator<Vec3> {
 
 /**
  * The ranges of blocks with what is not finite in them, as far as coarse samples tell: the index
- * holds finite values alone, and a sample is not finite only where all its voxels are so. Infinities
- * count as the ends of all values, NaN as the lowest, as pages have them.
+ * holds finite values alone, and a sample is not finite only where all its voxels are so.
+ * Infinities count as the ends of all values, NaN as the lowest, as pages have them.
  * level  one whose cells are here
  */
 export function withoutGaps(
