@@ -196,14 +196,17 @@ const char* advice_for(const DicomSlice& kept, const DicomSlice& slice) {
 void require_copy(const DicomSlice& kept, const DicomSlice& slice, double sideways_mm,
                   bool may_drop) {
   const std::string pair = pair_text(kept, slice);
+  const std::string difference = difference_of(kept, slice);
   if (sideways_mm > tolerance_mm(std::min((*slice.pixel_mm)[0], (*slice.pixel_mm)[1]))) {
     reject(slice, pair + " lie at the same height along the normal, " + mm_text(sideways_mm) +
-                      " apart sideways; remove one of them");
+                      " apart sideways" +
+                      (difference.empty() ? advice_for(kept, slice)
+                                          : ", and are of several volumes: " + difference +
+                                                "; build each of them from its own files"));
   }
   const Point3& at = *kept.position_mm;
   const std::string place = pair + " lie at the same position (" + precise_text(at[0]) + ", " +
                             precise_text(at[1]) + ", " + mm_text(at[2]) + ")";
-  const std::string difference = difference_of(kept, slice);
   if (!may_drop && !difference.empty()) {
     reject(slice, place + ", but are of several volumes: " + difference +
                       "; build each of them from its own files");
@@ -213,8 +216,8 @@ void require_copy(const DicomSlice& kept, const DicomSlice& slice, double sidewa
         .with_field("drop_duplicates");
   }
   if (std::ranges::equal(voxels_of(kept).bytes(), voxels_of(slice).bytes())) return;
-  reject(slice, place + ", but their voxels differ: neither is a copy of the other; remove one of "
-                        "them");
+  reject(slice, place + ", but their voxels differ: neither is a copy of the other" +
+                    advice_for(kept, slice));
 }
 
 /// Leaves one slice at each height. Returns the places of those that stay.

@@ -1,6 +1,7 @@
 #include "octavo/io/dicom/dicom_times.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <map>
@@ -49,26 +50,37 @@ Moments moments_by(const std::vector<DicomSlice>& slices,
   return moments.size() > 1 ? moments : Moments();
 }
 
-/// Whether all moments have slices at the same heights, and each of them one at each.
-bool share_places(const Moments& moments, const std::vector<double>& heights) {
+/// The first voxel of a slice, along its normal and within its plane.
+struct TimedPlace {
+  double height_mm = 0;
+  double across_mm = 0;
+  double down_mm = 0;
+};
+
+/// Whether all moments have slices at the same places, and each of them one at each height.
+/// pixel_mm  so far slices of one place may be apart within their planes
+bool share_places(const Moments& moments, const std::vector<TimedPlace>& places,
+                  double pixel_mm) {
   constexpr double kSameHeightMm = 1e-3;
   constexpr double kSameHeightSteps = 0.1;
-  const auto sorted_heights = [&](const std::vector<std::size_t>& slices) {
-    std::vector<double> sorted;
-    for (const std::size_t i : slices) sorted.push_back(heights[i]);
-    std::ranges::sort(sorted);
+  const auto sorted_places = [&](const std::vector<std::size_t>& slices) {
+    std::vector<TimedPlace> sorted;
+    for (const std::size_t i : slices) sorted.push_back(places[i]);
+    std::ranges::sort(sorted, {}, &TimedPlace::height_mm);
     return sorted;
   };
-  const std::vector<double> first = sorted_heights(moments.begin()->second);
+  const std::vector<TimedPlace> first = sorted_places(moments.begin()->second);
   double same = kSameHeightMm;
   for (std::size_t i = 1; i < first.size(); ++i) {
-    same = std::min(same, kSameHeightSteps * (first[i] - first[i - 1]));
+    same = std::min(same, kSameHeightSteps * (first[i].height_mm - first[i - 1].height_mm));
   }
   if (!(same > 0)) return false;
   return std::ranges::all_of(moments, [&](const auto& moment) {
-    return std::ranges::equal(sorted_heights(moment.second), first, [&](double a, double b) {
-      return std::abs(a - b) <= same;
-    });
+    const auto is_same = [&](const TimedPlace& a, const TimedPlace& b) {
+      return std::abs(a.height_mm - b.height_mm) <= same &&
+             std::hypot(a.across_mm - b.across_mm, a.down_mm - b.down_mm) <= pixel_mm;
+    };
+    return std::ranges::equal(sorted_places(moment.second), first, is_same);
   });
 }
 
@@ -80,12 +92,17 @@ std::vector<std::vector<DicomSlice>> volumes_in_time(std::vector<DicomSlice> sli
   });
   std::vector<std::vector<DicomSlice>> volumes;
   if (are_placed) {
-    const Point3 normal = slice_axes(slices.front()).normal;
-    std::vector<double> heights;
-    for (const DicomSlice& slice : slices) heights.push_back(dot(*slice.position_mm, normal));
+    const SliceAxes axes = slice_axes(slices.front());
+    std::vector<TimedPlace> places;
+    for (const DicomSlice& slice : slices) {
+      const Point3& at = *slice.position_mm;
+      places.push_back({dot(at, axes.normal), dot(at, axes.row), dot(at, axes.column)});
+    }
+    const auto pixel = slices.front().pixel_mm.value_or(std::array<double, 2>{1, 1});
+    const double pixel_mm = std::min(pixel[0], pixel[1]);
     for (const auto number_of : {temporal_position, trigger_time, acquisition_number}) {
       const Moments moments = moments_by(slices, number_of);
-      if (moments.empty() || !share_places(moments, heights)) continue;
+      if (moments.empty() || !share_places(moments, places, pixel_mm)) continue;
       for (const auto& [number, members] : moments) {
         std::vector<DicomSlice>& volume = volumes.emplace_back();
         for (const std::size_t i : members) volume.push_back(std::move(slices[i]));

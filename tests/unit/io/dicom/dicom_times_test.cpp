@@ -13,12 +13,15 @@ struct Moment {
   std::string number;
   double z_mm = 0;
   char value = 0;
+  double x_mm = 0;
 };
 
 void write_moments(const TempFolder& folder, std::uint32_t tag, const char* vr,
                    const std::vector<Moment>& moments) {
   for (std::size_t i = 0; i < moments.size(); ++i) {
     DicomElements elements = ct_elements(5, 3, 8, moments[i].z_mm);
+    elements.set(0x00200032, "DS",
+                 std::to_string(moments[i].x_mm) + "\\0\\" + std::to_string(moments[i].z_mm));
     if (!moments[i].number.empty()) elements.set(tag, vr, moments[i].number);
     elements.set(kPixelData, "OB", std::string(15, moments[i].value));
     elements.write(folder.file("s" + std::to_string(i)), kExplicitLittle);
@@ -95,6 +98,21 @@ TEST(DicomTimes, AreNotFoundInOneVolumeOrWhereSlicesAreMissing) {
   const TempFolder twice;
   write_moments(twice, 0x00200100, "IS", {{"1", 0, 1}, {"1", 0, 2}, {"2", 0, 3}, {"2", 0, 4}});
   EXPECT_TRUE(contains(source_error({twice.path()}), "lie at the same position"));
+}
+
+TEST(DicomTimes, AreNoVolumesBesideOneAnother) {
+  const TempFolder folder;
+  write_moments(folder, 0x00200012, "IS",
+                {{"1", 0, 1}, {"1", 2, 2}, {"2", 0, 3, 100}, {"2", 2, 4, 100}});
+  const Error error = source_error({folder.path()});
+  EXPECT_TRUE(contains(error, "100 mm apart sideways, and are of several volumes: Acquisition "
+                              "Number (0020,0012) is 1 and 2; build each of them"))
+      << error.what();
+  // Apart by less than a pixel they are moments of one body.
+  const TempFolder moved;
+  write_moments(moved, 0x00200012, "IS",
+                {{"1", 0, 1}, {"1", 2, 2}, {"2", 0, 3, 0.2}, {"2", 2, 4, 0.2}});
+  EXPECT_TRUE(contains(source_error({moved.path()}), "2 points in time"));
 }
 
 }  // namespace
