@@ -429,11 +429,13 @@ void take_streams_of(StreamRows* streams) {
   group.give_back(streams);
 }
 
-/// Streams of so many states, up to four at a time.
+/// Streams of so many states, up to four at a time; two where vectors are so short that the states
+/// of more take all registers.
 template <int kStates>
 void take_streams_of(std::span<StreamRows> streams) {
-  for (; streams.size() >= 4; streams = streams.subspan(4)) {
-    take_streams_of<kStates, 4>(streams.data());
+  constexpr std::size_t kAtOnce = kStateLanes < 8 ? 2 : 4;
+  for (; streams.size() >= kAtOnce; streams = streams.subspan(kAtOnce)) {
+    take_streams_of<kStates, kAtOnce>(streams.data());
   }
   switch (streams.size()) {
     case 3: return take_streams_of<kStates, 3>(streams.data());
