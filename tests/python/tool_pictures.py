@@ -90,8 +90,13 @@ def xarray_picture(volume, path):
     from octavo.xarray import OctavoBackend
     voxels = xarray.open_dataset(volume.name, engine=OctavoBackend)["voxels"]
     z = float(voxels.z[len(voxels.z) // 2])
-    plotted(path, lambda axes: voxels.sel(z=z, method="nearest").plot(
-        ax=axes, cmap="gray", yincrease=False, vmin=-200, vmax=800))
+
+    def draw(axes):
+        voxels.sel(z=z, method="nearest").plot(ax=axes, cmap="gray", yincrease=False, vmin=-200,
+                                               vmax=800)
+        axes.set_aspect("equal")
+
+    plotted(path, draw)
 
 
 def dask_picture(volume, path):
