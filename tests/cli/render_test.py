@@ -229,18 +229,30 @@ class Pictures(cli_test.InFolder):
                                   "--background", text)
             self.assertEqual(rows[0][0], color)
 
-    def test_what_is_too_thin_to_be_seen_is_warned_of_in_all_modes(self):
+    def needle(self):
+        """Voxels a hundredth of a pixel wide."""
         (self.folder / "n.raw").write_bytes(struct.pack("<300h", *range(50, 350)))
         self.expect(0, "build", "n.raw", "--raw", "1,1,300,int16", "--spacing", "0.1,0.1,2", "-o",
                     "n.8vo", "-q")
+
+    def test_what_is_too_thin_to_be_seen_is_warned_of_where_rays_miss_it(self):
+        self.needle()
         for options in (["--mode", "mip"], ["--mode", "minip"], ["--mode", "mean"],
-                        ["--mode", "volume"], ["--mode", "iso", "--isovalue", "40"],
-                        ["--range", "0:"], ["--mode", "surface", "--shade", "flat", "--range",
-                                            "0:"]):
+                        ["--mode", "volume"], ["--mode", "iso", "--isovalue", "40"]):
             made, rows = self.render("n.png", "n.8vo", "--direction", "front", "--size", "100",
                                      *options)
             self.assertEqual({p for row in rows for p in row}, {(0, 0, 0)})
             self.assertEqual(made["warnings"], ["n.8vo: no voxel is seen; the picture is empty"])
+
+    def test_cubes_thinner_than_a_pixel_are_a_pixel_wide(self):
+        self.needle()
+        for options in (["--mode", "cubes"], ["--mode", "surface", "--shade", "flat"],
+                        ["--mode", "surface"]):
+            made, rows = self.render("n.png", "n.8vo", "--direction", "front", "--size", "100",
+                                     "--range", "0:", *options)
+            self.assertEqual(made["warnings"], [])
+            wide = {sum(p != (0, 0, 0) for p in row) for row in rows[6:94]}
+            self.assertEqual(wide, {1})
 
     def test_voxels_in_the_color_of_the_background_are_told_from_none(self):
         for options in (["--mode", "surface", "--shade", "flat", "--fade", "0"], []):

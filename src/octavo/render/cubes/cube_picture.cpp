@@ -57,6 +57,7 @@ class Scene {
     }
     const int top = masks.empty() ? 0 : 2 * (masks.front().tree->rank_count() + 1);
     for (int level = 0; level <= top; ++level) shapes_.push_back(cube_shape(view, level));
+    has_spines_ = style.keeps_thin && !shapes_.front().spine.empty();
     for (std::size_t axis = 0; axis < 3; ++axis) {
       if (view.nearness[axis] != 0) shades_[axis] = 256 * brightness(view, axis);
     }
@@ -77,10 +78,33 @@ class Scene {
     }
   }
 
- private:
+  /// Whether some cubes are so thin that they have spines.
+  bool has_spines() const { return has_spines_; }
+
   std::uint32_t pixel(std::size_t mask, const Face& face, std::int64_t depth) const {
+    return pixel(mask, shades_[static_cast<std::size_t>(face.axis)], depth);
+  }
+
+  /// Of a spine: as bright as the faces are together.
+  std::uint32_t spine_pixel(std::size_t mask, const Place& corner, const CubeShape& shape,
+                            unsigned faces) const {
+    double area = 0;
+    double shade = 0;
+    for (int i = 0; i < shape.face_count; ++i) {
+      const Face& face = shape.faces[static_cast<std::size_t>(i)];
+      if ((faces >> face.axis & 1) == 0) continue;
+      area += face.area();
+      shade += face.area() * shades_[static_cast<std::size_t>(face.axis)];
+    }
+    const Face& largest = shape.largest_face(faces);
+    if (area > 0) return pixel(mask, shade / area, corner.depth + largest.depth);
+    return pixel(mask, largest, corner.depth + largest.depth);
+  }
+
+ private:
+  std::uint32_t pixel(std::size_t mask, double shade, std::int64_t depth) const {
     const double near = depths_.nearness(static_cast<double>(depth));
-    const double share = shades_[static_cast<std::size_t>(face.axis)] * depths_.brightness(near);
+    const double share = shade * depths_.brightness(near);
     return dimmed(colors_[mask], static_cast<std::uint32_t>(share));
   }
 
@@ -90,6 +114,7 @@ class Scene {
   std::vector<CubeShape> shapes_;   ///< by level
   std::array<double, 3> shades_{};  ///< by axis, 256 is as bright as the mask's color
   DepthFade depths_;
+  bool has_spines_ = false;
 };
 
 /// Draws the leaves of a traversal into some rows.
@@ -115,6 +140,57 @@ class LeafPainter {
   Rows rows_;
 };
 
+/// Notes what pixels show, the nearest first, with the spines of thin leaves.
+class SpinePainter {
+ public:
+  SpinePainter(const Scene& scene, std::int64_t begin, std::int64_t end)
+      : scene_(scene),
+        faces_(scene.view(), begin, end, 0, true),
+        spines_(scene.view(), begin, end, 0),
+        rows_(faces_, &spines_) {}
+
+  bool misses(const Place& corner, int level) const {
+    return rows_.misses(scene_.shape(level), corner);
+  }
+
+  void draw(std::size_t mask, const Place& corner, int level, unsigned faces) {
+    const CubeShape& shape = scene_.shape(level);
+    if (faces == 0 || rows_.misses(shape, corner)) return;
+    for (int i = 0; i < shape.face_count; ++i) {
+      const Face& face = shape.faces[static_cast<std::size_t>(i)];
+      if ((faces >> face.axis & 1) == 0 || !rows_.fill(face, corner, next_number())) continue;
+      seen_.push_back({mask, scene_.pixel(mask, face, corner.depth + face.depth)});
+    }
+    if (shape.spine.empty() || !rows_.fill_spine(shape, corner, next_number())) return;
+    seen_.push_back({mask, scene_.spine_pixel(mask, corner, shape, faces)});
+  }
+
+  /// Gives the pixels of `rows` that show something its color.
+  void color(PixelRows& rows) const {
+    const auto mask_of = [&](std::uint32_t number) { return seen_[number - 1].mask; };
+    for (std::int64_t y = rows.begin(); y < rows.end(); ++y) {
+      for (std::int64_t x = 0; x < rows.width(); ++x) {
+        const std::uint32_t number = seen_number(faces_.row(y)[x], spines_.row(y)[x], mask_of);
+        if (number != 0) rows.row(y)[x] = seen_[number - 1].pixel;
+      }
+    }
+  }
+
+ private:
+  struct Seen {
+    std::size_t mask;
+    std::uint32_t pixel;
+  };
+
+  std::uint32_t next_number() const { return static_cast<std::uint32_t>(seen_.size() + 1); }
+
+  const Scene& scene_;
+  PixelRows faces_;
+  PixelRows spines_;
+  NearestRows rows_;
+  std::vector<Seen> seen_;
+};
+
 void copy_rows(const PixelRows& rows, Picture& picture) {
   for (std::int64_t y = rows.begin(); y < rows.end(); ++y) {
     const std::uint32_t* const from = rows.row(y);
@@ -137,8 +213,14 @@ Picture draw(std::span<const PaintedMask> masks, const View& view, const CubeSty
   parallel_for(std::int64_t{0}, bands, [&](std::int64_t band) {
     const std::int64_t begin = band * kBandRows;
     PixelRows rows(view, begin, std::min(view.height, begin + kBandRows), packed(style.background));
-    LeafPainter<Rows> painter(scene, rows);
-    CubeTraversal(scene.trees(), view, order, painter).run();
+    if (scene.has_spines()) {
+      SpinePainter painter(scene, rows.begin(), rows.end());
+      CubeTraversal(scene.trees(), view, TraversalOrder::nearest_first, painter).run();
+      painter.color(rows);
+    } else {
+      LeafPainter<Rows> painter(scene, rows);
+      CubeTraversal(scene.trees(), view, order, painter).run();
+    }
     copy_rows(rows, picture);
   });
   return picture;

@@ -20,6 +20,10 @@ struct CubeStyle {
   /// How much darker a face is at the far end of `shown` than at the near one, 0 .. 1.
   double fade = 0.5;
   Box shown;
+  /// Cubes thinner than a pixel take the pixels along their middle, also where they hold the center
+  /// of none, but none whose center a cube of their own mask holds. Then the leaves of a shell may
+  /// differ from all leaves in pixels at outlines.
+  bool keeps_thin = false;
 };
 
 /// Darkens what is far.
@@ -41,7 +45,7 @@ class DepthFade {
 /// Draws the leaves of masks from the farthest to the nearest: three channels. The masks lie on
 /// the grid of the view and do not overlap. Uses the threads of the calling task arena; the picture
 /// does not depend on their number.
-/// Memory  64 rows of 4 bytes per pixel for each thread, beside the picture
+/// Memory  64 rows of 4 bytes per pixel for each thread, beside the picture; up to 28 with spines
 /// Source  thesis 4.3
 Picture draw_cubes(std::span<const PaintedMask> masks, const View& view, const CubeStyle& style);
 

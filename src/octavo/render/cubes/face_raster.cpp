@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numbers>
 #include <utility>
 
 namespace octavo {
@@ -10,6 +12,9 @@ namespace {
 
 // Products of a slope and a distance are off by less, in units.
 constexpr double kDoubt = 1.0 / 1024;
+
+// Pixels: longer than any picture is wide.
+constexpr double kLongestSpine = 1 << 16;
 
 PlanePoint flat(const Place& place) { return {place.x, place.y}; }
 
@@ -51,6 +56,58 @@ Face face_across(const View& view, int axis, std::int64_t side) {
   return face;
 }
 
+/// Twice the area between two edges, in square units.
+double area_between(const PlanePoint& a, const PlanePoint& b) {
+  return std::abs(static_cast<double>(a.x) * static_cast<double>(b.y) -
+                  static_cast<double>(a.y) * static_cast<double>(b.x));
+}
+
+double length_of(const PlanePoint& edge) {
+  return std::hypot(static_cast<double>(edge.x), static_cast<double>(edge.y));
+}
+
+/// The width of the hexagon that three edges span, units: it is narrowest across one of its sides.
+double width_of(const std::array<PlanePoint, 3>& edges) {
+  double width = std::numeric_limits<double>::infinity();
+  for (const PlanePoint& edge : edges) {
+    if (length_of(edge) == 0) continue;
+    double across = 0;
+    for (const PlanePoint& other : edges) across += area_between(edge, other);
+    width = std::min(width, across / length_of(edge));
+  }
+  return std::isfinite(width) ? width : 0;
+}
+
+/// pixel  its side, units
+std::vector<PlanePoint> spine_of(const std::array<PlanePoint, 3>& edges, double pixel) {
+  // A disk as wide as the diagonal of a pixel holds the center of one wherever it lies.
+  if (width_of(edges) >= std::numbers::sqrt2 * pixel) return {};
+
+  // Along the longest edge, as far as all three reach.
+  const PlanePoint& longest =
+      *std::max_element(edges.begin(), edges.end(), [](const auto& a, const auto& b) {
+        return length_of(a) < length_of(b);
+      });
+  const double length = std::max(1.0, length_of(longest));
+  const double x = static_cast<double>(longest.x) / length;
+  const double y = static_cast<double>(longest.y) / length;
+  PlanePoint whole;
+  double reach = 0;
+  for (const PlanePoint& edge : edges) {
+    whole = plus(whole, edge);
+    reach += std::abs(static_cast<double>(edge.x) * x + static_cast<double>(edge.y) * y);
+  }
+  const auto count =
+      static_cast<std::int64_t>(std::clamp(std::ceil(reach / pixel), 1.0, kLongestSpine));
+  std::vector<PlanePoint> spine;
+  for (std::int64_t i = 0; i < count; ++i) {
+    const double at = ((static_cast<double>(i) + 0.5) / static_cast<double>(count) - 0.5) * reach;
+    spine.push_back({std::llround(static_cast<double>(whole.x) / 2 + at * x),
+                     std::llround(static_cast<double>(whole.y) / 2 + at * y)});
+  }
+  return spine;
+}
+
 std::int64_t divided_up(std::int64_t dividend, std::int64_t divisor) {
   const std::int64_t quotient = dividend / divisor;
   return quotient + (dividend % divisor > 0 ? 1 : 0);
@@ -61,9 +118,11 @@ std::int64_t divided_up(std::int64_t dividend, std::int64_t divisor) {
 CubeShape cube_shape(const View& view, int level) {
   CubeShape shape;
   const std::int64_t side = std::int64_t{1} << level;
+  std::array<PlanePoint, 3> edges;
   for (int axis = 0; axis < 3; ++axis) {
     const auto a = static_cast<std::size_t>(axis);
     const PlanePoint edge = flat(view.axes[a] * side);
+    edges[a] = edge;
     shape.lowest =
         plus(shape.lowest, {std::min<std::int64_t>(edge.x, 0), std::min<std::int64_t>(edge.y, 0)});
     shape.highest =
@@ -72,15 +131,32 @@ CubeShape cube_shape(const View& view, int level) {
       shape.faces[static_cast<std::size_t>(shape.face_count++)] = face_across(view, axis, side);
     }
   }
+  shape.spine = spine_of(edges, std::ldexp(1.0, view.fraction_bits));
   return shape;
 }
 
-PixelRows::PixelRows(const View& view, std::int64_t begin, std::int64_t end, std::uint32_t pixel)
+const Face& CubeShape::largest_face(unsigned axes) const {
+  const Face* largest = nullptr;
+  double most = -1;
+  for (int i = 0; i < face_count; ++i) {
+    const Face& face = faces[static_cast<std::size_t>(i)];
+    const double area = face.area();
+    if ((axes >> face.axis & 1) == 0 || area <= most) continue;
+    largest = &face;
+    most = area;
+  }
+  return *largest;
+}
+
+PixelRows::PixelRows(const View& view, std::int64_t begin, std::int64_t end, std::uint32_t pixel,
+                     bool has_spines)
     : width_(view.width),
       begin_(begin),
       end_(end),
       bits_(view.fraction_bits),
       half_(std::int64_t{1} << (bits_ - 1)),
+      below_(has_spines ? half_ - 1 : 0),
+      above_(has_spines ? half_ + 1 : 0),
       pixels_per_unit_(std::ldexp(1.0, -bits_)),
       doubt_(kDoubt * pixels_per_unit_),
       pixels_(static_cast<std::size_t>(width_ * (end - begin)), pixel) {}

@@ -11,6 +11,8 @@
 //   Faces that share an edge, of cubes of any sizes, neither leave a pixel out nor both take it.
 //   The faces of a cube that are turned to the viewer cover its outline, each pixel once; what lies
 //   behind a cube, wholly within its outline, is overdrawn to the last pixel.
+//   A cube whose outline is thinner than the diagonal of a pixel may lie between all centers. So
+//   that it does not vanish it has a spine as well: the pixels along its middle.
 #pragma once
 
 #include <algorithm>
@@ -42,6 +44,11 @@ struct Face {
   std::int64_t depth = 0;  ///< of its middle
   double left_slope = 0;   ///< x by y
   double right_slope = 0;
+
+  double area() const {  ///< square units
+    return static_cast<double>(right.x) * static_cast<double>(left.y) -
+           static_cast<double>(left.x) * static_cast<double>(right.y);
+  }
 };
 
 /// The faces of a cube that are turned to the viewer, and its bounds.
@@ -50,6 +57,12 @@ struct CubeShape {
   int face_count = 0;
   PlanePoint lowest;  ///< from the place of the lowest corner
   PlanePoint highest;
+  /// Places at most a pixel apart from end to end of a thin outline, from the place of the lowest
+  /// corner; none where it is wide enough to hold the center of a pixel wherever it lies.
+  std::vector<PlanePoint> spine;
+
+  /// The largest of the faces whose axes have a bit in `axes`, which has one.
+  const Face& largest_face(unsigned axes) const;
 };
 
 /// The shape of cubes of side 2^level.
@@ -69,7 +82,9 @@ struct PixelBox {
 class PixelRows {
  public:
   /// Rows begin .. end - 1 of the view's picture, all of `pixel`.
-  PixelRows(const View& view, std::int64_t begin, std::int64_t end, std::uint32_t pixel);
+  /// has_spines  cubes take pixels that they touch besides those whose centers they hold
+  PixelRows(const View& view, std::int64_t begin, std::int64_t end, std::uint32_t pixel,
+            bool has_spines = false);
 
   std::int64_t begin() const { return begin_; }
   std::int64_t end() const { return end_; }
@@ -77,17 +92,18 @@ class PixelRows {
   const std::uint32_t* row(std::int64_t y) const { return pixels_.data() + (y - begin_) * width_; }
   std::uint32_t* row(std::int64_t y) { return pixels_.data() + (y - begin_) * width_; }
 
-  /// Whether no pixel center here is in the outline's box of a cube.
+  /// Whether no pixel here that a cube could take is in the box of its outline.
   bool misses(const CubeShape& shape, const Place& corner) const {
     return pixels_of(shape, corner).is_empty();
   }
 
-  /// The pixels here whose centers lie in the outline's box of a cube.
+  /// The pixels here whose centers lie in the outline's box of a cube; with spines those that it
+  /// touches.
   PixelBox pixels_of(const CubeShape& shape, const Place& corner) const {
-    return {std::max<std::int64_t>(0, pixel_from(corner.x + shape.lowest.x)),
-            std::min(width_, pixel_from(corner.x + shape.highest.x)),
-            std::max(begin_, pixel_from(corner.y + shape.lowest.y)),
-            std::min(end_, pixel_from(corner.y + shape.highest.y))};
+    return {std::max<std::int64_t>(0, pixel_from(corner.x + shape.lowest.x - below_)),
+            std::min(width_, pixel_from(corner.x + shape.highest.x + above_)),
+            std::max(begin_, pixel_from(corner.y + shape.lowest.y - below_)),
+            std::min(end_, pixel_from(corner.y + shape.highest.y + above_))};
   }
 
   /// Calls take(y, left, right) for the rows of a face of the cube at `corner`: columns from left
@@ -101,6 +117,16 @@ class PixelRows {
       std::uint32_t* const to = row(y);
       for (std::int64_t x = left; x < right; ++x) to[x] = pixel;
     });
+  }
+
+  /// Calls take(y, x) for the pixels here along the spine of the cube at `corner`.
+  template <class Take>
+  void for_each_spine_pixel(const CubeShape& shape, const Place& corner, Take take) const {
+    for (const PlanePoint& point : shape.spine) {
+      const std::int64_t x = (corner.x + point.x) >> bits_;
+      const std::int64_t y = (corner.y + point.y) >> bits_;
+      if (x >= 0 && x < width_ && y >= begin_ && y < end_) take(y, x);
+    }
   }
 
  private:
@@ -117,6 +143,8 @@ class PixelRows {
   std::int64_t end_;
   int bits_;
   std::int64_t half_;
+  std::int64_t below_ = 0;  // how far before and behind a center an outline takes its pixel
+  std::int64_t above_ = 0;
   double pixels_per_unit_;
   double doubt_;  // pixels: a crossing this close to a center needs exact division
   std::vector<std::uint32_t> pixels_;

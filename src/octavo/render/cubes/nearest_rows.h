@@ -6,6 +6,8 @@
 //
 //     row y   words of 64 columns   1111 1111 0001 1110 ...   1: taken
 //
+// Spines of thin cubes have rows of their own, in front of the faces that are drawn later.
+//
 // Source  hierarchical visibility: Greene, Hierarchical polygon tiling with coverage masks, 1996
 #pragma once
 
@@ -20,9 +22,11 @@ namespace octavo {
 
 class NearestRows {
  public:
-  /// Draws into `rows`, which must outlive this.
-  explicit NearestRows(PixelRows& rows)
+  /// Draws into `rows`, and spines into `spines`, where 0 is no pixel of one. They must outlive
+  /// this.
+  explicit NearestRows(PixelRows& rows, PixelRows* spines = nullptr)
       : rows_(rows),
+        spines_(spines),
         words_((rows.width() + 63) / 64),
         taken_(static_cast<std::size_t>(words_ * (rows.end() - rows.begin()))) {}
 
@@ -56,6 +60,18 @@ class NearestRows {
     return is_seen;
   }
 
+  /// The same for the pixels of its spine in the rows of spines.
+  bool fill_spine(const CubeShape& shape, const Place& corner, std::uint32_t pixel) {
+    bool is_seen = false;
+    rows_.for_each_spine_pixel(shape, corner, [&](std::int64_t y, std::int64_t x) {
+      std::uint32_t& to = spines_->row(y)[x];
+      if ((row(y)[x / 64] >> (x % 64) & 1) != 0 || to != 0) return;
+      to = pixel;
+      is_seen = true;
+    });
+    return is_seen;
+  }
+
  private:
   /// The bits of columns left .. right - 1 in a word that has some of them.
   static std::uint64_t columns(std::int64_t word, std::int64_t left, std::int64_t right) {
@@ -71,8 +87,17 @@ class NearestRows {
   std::uint64_t* row(std::int64_t y) { return taken_.data() + (y - rows_.begin()) * words_; }
 
   PixelRows& rows_;
+  PixelRows* spines_;
   std::int64_t words_;  ///< per row
   std::vector<std::uint64_t> taken_;
 };
+
+/// What a pixel shows, of the numbers of a face and a spine, from 1: a spine is seen in front of
+/// other masks and of nothing. Of its own mask the outline is what faces make it.
+template <class MaskOf>
+std::uint32_t seen_number(std::uint32_t face, std::uint32_t spine, const MaskOf& mask_of) {
+  const bool is_spine = spine != 0 && (face == 0 || mask_of(face) != mask_of(spine));
+  return is_spine ? spine : face;
+}
 
 }  // namespace octavo

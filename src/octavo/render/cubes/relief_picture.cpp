@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <tuple>
 #include <vector>
 
@@ -89,14 +90,28 @@ struct SeenFace {
   std::uint32_t mask = 0;
   std::uint32_t axis = 0;
   std::int64_t plane = 0;  ///< index of its corners along the axis
+  std::uint32_t spine = 0;  ///< its number among spines, from 1; 0: what it shows is the face
+};
+
+/// The middle of the largest face of a leaf, of which all pixels of a spine have the light.
+struct SpineMiddle {
+  Point3 corner{};  ///< as corners of voxels are counted
+  double depth = 0;
 };
 
 /// Notes the face at each pixel: its number in `faces`, from 1.
 class FaceNoter {
  public:
   FaceNoter(const View& view, const GridFromPicture& grid, std::span<const CubeShape> shapes,
-            PixelRows& rows, std::vector<SeenFace>& faces)
-      : view_(view), grid_(grid), shapes_(shapes), rows_(rows), faces_(faces) {}
+            PixelRows& rows, PixelRows* spine_rows, std::vector<SeenFace>& faces,
+            std::vector<SpineMiddle>& middles)
+      : view_(view),
+        grid_(grid),
+        shapes_(shapes),
+        rows_(rows, spine_rows),
+        has_spines_(spine_rows != nullptr),
+        faces_(faces),
+        middles_(middles) {}
 
   bool misses(const Place& corner, int level) const {
     return rows_.misses(shapes_[static_cast<std::size_t>(level)], corner);
@@ -108,22 +123,41 @@ class FaceNoter {
     for (int i = 0; i < shape.face_count; ++i) {
       const Face& face = shape.faces[static_cast<std::size_t>(i)];
       if ((bare >> face.axis & 1) == 0) continue;
-      const auto number = static_cast<std::uint32_t>(faces_.size() + 1);
-      if (!rows_.fill(face, corner, number)) continue;
-      const auto axis = static_cast<std::size_t>(face.axis);
-      const std::int64_t low = std::llround(grid_.index(axis, corner));
-      const std::int64_t far_side = view_.nearness[axis] > 0 ? std::int64_t{1} << level : 0;
-      faces_.push_back(
-          {static_cast<std::uint32_t>(mask), static_cast<std::uint32_t>(axis), low + far_side});
+      if (rows_.fill(face, corner, next_number())) note(mask, face, corner, level);
     }
+    if (!has_spines_ || shape.spine.empty()) return;
+    if (!rows_.fill_spine(shape, corner, next_number())) return;
+    const Face& face = shape.largest_face(bare);
+    note(mask, face, corner, level);
+    SpineMiddle middle;
+    for (std::size_t a = 0; a < 3; ++a) {
+      middle.corner[a] = grid_.index(a, corner) + std::ldexp(0.5, level);
+    }
+    middle.corner[static_cast<std::size_t>(face.axis)] =
+        static_cast<double>(faces_.back().plane);
+    middle.depth = static_cast<double>(corner.depth + face.depth);
+    middles_.push_back(middle);
+    faces_.back().spine = static_cast<std::uint32_t>(middles_.size());
   }
 
  private:
+  std::uint32_t next_number() const { return static_cast<std::uint32_t>(faces_.size() + 1); }
+
+  void note(std::size_t mask, const Face& face, const Place& corner, int level) {
+    const auto axis = static_cast<std::size_t>(face.axis);
+    const std::int64_t low = std::llround(grid_.index(axis, corner));
+    const std::int64_t far_side = view_.nearness[axis] > 0 ? std::int64_t{1} << level : 0;
+    faces_.push_back(
+        {static_cast<std::uint32_t>(mask), static_cast<std::uint32_t>(axis), low + far_side, 0});
+  }
+
   const View& view_;
   const GridFromPicture& grid_;
   std::span<const CubeShape> shapes_;
   NearestRows rows_;
+  bool has_spines_;
   std::vector<SeenFace>& faces_;
+  std::vector<SpineMiddle>& middles_;
 };
 
 /// The gradient of a smoothed field in one block.
@@ -194,13 +228,26 @@ class ReliefScene {
 
   /// Draws rows begin .. end - 1 of the view: three numbers of 0 .. 255 per pixel.
   std::vector<float> draw(std::int64_t begin, std::int64_t end) const {
-    PixelRows rows(view_, begin, end, kNoFace);
+    const bool has_spines = style_.keeps_thin && !shapes_.front().spine.empty();
+    PixelRows rows(view_, begin, end, kNoFace, has_spines);
+    std::optional<PixelRows> spine_rows;
+    if (has_spines) spine_rows.emplace(view_, begin, end, kNoFace);
     std::vector<SeenFace> faces;
-    FaceNoter noter(view_, grid_, shapes_, rows, faces);
+    std::vector<SpineMiddle> middles;
+    FaceNoter noter(view_, grid_, shapes_, rows, spine_rows ? &*spine_rows : nullptr, faces,
+                    middles);
     CubeTraversal(trees_, view_, TraversalOrder::nearest_first, noter).run();
+    if (spine_rows) {
+      const auto mask_of = [&](std::uint32_t number) { return faces[number - 1].mask; };
+      for (std::int64_t y = begin; y < end; ++y) {
+        for (std::int64_t x = 0; x < view_.width; ++x) {
+          rows.row(y)[x] = seen_number(rows.row(y)[x], spine_rows->row(y)[x], mask_of);
+        }
+      }
+    }
 
     // Find where each pixel meets its face; points of one block and field follow one another.
-    std::vector<Point> points = points_of(rows, faces);
+    std::vector<Point> points = points_of(rows, faces, middles);
     const auto field_of = [&](const Point& point) {
       return field_.field_of(faces[point.face].mask);
     };
@@ -245,7 +292,8 @@ class ReliefScene {
             static_cast<std::int64_t>(key >> 42) - 1};
   }
 
-  std::vector<Point> points_of(const PixelRows& rows, const std::vector<SeenFace>& faces) const {
+  std::vector<Point> points_of(const PixelRows& rows, const std::vector<SeenFace>& faces,
+                               const std::vector<SpineMiddle>& middles) const {
     std::vector<Point> points;
     const std::int64_t unit = std::int64_t{1} << view_.fraction_bits;
     for (std::int64_t y = rows.begin(); y < rows.end(); ++y) {
@@ -253,10 +301,15 @@ class ReliefScene {
       for (std::int64_t x = 0; x < view_.width; ++x) {
         if (row[x] == kNoFace) continue;
         const SeenFace& face = faces[row[x] - 1];
-        double depth = 0;
-        Point3 corner = grid_.point(static_cast<double>(x * unit + unit / 2),
-                                    static_cast<double>(y * unit + unit / 2), face.axis,
-                                    static_cast<double>(face.plane), depth);
+        SpineMiddle met;
+        if (face.spine != 0) {
+          met = middles[face.spine - 1];
+        } else {
+          met.corner = grid_.point(static_cast<double>(x * unit + unit / 2),
+                                   static_cast<double>(y * unit + unit / 2), face.axis,
+                                   static_cast<double>(face.plane), met.depth);
+        }
+        Point3 corner = met.corner;
         // Before the face, where a wall as thin as a voxel has a gradient as well.
         corner[face.axis] += kBefore * view_.nearness[face.axis];
         Point point;
@@ -271,7 +324,7 @@ class ReliefScene {
         point.block = key_of(block);
         point.pixel = static_cast<std::uint32_t>((y - rows.begin()) * view_.width + x);
         point.face = row[x] - 1;
-        point.depth = static_cast<float>(depths_.nearness(depth));
+        point.depth = static_cast<float>(depths_.nearness(met.depth));
         points.push_back(point);
       }
     }

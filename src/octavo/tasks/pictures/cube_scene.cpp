@@ -177,7 +177,8 @@ class CubeScene final : public RenderScene {
   Picture drawn_on(const View& view, const Color& background) const {
     std::vector<PaintedMask> masks;
     for (const ScenePart& part : parts_) masks.push_back({&part.tree, part.color});
-    const CubeStyle style{background, options_.fade.value_or(kUsualFade), shown_};
+    const CubeStyle style{background, options_.fade.value_or(kUsualFade), shown_,
+                          true};
     Picture picture;
     context_.on_threads([&] {
       if (is_smooth_) {

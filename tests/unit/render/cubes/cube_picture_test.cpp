@@ -239,6 +239,91 @@ TEST(CubePicture, FadingDarkensWhatIsFar) {
   EXPECT_NEAR(static_cast<double>(minimum) / maximum, 0.5 + 0.5 * 2 / 40, 0.02);
 }
 
+/// A line of voxels through space.
+MaskTree needle_mask(const Size3& size, const Index3& from, const Index3& to) {
+  DenseMask needle{size, std::vector<std::uint8_t>(static_cast<std::size_t>(size.voxel_count()))};
+  constexpr int kSteps = 1000;
+  for (int i = 0; i <= kSteps; ++i) {
+    const auto at = [&](std::int64_t a, std::int64_t b) {
+      return a + std::llround(static_cast<double>(b - a) * i / kSteps);
+    };
+    needle.at({at(from.x, to.x), at(from.y, to.y), at(from.z, to.z)}) = 1;
+  }
+  return testing::tree_of(needle);
+}
+
+/// Pixels that hang together with the first one that is not background, also over corners; -1 where
+/// others do not.
+std::int64_t hanging_together(const Picture& picture) {
+  std::set<std::pair<std::int64_t, std::int64_t>> left;
+  for (std::int64_t y = 0; y < picture.height; ++y) {
+    for (std::int64_t x = 0; x < picture.width; ++x) {
+      if (pixel(picture, x, y) != kBackground) left.insert({x, y});
+    }
+  }
+  std::vector<std::pair<std::int64_t, std::int64_t>> reached;
+  if (!left.empty()) reached.push_back(*left.begin());
+  left.erase(left.begin(), left.empty() ? left.end() : std::next(left.begin()));
+  for (std::size_t i = 0; i < reached.size(); ++i) {
+    for (std::int64_t n = 0; n < 9; ++n) {
+      const std::pair beside{reached[i].first + n % 3 - 1, reached[i].second + n / 3 - 1};
+      if (left.erase(beside) > 0) reached.push_back(beside);
+    }
+  }
+  return left.empty() ? static_cast<std::int64_t>(reached.size()) : -1;
+}
+
+TEST(CubePicture, WhatIsThinnerThanAPixelIsALineWithoutGaps) {
+  std::mt19937 random(29);
+  const Size3 size{70, 66, 68};
+  Geometry geometry;
+  for (const Point3& spacing : {Point3{1, 1, 1}, Point3{0.01, 0.02, 4}}) {
+    geometry.spacing_mm = spacing;
+    const std::int64_t side = spacing[2] == 1 ? 30 : 300;
+    for (int round = 0; round < 30; ++round) {
+      const auto any = [&](std::int64_t end) {
+        return std::uniform_int_distribution<std::int64_t>(0, end - 1)(random);
+      };
+      const Index3 from{any(70), any(66), any(68)};
+      const Index3 to{any(70), any(66), any(68)};
+      Shot shot;
+      shot.trees = {needle_mask(size, from, to)};
+      shot.colors = {{200, 200, 200}};
+      shot.style = {kBackground, 0, box_of(size), true};
+      shot.view = make_view(geometry, size, box_of(size), random_viewpoint(geometry, random),
+                            {side, side, 1, {}});
+      const Picture picture = drawn(shot);
+      const std::int64_t pixels = hanging_together(picture);
+      EXPECT_GT(pixels, 0);
+      // It is about as long as between its ends.
+      const Place ends = shot.view.axes[0] * (to.x - from.x) + shot.view.axes[1] * (to.y - from.y) +
+                         shot.view.axes[2] * (to.z - from.z);
+      const double long_side =
+          std::ldexp(static_cast<double>(std::max(std::abs(ends.x), std::abs(ends.y))),
+                     -shot.view.fraction_bits);
+      EXPECT_GE(static_cast<double>(pixels), long_side - 1);
+      // One pixel wide, two where it goes down a step; long voxels are wide from above.
+      if (side == 30) {
+        EXPECT_LE(static_cast<double>(pixels), 2.5 * long_side + 9);
+      }
+      const Picture nearest = draw_nearest_cubes(painted(shot), shot.view, shot.style);
+      EXPECT_EQ(nearest.pixels, picture.pixels);
+    }
+  }
+}
+
+TEST(CubePicture, WhatIsWiderThanAPixelLooksTheSameWhereThinThingsAreKept) {
+  std::mt19937 random(31);
+  for (int round = 0; round < 10; ++round) {
+    Shot shot = random_shot({70, 70, 70}, random);
+    shot.view = make_view({}, {70, 70, 70}, shot.style.shown, viewpoint_along({}, {1, -2, 3}),
+                          {160, 160, 1, 1 / 1.5});
+    const Picture picture = drawn(shot);
+    shot.style.keeps_thin = true;
+    EXPECT_EQ(drawn(shot).pixels, picture.pixels);
+  }
+}
+
 /// A ball with a hole through it and a grain beside it.
 Shot golden_shot() {
   const Size3 size{24, 24, 16};
