@@ -27,7 +27,7 @@ constexpr std::uint32_t kMetaMorphTag = 33629;   // UIC2, a value of which is a 
 constexpr std::uint64_t kMaxBlockBytes = std::uint64_t{1} << 30;
 constexpr std::uint64_t kMaxDescriptionBytes = std::uint64_t{1} << 27;  // OME's tells of each plane
 
-/// libtiff's error hook: keeps the first message.
+/// libtiff's hook for errors and for warnings: keeps the first message.
 int keep_message(TIFF*, void* user, const char*, const char* format, va_list arguments) {
   auto* message = static_cast<std::string*>(user);
   char text[256];
@@ -35,8 +35,6 @@ int keep_message(TIFF*, void* user, const char*, const char* format, va_list arg
   if (message->empty()) *message = text;
   return 1;
 }
-
-int ignore_warning(TIFF*, void*, const char*, const char*, va_list) { return 1; }
 
 template <class T>
 T tag_or(TIFF* handle, std::uint32_t tag, T absent) {
@@ -102,10 +100,13 @@ Alternation one_of(const TiffPage& page, std::int64_t sample) {
 }  // namespace
 
 TiffFile::TiffFile(const std::string& path)
-    : path_(path), file_(path), message_(std::make_unique<std::string>()) {
+    : path_(path),
+      file_(path),
+      message_(std::make_unique<std::string>()),
+      warning_(std::make_unique<std::string>()) {
   TIFFOpenOptions* options = TIFFOpenOptionsAlloc();
   TIFFOpenOptionsSetErrorHandlerExtR(options, keep_message, message_.get());
-  TIFFOpenOptionsSetWarningHandlerExtR(options, ignore_warning, nullptr);
+  TIFFOpenOptionsSetWarningHandlerExtR(options, keep_message, warning_.get());
   handle_ = TIFFOpenExt(path.c_str(), "r", options);
   TIFFOpenOptionsFree(options);
   if (handle_ == nullptr) reject("libtiff cannot open it");
@@ -204,7 +205,9 @@ TiffPage TiffFile::page() {
 
 std::optional<std::uint64_t> TiffFile::plain_run(const TiffPage& page) const {
   const auto compression = tag_or<std::uint16_t>(handle_, TIFFTAG_COMPRESSION, COMPRESSION_NONE);
-  if (page.samples != 1 || compression != COMPRESSION_NONE || TIFFIsTiled(handle_) != 0) {
+  const auto bit_order = tag_or<std::uint16_t>(handle_, TIFFTAG_FILLORDER, FILLORDER_MSB2LSB);
+  if (page.samples != 1 || compression != COMPRESSION_NONE || TIFFIsTiled(handle_) != 0 ||
+      bit_order != FILLORDER_MSB2LSB) {
     return std::nullopt;
   }
   const std::uint32_t strips = TIFFNumberOfStrips(handle_);
@@ -239,6 +242,7 @@ void TiffFile::go_to(std::uint64_t directory_offset) {
 
 void TiffFile::read_voxels(const TiffPage& page, std::int64_t sample, std::span<std::byte> plane) {
   message_->clear();
+  warning_->clear();
   if (TIFFIsTiled(handle_) != 0) {
     read_tiles(page, sample, plane);
   } else {
@@ -275,10 +279,18 @@ void TiffFile::read_strips(const TiffPage& page, std::int64_t sample,
         reject("strip " + std::to_string(strip) + " is damaged or cut: " + std::to_string(wanted) +
                " bytes expected, " + std::to_string(std::max<tmsize_t>(found, 0)) + " found");
       }
+      if (y + rows_per_strip <= page.height) require_exact("strip", strip);
     }
     undo_predictor(page, page.width, rows);
     if (alternates) take_alternating(one_of(page, sample), several, plane.subspan(start, bytes));
   }
+}
+
+void TiffFile::require_exact(const char* block, std::uint32_t number) const {
+  const auto compression = tag_or<std::uint16_t>(handle_, TIFFTAG_COMPRESSION, COMPRESSION_NONE);
+  if (compression != COMPRESSION_PACKBITS || warning_->empty()) return;
+  reject(block + (" " + std::to_string(number)) + " is damaged: it holds more than its rows (" +
+         escaped(*warning_) + ")");
 }
 
 void TiffFile::undo_predictor(const TiffPage& page, std::int64_t row_pixels,
@@ -337,6 +349,7 @@ void TiffFile::read_tiles(const TiffPage& page, std::int64_t sample, std::span<s
       if (found != static_cast<tmsize_t>(tile_bytes)) {
         reject("tile " + std::to_string(number) + " is damaged or cut");
       }
+      require_exact("tile", number);
       undo_predictor(page, tile_width, tile);
       const std::size_t bytes =
           static_cast<std::size_t>(std::min(tile_width, page.width - x)) * value_bytes;

@@ -92,11 +92,15 @@ class TiffFile {
   /// rows  what is wanted of it; false and untouched when the strip holds no more than that
   bool read_padded_strip(std::uint32_t strip, std::int64_t padded_height,
                          std::span<std::byte> rows);
+  /// PackBits that make more bytes than a whole block has are damaged, which libtiff passes over
+  /// with a warning.
+  void require_exact(const char* block, std::uint32_t number) const;
   void read_tiles(const TiffPage& page, std::int64_t sample, std::span<std::byte> plane);
 
   std::string path_;
   SourceFile file_;
   std::unique_ptr<std::string> message_;
+  std::unique_ptr<std::string> warning_;
   tiff* handle_ = nullptr;
 };
 

@@ -60,6 +60,47 @@ TEST(TiffPage, OfPackBitsHasItsPredictorUndone) {
   }
 }
 
+TEST(TiffPage, OfPackBitsThatMakeMoreThanABlockIsRejected) {
+  const TempFolder folder;
+  TiffSample sample;
+  sample.compression = COMPRESSION_PACKBITS;
+  sample.pages = {counted(12, 1)};
+  const std::string row = '\3' + counted(4, 1);
+  const auto damaged = [&](char run, const std::string& packed) {
+    write_tiff(folder.file("a.tif"), sample);
+    std::string bytes = read_file(folder.file("a.tif"));
+    const std::size_t at = bytes.find(packed);
+    ASSERT_NE(at, std::string::npos);
+    bytes[at] = run;
+    write_file(folder.file("a.tif"), bytes);
+  };
+  damaged('\x81', row);  // the first value 128 times
+  expect_rejected(folder.file("a.tif"), {"strip 0 is damaged: it holds more than its rows"});
+  // The last strip may go on behind the page.
+  sample.rows_per_strip = 2;
+  damaged('\xf9', '\3' + sample.pages[0].substr(8));  // its first value 8 times
+  EXPECT_EQ(voxels_of(*open_source({folder.file("a.tif")}, {})),
+            sample.pages[0].substr(0, 8) + std::string(4, sample.pages[0][8]));
+}
+
+TEST(TiffPage, WithMirroredBytesIsNoPlainRun) {
+  const TempFolder folder;
+  TiffSample sample;
+  sample.description = R"({"shape": [3, 3, 4], "truncated": true})";
+  constexpr std::uint16_t kStandIn = 65001;
+  sample.tags = {{kStandIn, TIFF_SHORT, 1, bytes_of<std::uint16_t>({FILLORDER_LSB2MSB})}};
+  sample.pages = {counted(12, 0)};
+  write_tiff(folder.file("a.tif"), sample);
+  std::string bytes = read_file(folder.file("a.tif")) + counted(24, 12);
+  write_file(folder.file("a.tif"), bytes);
+  EXPECT_EQ(open_source({folder.file("a.tif")}, {})->description().size.z, 3);
+  const std::string tag = bytes_of<std::uint16_t>({kStandIn, TIFF_SHORT});
+  ASSERT_NE(bytes.find(tag), std::string::npos);
+  bytes.replace(bytes.find(tag), 2, bytes_of<std::uint16_t>({TIFFTAG_FILLORDER}));
+  write_file(folder.file("a.tif"), bytes);
+  expect_rejected(folder.file("a.tif"), {"not one plain run of bytes"});
+}
+
 TEST(TiffPage, OfSamplesThatAlternateHasEachPredictorUndone) {
   const TempFolder folder;
   TiffSample sample;
