@@ -9,6 +9,7 @@
 #include <cstring>
 #include <map>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include "octavo/core/checked.h"
@@ -27,13 +28,36 @@ constexpr std::uint32_t kMetaMorphTag = 33629;   // UIC2, a value of which is a 
 constexpr std::uint64_t kMaxBlockBytes = std::uint64_t{1} << 30;
 constexpr std::uint64_t kMaxDescriptionBytes = std::uint64_t{1} << 27;  // OME's tells of each plane
 
-/// libtiff's hook for errors and for warnings: keeps the first message.
+/// libtiff's hook for errors: keeps the first message.
 int keep_message(TIFF*, void* user, const char*, const char* format, va_list arguments) {
   auto* message = static_cast<std::string*>(user);
   char text[256];
   std::vsnprintf(text, sizeof text, format, arguments);
   if (message->empty()) *message = text;
   return 1;
+}
+
+/// libtiff's hook for warnings: keeps the first ones, a line each.
+int keep_warning(TIFF*, void* user, const char*, const char* format, va_list arguments) {
+  constexpr std::size_t kMostBytes = 4096;
+  auto* warnings = static_cast<std::string*>(user);
+  char text[256];
+  std::vsnprintf(text, sizeof text, format, arguments);
+  if (warnings->size() < kMostBytes) *warnings += text + std::string("\n");
+  return 1;
+}
+
+/// The first of the warnings that tells of values that are lost; empty where none does. libjpeg
+/// also tells of bytes that nothing needs, and of a missing mark behind a whole picture.
+std::string told_damage(std::uint16_t compression, std::string_view warnings) {
+  for (; !warnings.empty(); warnings.remove_prefix(warnings.find('\n') + 1)) {
+    const std::string_view line = warnings.substr(0, warnings.find('\n'));
+    const bool is_of_jpeg = compression == COMPRESSION_JPEG &&
+                            line.find("Corrupt JPEG data") != std::string_view::npos &&
+                            line.find("extraneous bytes") == std::string_view::npos;
+    if (is_of_jpeg || compression == COMPRESSION_PACKBITS) return std::string(line);
+  }
+  return {};
 }
 
 template <class T>
@@ -103,10 +127,10 @@ TiffFile::TiffFile(const std::string& path)
     : path_(path),
       file_(path),
       message_(std::make_unique<std::string>()),
-      warning_(std::make_unique<std::string>()) {
+      warnings_(std::make_unique<std::string>()) {
   TIFFOpenOptions* options = TIFFOpenOptionsAlloc();
   TIFFOpenOptionsSetErrorHandlerExtR(options, keep_message, message_.get());
-  TIFFOpenOptionsSetWarningHandlerExtR(options, keep_message, warning_.get());
+  TIFFOpenOptionsSetWarningHandlerExtR(options, keep_warning, warnings_.get());
   handle_ = TIFFOpenExt(path.c_str(), "r", options);
   TIFFOpenOptionsFree(options);
   if (handle_ == nullptr) reject("libtiff cannot open it");
@@ -242,7 +266,7 @@ void TiffFile::go_to(std::uint64_t directory_offset) {
 
 void TiffFile::read_voxels(const TiffPage& page, std::int64_t sample, std::span<std::byte> plane) {
   message_->clear();
-  warning_->clear();
+  warnings_->clear();
   if (TIFFIsTiled(handle_) != 0) {
     read_tiles(page, sample, plane);
   } else {
@@ -279,18 +303,21 @@ void TiffFile::read_strips(const TiffPage& page, std::int64_t sample,
         reject("strip " + std::to_string(strip) + " is damaged or cut: " + std::to_string(wanted) +
                " bytes expected, " + std::to_string(std::max<tmsize_t>(found, 0)) + " found");
       }
-      if (y + rows_per_strip <= page.height) require_exact("strip", strip);
+      const bool may_go_on = y + rows_per_strip > page.height;
+      require_undamaged("strip", strip, may_go_on);
     }
     undo_predictor(page, page.width, rows);
     if (alternates) take_alternating(one_of(page, sample), several, plane.subspan(start, bytes));
   }
 }
 
-void TiffFile::require_exact(const char* block, std::uint32_t number) const {
+void TiffFile::require_undamaged(const char* block, std::uint32_t number, bool may_go_on) const {
   const auto compression = tag_or<std::uint16_t>(handle_, TIFFTAG_COMPRESSION, COMPRESSION_NONE);
-  if (compression != COMPRESSION_PACKBITS || warning_->empty()) return;
-  reject(block + (" " + std::to_string(number)) + " is damaged: it holds more than its rows (" +
-         escaped(*warning_) + ")");
+  if (may_go_on && compression == COMPRESSION_PACKBITS) return;
+  const std::string damage = told_damage(compression, *warnings_);
+  if (damage.empty()) return;
+  reject(block + (" " + std::to_string(number)) + " is damaged (" + escaped(damage) +
+         "); copy the file again from its origin");
 }
 
 void TiffFile::undo_predictor(const TiffPage& page, std::int64_t row_pixels,
@@ -349,7 +376,7 @@ void TiffFile::read_tiles(const TiffPage& page, std::int64_t sample, std::span<s
       if (found != static_cast<tmsize_t>(tile_bytes)) {
         reject("tile " + std::to_string(number) + " is damaged or cut");
       }
-      require_exact("tile", number);
+      require_undamaged("tile", number, false);
       undo_predictor(page, tile_width, tile);
       const std::size_t bytes =
           static_cast<std::size_t>(std::min(tile_width, page.width - x)) * value_bytes;

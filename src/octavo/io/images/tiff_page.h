@@ -92,15 +92,16 @@ class TiffFile {
   /// rows  what is wanted of it; false and untouched when the strip holds no more than that
   bool read_padded_strip(std::uint32_t strip, std::int64_t padded_height,
                          std::span<std::byte> rows);
-  /// PackBits that make more bytes than a whole block has are damaged, which libtiff passes over
-  /// with a warning.
-  void require_exact(const char* block, std::uint32_t number) const;
+  /// PackBits that make more bytes than a whole block has are damaged, and so are JPEG pictures
+  /// without all of their values, which libtiff passes over with a warning.
+  /// may_go_on  behind the rows of the page
+  void require_undamaged(const char* block, std::uint32_t number, bool may_go_on) const;
   void read_tiles(const TiffPage& page, std::int64_t sample, std::span<std::byte> plane);
 
   std::string path_;
   SourceFile file_;
   std::unique_ptr<std::string> message_;
-  std::unique_ptr<std::string> warning_;
+  std::unique_ptr<std::string> warnings_;
   tiff* handle_ = nullptr;
 };
 

@@ -75,12 +75,37 @@ TEST(TiffPage, OfPackBitsThatMakeMoreThanABlockIsRejected) {
     write_file(folder.file("a.tif"), bytes);
   };
   damaged('\x81', row);  // the first value 128 times
-  expect_rejected(folder.file("a.tif"), {"strip 0 is damaged: it holds more than its rows"});
+  expect_rejected(folder.file("a.tif"), {"strip 0 is damaged (Discarding "});
   // The last strip may go on behind the page.
   sample.rows_per_strip = 2;
   damaged('\xf9', '\3' + sample.pages[0].substr(8));  // its first value 8 times
   EXPECT_EQ(voxels_of(*open_source({folder.file("a.tif")}, {})),
             sample.pages[0].substr(0, 8) + std::string(4, sample.pages[0][8]));
+}
+
+TEST(TiffPage, OfJpegWithoutAllItsValuesIsRejected) {
+  const TempFolder folder;
+  TiffSample sample;
+  sample.width = 64;
+  sample.height = 64;
+  sample.compression = COMPRESSION_JPEG;
+  sample.rows_per_strip = 64;
+  sample.pages = {counted(64 * 64, 1)};
+  write_tiff(folder.file("a.tif"), sample);
+  const std::string whole = read_file(folder.file("a.tif"));
+  const std::size_t end = whole.find("\xff\xd9", whole.find("\xff\xda"));
+  ASSERT_NE(end, std::string::npos);
+  // The mark behind the last value may lack.
+  std::string bytes = whole;
+  bytes.replace(end, 2, 2, '\0');
+  write_file(folder.file("a.tif"), bytes);
+  EXPECT_EQ(open_source({folder.file("a.tif")}, {})->description().size, (Size3{64, 64, 1}));
+  EXPECT_EQ(voxels_of(*open_source({folder.file("a.tif")}, {})).size(), 64U * 64);
+  // A mark in the middle ends them.
+  bytes = whole;
+  bytes.replace(end - 200, 2, "\xff\xd9");
+  write_file(folder.file("a.tif"), bytes);
+  expect_rejected(folder.file("a.tif"), {"strip 0 is damaged (Corrupt JPEG data"});
 }
 
 TEST(TiffPage, WithMirroredBytesIsNoPlainRun) {
