@@ -415,6 +415,14 @@ class PlaneDecoder {
     first_ = last_;
     coded_ = 0;
     const auto count = static_cast<int>(stage_.pairs.x);
+    if (stage_.cells == nullptr && !stage_.has_edges) {
+      // All pairs of all rows
+      const auto rows = std::min<std::int64_t>(stage_.pairs.y - last_, kMaxUnchecked / count);
+      std::fill_n(counts_, rows, count);
+      std::fill_n(pairs_, rows, first_pairs(count));
+      last_ += rows;
+      coded_ = count * static_cast<int>(rows);
+    }
     while (last_ < stage_.pairs.y && coded_ + count <= kMaxUnchecked) count_row(last_++);
     is_all_coded_ = coded_ == count * row_count();
     TokenRows rows{counts_, row_count(), contexts_, tokens_};
@@ -482,7 +490,7 @@ class PlaneDecoder {
   }
   void settle_one(const std::int16_t* residuals, std::int64_t y) {
     settle_row<kAxis>(stage_, work_, residuals, y, z_);
-    settle_weighted_row(stage_, work_, y, z_, residuals);
+    if (!stage_.last_pair.are_equal()) settle_weighted_row(stage_, work_, y, z_, residuals);
     fill_margins(work_.magnitudes[kAxis].row(y, z_), stage_.pairs.x);
   }
 
