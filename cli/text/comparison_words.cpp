@@ -26,6 +26,17 @@ std::string other_bits_text(const Comparison& c) {
                      counted_text(c.other_bits, "voxel"), c.other_bits == 1 ? "has" : "have");
 }
 
+/// Stored values were compared, and a slope makes others of their differences.
+bool has_other_real_values(const Comparison& c) {
+  return !c.is_real_units && c.max_real_difference != c.max_difference;
+}
+
+std::string largest_difference_text(const Comparison& c) {
+  const std::string real = number_text(c.max_real_difference);
+  if (!has_other_real_values(c)) return real;
+  return fmt::format("{} in real units ({} as stored)", real, number_text(c.max_difference));
+}
+
 }  // namespace
 
 std::vector<std::string> comparison_lines(const Comparison& c, const VolumeDescription& a,
@@ -49,9 +60,9 @@ std::vector<std::string> comparison_lines(const Comparison& c, const VolumeDescr
   if (c.different > 0) {
     const auto [first_a, first_b] = unlike_texts(c.first_values[0], c.first_values[1]);
     lines.push_back(fmt::format(
-        "voxels: {} of {} differ, by at most {}; first at x,y,z = {},{},{}: {} against {}",
-        count_text(c.different), count_text(c.voxels), number_text(c.max_difference), c.first.x,
-        c.first.y, c.first.z, first_a, first_b));
+        "voxels: {} of {} differ, by at most {}; first at x,y,z = {},{},{}: {} against {}{}",
+        count_text(c.different), count_text(c.voxels), largest_difference_text(c), c.first.x,
+        c.first.y, c.first.z, first_a, first_b, has_other_real_values(c) ? " as stored" : ""));
   }
   if (c.other_bits > 0) lines.push_back("bits: " + other_bits_text(c));
   return lines;
@@ -72,6 +83,7 @@ nlohmann::ordered_json comparison_json(const Comparison& c) {
                                    {"different", c.different},
                                    {"other_bits", c.other_bits},
                                    {"max_difference", c.max_difference},
+                                   {"max_real_difference", c.max_real_difference},
                                    {"first", nullptr}};
   if (c.is_place_known) object["shift_mm"] = c.shift_mm;
   if (c.different > 0) {
@@ -88,7 +100,7 @@ std::string equal_text(const CompareResult& result) {
                   : c.is_real_units ? "real values compared"
                                     : "stored values compared");
   if (c.max_difference > 0) {
-    text += fmt::format(", largest difference {}", number_text(c.max_difference));
+    text += ", largest difference " + largest_difference_text(c);
   }
   if (c.other_bits > 0) text += ", but " + other_bits_text(c);
   if (!c.is_same_type) {

@@ -5,7 +5,6 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
-#include <cmath>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -118,10 +117,7 @@ nb::dict compare_files(const OpenFile& a, const OpenFile& b, double max_error,
   row["same_place"] = found.is_same_place;
   row["shift_mm"] = found.shift_mm;
   row["different_voxels"] = found.different;
-  // Where two volumes have one rescale, their stored values were compared.
-  row["max_difference"] =
-      found.max_difference *
-      (found.is_real_units ? 1 : std::abs(a.reader().description().rescale.slope));
+  row["max_difference"] = found.max_real_difference;
   if (found.different > 0) {
     row["first_different"] = nb::make_tuple(found.first.z, found.first.y, found.first.x);
   } else {

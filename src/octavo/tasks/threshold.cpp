@@ -134,7 +134,9 @@ ComputedMask mask_of_classes(const FileReader& reader, const std::vector<ValueCl
                     label_description(volume, VoxelType::uint8, made_by(options, asked))};
   if (mask.tree.is_empty()) {
     const std::string& name = options.output.path.empty() ? options.input : options.output.path;
-    context.warn(name + ": no voxel lies in the range; the mask is empty");
+    const bool is_of_labels = options.ranges.empty() && options.tissues.empty();
+    const std::string none = is_of_labels ? "has such a label" : "lies in the range";
+    context.warn(name + ": no voxel " + none + "; the mask is empty");
   }
   return mask;
 }

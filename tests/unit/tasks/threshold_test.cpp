@@ -104,6 +104,18 @@ TEST_F(Threshold, AnEmptyMaskIsWrittenWithAWarning) {
   EXPECT_EQ(wrong_voxels([](double) { return 0; }), 0u);
 }
 
+TEST_F(Threshold, ALabelThatNoVoxelHasIsNamedAsOne) {
+  options_.classes = {{3, {0, 100}}};
+  threshold(options_, context_);
+  ThresholdOptions again;
+  again.input = mask_;
+  again.output = {folder_.file("again.8vo"), false};
+  again.labels = {{77}, {}};
+  EXPECT_EQ(threshold(again, context_).objects.front().voxels, 0u);
+  ASSERT_EQ(warnings_.size(), 1u);
+  EXPECT_NE(warnings_[0].text.find("no voxel has such a label"), std::string::npos);
+}
+
 TEST_F(Threshold, AnExistingFileIsReplacedOnlyWhenAsked) {
   options_.ranges = {{0, 100}};
   threshold(options_, context_);

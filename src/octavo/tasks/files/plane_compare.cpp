@@ -30,6 +30,9 @@ bool is_same(const Rescale& a, const Rescale& b) {
          static_cast<float>(a.intercept) == static_cast<float>(b.intercept);
 }
 
+/// A slope that no format rounds.
+bool is_whole(const Rescale& rescale) { return std::trunc(rescale.slope) == rescale.slope; }
+
 /// The voxels as numbers; a double holds every value of every voxel type.
 void fill_values(Side& side, bool real_units) {
   const VolumeDescription& d = side.source.description();
@@ -103,9 +106,12 @@ Comparison compare_grids(const VolumeDescription& a, const VolumeDescription& b)
 }
 
 double compared_tolerance(const VolumeDescription& a, const VolumeDescription& b, double real) {
-  constexpr double kDivisionRounding = 1e-12;
-  if (!is_same(a.rescale, b.rescale) || a.rescale.slope == 0) return real;
-  return real / std::abs(a.rescale.slope) * (1 + kDivisionRounding);
+  // A slope of 0.1 is 1.5e-8 more as a float, and so is every difference of values that it scales.
+  constexpr double kSlopeRounding = 1.2e-7;
+  const double forgiving = is_whole(a.rescale) && is_whole(b.rescale) ? 0 : kSlopeRounding;
+  const double tolerance = real * (1 + forgiving);
+  if (!is_same(a.rescale, b.rescale) || a.rescale.slope == 0) return tolerance;
+  return tolerance / std::abs(a.rescale.slope);
 }
 
 std::uint64_t compare_memory_bytes(const PlaneSource& a, const PlaneSource& b) {
@@ -134,6 +140,8 @@ Comparison compare_planes(PlaneSource& a, PlaneSource& b, double tolerance, Prog
     progress.advance(1);
   }
   progress.end();
+  const double unit = result.is_real_units ? 1 : std::abs(da.rescale.slope);
+  result.max_real_difference = result.max_difference * unit;
   return result;
 }
 

@@ -20,7 +20,8 @@ struct Comparison {
   bool is_by_digest = false;        ///< the digests that two files state were compared, no voxel
   std::int64_t voxels = 0;          ///< compared
   std::int64_t different = 0;
-  double max_difference = 0;        ///< of all voxels compared
+  double max_difference = 0;        ///< of all voxels compared, in the units that are compared
+  double max_real_difference = 0;   ///< the same in real units
   Index3 first;                     ///< the first different voxel in z, y, x order
   std::array<double, 2> first_values{};
   /// Voxels of one value but of other bits, -0 and the payloads of NaN, where stored floats are
@@ -38,7 +39,8 @@ struct Comparison {
 /// Compares everything but the voxels.
 Comparison compare_grids(const VolumeDescription& a, const VolumeDescription& b);
 
-/// A tolerance in real units as compare_planes takes it for these two volumes.
+/// A tolerance in real units as compare_planes takes it for these two volumes. It forgives what
+/// the float32 of a slope that is not whole adds to a difference.
 double compared_tolerance(const VolumeDescription& a, const VolumeDescription& b, double real);
 
 /// What compare_planes takes, with what the sources hold.

@@ -26,6 +26,19 @@ TEST_F(Compare, CountsWhatLiesFurtherApartThanAllowed) {
   EXPECT_TRUE(compare_volumes({.a = a, .b = b, .max_error = 5}, context_).comparison.is_equal());
 }
 
+TEST_F(Compare, AToleranceForgivesTheFloatOfASlope) {
+  const double slope = 0.1f;
+  const std::string a = write_grey("a.8vo", {slope, 1});
+  voxels_[1234] = static_cast<std::int16_t>(voxels_[1234] + 5);
+  const std::string b = write_grey("b.8vo", {slope, 1});
+  const Comparison found = compare_volumes({.a = a, .b = b, .max_error = 0.5}, context_).comparison;
+  EXPECT_TRUE(found.is_equal());
+  EXPECT_EQ(found.max_difference, 5);
+  EXPECT_DOUBLE_EQ(found.max_real_difference, 5 * slope);
+  EXPECT_FALSE(
+      compare_volumes({.a = a, .b = b, .max_error = 0.49999}, context_).comparison.is_equal());
+}
+
 TEST_F(Compare, ReadsNoVoxelWhereFilesStateTheSameDigestUnlessAsked) {
   const std::string a = write_grey("a.8vo");
   const std::string b = write_grey("b.8vo");
