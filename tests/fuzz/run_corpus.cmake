@@ -14,7 +14,7 @@ endforeach()
 
 # fuzz_simd holds portable decoders against those of this build.
 octavo_decoders(portable ${decoder_sources})
-octavo_unity(decoders_portable)
+octavo_unity(decoders_portable 32)
 target_compile_options(decoders_portable PRIVATE $<$<CONFIG:Release>:-O1>)
 set_property(SOURCE fuzz_simd.cpp APPEND PROPERTY COMPILE_DEFINITIONS octavo_simd=octavo)
 target_sources(run_corpus PRIVATE decoded_brick.cpp)
