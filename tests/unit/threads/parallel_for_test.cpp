@@ -16,7 +16,7 @@ namespace {
 
 TEST(ParallelFor, CallsEachNumberOnce) {
   for (const int threads : {1, 3}) {
-    for (const std::size_t count : {0, 1, 7, 1000}) {
+    for (const std::size_t count : {0u, 1u, 7u, 1000u}) {
       std::vector<std::atomic<int>> calls(count);
       run_in_arena(threads, [&] {
         parallel_for(std::size_t{0}, count, [&](std::size_t i) { ++calls[i]; });

@@ -17,7 +17,7 @@ std::vector<std::uint32_t> numbers_below(std::uint32_t limit, std::size_t count)
 
 TEST(ParallelSort, SortsAsOneThreadDoes) {
   for (const int threads : {1, 2, 3, 8}) {
-    for (const std::size_t count : {0, 1, 2, 4096, 8191, 8192, 50001}) {
+    for (const std::size_t count : {0u, 1u, 2u, 4096u, 8191u, 8192u, 50001u}) {
       for (const std::uint32_t limit : {5u, 1u << 31}) {
         std::vector<std::uint32_t> numbers = numbers_below(limit, count);
         std::vector<std::uint32_t> expected = numbers;
