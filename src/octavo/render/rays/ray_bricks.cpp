@@ -33,11 +33,15 @@ std::int64_t first_cube(std::int64_t sample) {
 
 bool is_pooled_wide(VoxelType type) { return bytes_per_voxel(type) > 2; }
 
-PooledScale scale_of(VoxelType type, const SampleRange& range) {
+/// So far below the values that of the way from NaN to one of them at least half shows nothing.
+constexpr double kNanPooled = -1;
+
+PooledScale scale_of(VoxelType type, const SampleRange& range, bool is_nan_empty) {
   if (type == VoxelType::uint16) return {range.highest > 32767 ? 32768.0 : 0.0, 1};
   if (!is_pooled_wide(type)) return {};
   const double width = range.highest - range.lowest;
-  return {range.lowest, width > 0 ? 1 / width : 1, width > 0 ? 1.0 : 0.0};
+  return {range.lowest, width > 0 ? 1 / width : 1, width > 0 ? 1.0 : 0.0,
+          is_nan_empty && !is_integer(type) ? kNanPooled : 0};
 }
 
 /// Bounds as rays find values between samples: as far off as roundings go.
@@ -49,8 +53,9 @@ Pooled pooled_value(T value, const PooledScale& scale) {
     return static_cast<std::int16_t>(static_cast<std::int32_t>(value) -
                                      static_cast<std::int32_t>(scale.offset));
   } else {
-    // What is not finite counts as the highest or lowest finite value, NaN as the lowest.
+    // Infinities count as the highest or lowest finite value, NaN by itself.
     const double share = scale.pooled(static_cast<double>(value));
+    if (std::isnan(share)) return static_cast<float>(scale.of_nan);
     return share >= 0 ? static_cast<float>(std::min(share, scale.highest)) : 0.0f;
   }
 }
@@ -98,7 +103,7 @@ RayBricks::RayBricks(const SampleSource& source, const Options& options)
       cubes_(std::size_t{1} << 3 * (options.brick_shift - kSkipShift)),
       groups_(std::size_t{1} << 3 * (options.brick_shift - kGroupShift)),
       is_wide_(is_pooled_wide(source.type())),
-      scale_(scale_of(source.type(), source.range())),
+      scale_(scale_of(source.type(), source.range(), options.is_nan_empty)),
       look_source_(options.looks) {
   for (int axis = 0; axis < 3; ++axis) {
     grid_[axis] = (size_[axis] + (std::int64_t{1} << shift_) - 1) >> shift_;
@@ -144,7 +149,8 @@ RayBricks::RayBricks(const SampleSource& source, const Options& options)
 
 SampleRange RayBricks::range() const {
   const SampleRange range = source_.range();
-  return {scale_.pooled(range.lowest), scale_.pooled(range.highest)};
+  return {scale_.of_nan < 0 ? scale_.of_nan : scale_.pooled(range.lowest),
+          scale_.pooled(range.highest)};
 }
 
 Index3 RayBricks::place_of(std::int32_t brick) const {

@@ -7,7 +7,8 @@
 // Bricks that are loaded together are read once each. What they hold of a neighbor comes out of
 // that neighbor where it is in memory; one that is not is read once for all of them.
 //
-// Samples of up to 16 bits are kept as int16, others as floats between 0 and 1: pooled values.
+// Samples of up to 16 bits are kept as int16, others as floats between 0 and 1: pooled values. NaN
+// is the lowest of them or, where it is empty space, lies below.
 #pragma once
 
 #include <cstdint>
@@ -30,6 +31,7 @@ struct PooledScale {
   double offset = 0;
   double scale = 1;
   double highest = 1;  ///< pooled value, where these are shares of a range
+  double of_nan = 0;   ///< pooled value; below all others it is that of nothing
 
   double pooled(double stored) const { return (stored - offset) * scale; }
   double stored(double pooled) const { return pooled / scale + offset; }
@@ -47,6 +49,7 @@ class RayBricks {
     int brick_shift = 6;                                 ///< their side is 1 << it, at least 8
     std::uint64_t memory_bytes = std::uint64_t{1} << 30;  ///< for bricks, at most
     const LookSource* looks = nullptr;  ///< on the same grid; none: all voxels look alike
+    bool is_nan_empty = false;  ///< NaN lies below all values; otherwise it is the lowest of them
   };
 
   /// `source` and looks must outlive this.
@@ -55,7 +58,7 @@ class RayBricks {
 
   const PooledScale& scale() const { return scale_; }
   const Size3& size() const { return size_; }
-  /// Bounds of all pooled values.
+  /// Bounds of all pooled values, that of NaN included where it lies below them.
   SampleRange range() const;
 
   /// Sets what can be skipped, of the bricks in memory and those to come.

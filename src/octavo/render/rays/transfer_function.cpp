@@ -86,6 +86,12 @@ struct LayerIntegral {
   }
 };
 
+bool is_any_seen_at(double value, std::span<const SteppedTransfer> transfers) {
+  return std::any_of(transfers.begin(), transfers.end(), [&](const SteppedTransfer& stepped) {
+    return stepped.transfer.opacity_at(value) > 0;
+  });
+}
+
 }  // namespace
 
 Color TransferFunction::color_at(double value) const {
@@ -192,8 +198,10 @@ TransferTable::TransferTable(std::span<const SteppedTransfer> transfers, const R
 /// functions begin with a step, the first value has what is above it.
 void TransferTable::set_pieces(std::span<const SteppedTransfer> transfers, const Rescale& rescale,
                                const PooledScale& scale, const SampleRange& pooled) {
+  const bool is_nan_below = scale.of_nan < 0;
+  const double lowest = is_nan_below ? 0 : pooled.lowest;
   double low = pooled.highest;
-  double high = pooled.lowest;
+  double high = lowest;
   bool is_step = false;
   for (const SteppedTransfer& stepped : transfers) {
     const auto& points = stepped.transfer.points;
@@ -202,18 +210,23 @@ void TransferTable::set_pieces(std::span<const SteppedTransfer> transfers, const
     is_step = is_step || (points.size() > 1 && points[0].value == points[1].value);
     for (const TransferPoint& point : {points.front(), points.back()}) {
       const double stored = (point.value - rescale.intercept) / rescale.slope;
-      const double value = std::clamp(scale.pooled(stored), pooled.lowest, pooled.highest);
+      const double value = std::clamp(scale.pooled(stored), lowest, pooled.highest);
       low = std::min(low, value);
       high = std::max(high, value);
     }
   }
   high = std::max(low, high);
-  colored_width_ = high - low;
-  const double all = pooled.highest > pooled.lowest ? pooled.highest - pooled.lowest : 1.0;
-  const double overlap = std::min(kOuterOverlap * all, kOverlapBetween * (high - low));
   const bool is_falling = rescale.slope < 0;
+  bool is_low_step = is_step && !is_falling;
+  if (is_nan_below && is_any_seen_at(rescale.to_real(scale.stored(lowest)), transfers)) {
+    low = lowest;
+    is_low_step = true;
+  }
+  colored_width_ = high - low;
+  const double all = pooled.highest > lowest ? pooled.highest - lowest : 1.0;
+  const double overlap = std::min(kOuterOverlap * all, kOverlapBetween * (high - low));
   const double ends[] = {std::min(pooled.lowest, low - kOuterMinimum * all),
-                         low + (is_step && !is_falling ? -overlap : overlap),
+                         low + (is_low_step ? -overlap : overlap),
                          high + (is_step && is_falling ? overlap : -overlap),
                          std::max(pooled.highest, high + kOuterMinimum * all)};
   last_value_ = ends[3];
@@ -238,10 +251,12 @@ void TransferTable::add(const SteppedTransfer& stepped, const Rescale& rescale,
     const double begin = value_at(static_cast<double>(part) / kEntryParts);
     const double end = value_at(static_cast<double>(part + 1) / kEntryParts);
     const double real = rescale.to_real(scale.stored(0.5 * (begin + end)));
+    const bool is_nan = scale.of_nan < 0 && begin + end < 0;
+    const double opacity = is_nan ? 0 : transfer.opacity_at(real);
     // Entries beyond the last value are as that is.
     const double width = end > begin ? end - begin : unused_width_;
     sums.push_back(sums.back());
-    sums.back().add(transfer.color_at(real), extinction_of(transfer.opacity_at(real)), width);
+    sums.back().add(transfer.color_at(real), extinction_of(opacity), width);
   }
 
   // A step from the middle of an entry to that of another one; within an entry over all of it.

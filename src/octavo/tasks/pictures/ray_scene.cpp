@@ -62,6 +62,7 @@ RayBricks::Options brick_options(const RenderOptions& asked, const SceneMeshes& 
                                  const LookSource* looks, const TaskContext& context) {
   RayBricks::Options options;
   options.looks = looks;
+  options.is_nan_empty = asked.mode == RenderMode::volume;
   if (context.max_memory_bytes != 0) {
     const std::uint64_t left = context.max_memory_bytes / 2;
     std::uint64_t taken = field_bytes(asked) + meshes.memory_bytes();
@@ -370,6 +371,7 @@ class RayScene final : public RenderScene {
       };
     } else {
       matter.has_gradient = transfer_.gradient.has_value();
+      matter.is_nan_empty = true;
       matter.extinction = [this](const SceneMatter::Cell& cell) { return extinction_of(cell); };
     }
     if (looks_) {

@@ -21,7 +21,8 @@ struct LightValues {
   double high = 0;
   double of_nan = 0;
 
-  /// As rays take it: what is not finite is the lowest or highest stored value, NaN the lowest.
+  /// As rays take it: what is not finite is the lowest or highest stored value, and NaN, where
+  /// it is not empty, the lowest.
   double shown(std::size_t i) const {
     const double value = static_cast<double>(real[i]);
     return std::isnan(value) ? of_nan : std::clamp(value, low, high);
@@ -117,7 +118,8 @@ std::unique_ptr<RayShade> scene_light(const FileReader& reader, int level,
     const bool is_shown =
         kept.contains(at) && std::none_of(removed.begin(), removed.end(),
                                           [&](const Box& box) { return box.contains(at); });
-    if (is_shown) {
+    const bool is_empty = matter.is_nan_empty && std::isnan(values.real[i]);
+    if (is_shown && !is_empty) {
       const double gradient =
           matter.has_gradient ? gradient_of(values.real, grid.size, spacing, at) : 0;
       grid.per_mm[i] = static_cast<float>(

@@ -26,6 +26,7 @@ struct SceneMatter {
   /// The looks of a level; none: all look alike.
   std::function<std::unique_ptr<LookSource>(int level)> looks;
   bool has_gradient = false;   ///< otherwise gradients are 0
+  bool is_nan_empty = false;   ///< otherwise NaN is the lowest value stored
   Box kept;                    ///< voxels of level 0; what lies around them lets all light through
   std::vector<Box> removed;    ///< and what lies in these
 };

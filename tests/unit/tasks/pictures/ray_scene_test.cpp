@@ -500,6 +500,40 @@ TEST_F(RayScenes, ASurfaceOfNoFiniteValueIsRejected) {
   });
 }
 
+TEST_F(RayScenes, WhatHasNoValueIsEmptySpace) {
+  std::ofstream(folder_.file("fog.json"))
+      << R"({"points": [{"value": -90, "color": "red", "opacity": 0.5}]})";
+  options_.transfer = folder_.file("fog.json");
+  int built = 0;
+  const auto seen_pixels = [&](float around, double slope) {
+    testing::Volume volume;
+    volume.description.size = {24, 24, 24};
+    volume.description.type = VoxelType::float32;
+    volume.description.rescale = {slope, 0};
+    for (int i = 0; i < 24 * 24 * 24; ++i) {
+      const std::array at{i % 24, i / 24 % 24, i / (24 * 24)};
+      const bool is_inside = std::ranges::all_of(at, [](int n) { return n / 6 % 3 != 0; });
+      const float value = is_inside ? static_cast<float>(i % 2) : around;
+      const auto* const bytes = reinterpret_cast<const std::byte*>(&value);
+      volume.voxels.insert(volume.voxels.end(), bytes, bytes + sizeof value);
+    }
+    options_.input = folder_.file("fog" + std::to_string(built++) + ".8vo");
+    testing::build_volume(volume, options_.input, 1);
+    const Picture picture = in_colors(draw(RenderMode::volume));
+    std::int64_t seen = 0;
+    for (std::size_t i = 0; i < picture.pixels.size(); i += 3) {
+      seen += std::equal(&picture.pixels[i], &picture.pixels[i] + 3, &picture.pixels[0]) ? 0 : 1;
+    }
+    return seen;
+  };
+  for (const double slope : {1.0, -1.0}) {
+    const std::int64_t inside = seen_pixels(std::numeric_limits<float>::quiet_NaN(), slope);
+    const std::int64_t all = seen_pixels(0, slope);
+    EXPECT_GT(inside, all / 5) << slope;
+    EXPECT_LT(inside, all * 2 / 5) << slope;
+  }
+}
+
 TEST_F(RayScenes, MemoryForNoBrickIsRejected) {
   options_.mode = RenderMode::volume;
   context_.max_memory_bytes = 1'500'000;
