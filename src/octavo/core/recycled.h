@@ -48,6 +48,13 @@ class Recycled {
     if (own != nullptr && own->count < kMostKept) own->buffers[own->count++] = std::move(buffer_);
   }
 
+  /// Makes room for so many bytes, but not of a buffer more than twice as large, which goes back
+  /// to the system: for what is held for long, by caches that count what they asked for.
+  void hold(std::size_t bytes) {
+    if (capacity_of(buffer_) / 2 > bytes) buffer_ = Buffer();
+    buffer_.resize(bytes);
+  }
+
   Buffer& operator*() { return buffer_; }
   const Buffer& operator*() const { return buffer_; }
   Buffer* operator->() { return &buffer_; }

@@ -41,6 +41,23 @@ TEST(Recycled, IsKeptByTheThreadThatIsDoneWithIt) {
   }).join();
 }
 
+TEST(Recycled, WhatIsHeldIsLittleLargerThanAskedFor) {
+  {
+    FirstBytes bytes;
+    bytes->resize(100'000);
+  }
+  {
+    FirstBytes held;
+    held.hold(1000);
+    EXPECT_EQ(held->size(), 1000u);
+    EXPECT_LE(held->capacity(), 2000u);
+  }
+  FirstBytes next;
+  const std::byte* const memory = next->data();
+  next.hold(600);
+  EXPECT_EQ(next->data(), memory);
+}
+
 TEST(Recycled, LargeBuffersAndManyAreGivenBack) {
   using ManyBytes = Recycled<std::array<Bytes, 2>, FirstUse>;
   {

@@ -131,7 +131,7 @@ CoarseSamples<Sample>::CoarseSamples(SampleGrid<Sample>& grid)
   const Size3& size = grid.size();
   // All of them are written below.
   const auto count = static_cast<std::size_t>(row_ * rows_ * (size.z + 2 * kYZ));
-  bytes_->resize(count * sizeof(Sample));
+  bytes_.hold(count * sizeof(Sample));
   samples_ = reinterpret_cast<Sample*>(bytes_->data());
   for (std::int64_t z = -kYZ; z < size.z + kYZ; ++z) {
     for (std::int64_t y = -kYZ; y < size.y + kYZ; ++y) {
