@@ -230,21 +230,20 @@ struct TokenStream {
 /// No states: what stands behind the last vector of them.
 template <class D>
 struct NoStates {
-  HWY_INLINE void load(const std::uint32_t*) {}
+  HWY_INLINE explicit NoStates(const std::uint32_t*) {}
   HWY_INLINE void store(std::uint32_t*) const {}
   HWY_INLINE void take_round(TokenStream<D>&, const std::uint16_t*, std::uint16_t*) {}
   HWY_INLINE void take_rest(TokenStream<D>&, const std::uint16_t*, int, std::uint16_t*) {}
 };
 
-/// Vectors of states, one by one: compilers keep no arrays in registers.
+/// Vectors of states, one by one: compilers keep no arrays in registers. Nor do they make vectors
+/// of an instruction set in constructors that are not written out.
 template <class D, int kVectors>
 struct StateVectors {
   static constexpr int kLanes = TokenStream<D>::kLanes;
 
-  HWY_INLINE void load(const std::uint32_t* from) {
-    first = hn::Load(D(), from);
-    others.load(from + kLanes);
-  }
+  HWY_INLINE explicit StateVectors(const std::uint32_t* from)
+      : first(hn::Load(D(), from)), others(from + kLanes) {}
   HWY_INLINE void store(std::uint32_t* to) const {
     hn::Store(first, D(), to);
     others.store(to + kLanes);
@@ -274,9 +273,7 @@ template <int kStates>
 class TokenStates {
  public:
   HWY_INLINE explicit TokenStates(const SymbolReader& symbols)
-      : stream_{symbols.slots, symbols.words, hn::Zero(D())} {
-    states_.load(symbols.states);
-  }
+      : stream_{symbols.slots, symbols.words, hn::Zero(D())}, states_(symbols.states) {}
   HWY_INLINE void give_back(SymbolReader& symbols) const {
     states_.store(symbols.states);
     symbols.words = stream_.words;
@@ -303,7 +300,7 @@ class TokenStates {
   }
 
  private:
-  using D = hn::CappedTag<std::uint32_t, std::min(kStates, 16)>;
+  using D = hn::CappedTag<std::uint32_t, std::min<std::size_t>(kStates, 16)>;
   static constexpr int kVectors = kStates / TokenStream<D>::kLanes;
 
   TokenStream<D> stream_;
