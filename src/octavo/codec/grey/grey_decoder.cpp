@@ -272,7 +272,7 @@ class PartDecoder {
         std::rotate(end, other, other + 1);
         ++end;
       }
-      decode_some(std::span(first, end));
+      decode_some({&*first, static_cast<std::size_t>(end - first)});
       first = end;
     }
   }
