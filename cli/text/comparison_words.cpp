@@ -37,6 +37,15 @@ std::string largest_difference_text(const Comparison& c) {
   return fmt::format("{} in real units ({} as stored)", real, number_text(c.max_difference));
 }
 
+/// How far those voxels are apart that differ.
+std::string difference_words(const Comparison& c) {
+  const std::string by_at_most = "by at most " + largest_difference_text(c);
+  if (c.nan_in_one == 0) return by_at_most;
+  if (c.nan_in_one == c.different) return "all of them NaN in one alone";
+  return fmt::format("{} of them NaN in one alone, others {}", count_text(c.nan_in_one),
+                     by_at_most);
+}
+
 }  // namespace
 
 std::vector<std::string> comparison_lines(const Comparison& c, const VolumeDescription& a,
@@ -60,8 +69,8 @@ std::vector<std::string> comparison_lines(const Comparison& c, const VolumeDescr
   if (c.different > 0) {
     const auto [first_a, first_b] = unlike_texts(c.first_values[0], c.first_values[1]);
     lines.push_back(fmt::format(
-        "voxels: {} of {} differ, by at most {}; first at x,y,z = {},{},{}: {} against {}{}",
-        count_text(c.different), count_text(c.voxels), largest_difference_text(c), c.first.x,
+        "voxels: {} of {} differ, {}; first at x,y,z = {},{},{}: {} against {}{}",
+        count_text(c.different), count_text(c.voxels), difference_words(c), c.first.x,
         c.first.y, c.first.z, first_a, first_b, has_other_real_values(c) ? " as stored" : ""));
   }
   if (c.other_bits > 0) lines.push_back("bits: " + other_bits_text(c));
@@ -81,6 +90,7 @@ nlohmann::ordered_json comparison_json(const Comparison& c) {
                                                                      : "stored"},
                                    {"voxels", c.voxels},
                                    {"different", c.different},
+                                   {"nan_in_one", c.nan_in_one},
                                    {"other_bits", c.other_bits},
                                    {"max_difference", c.max_difference},
                                    {"max_real_difference", c.max_real_difference},

@@ -25,7 +25,10 @@ std::string place_number(double value, double step) {
 }
 
 std::string with_unit(double value, std::string_view unit) {
-  const std::string number = short_number(value);
+  return with_unit(short_number(value), unit);
+}
+
+std::string with_unit(const std::string& number, std::string_view unit) {
   return unit.empty() ? number : number + " " + std::string(unit);
 }
 

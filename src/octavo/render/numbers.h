@@ -18,6 +18,7 @@ std::string place_number(double value, double step);
 
 /// "12.5 HU"; the number alone where there is no unit.
 std::string with_unit(double value, std::string_view unit);
+std::string with_unit(const std::string& number, std::string_view unit);
 
 /// "0.957 x 0.957 x 1.5" with the separator in between, numbers as short_number gives them.
 std::string joined(const Point3& point, std::string_view separator, int digits = 4);

@@ -9,15 +9,12 @@
 #include "octavo/core/error.h"
 #include "octavo/core/text.h"
 #include "octavo/io/source/value_unit.h"
+#include "octavo/render/numbers.h"
 #include "octavo/tasks/value_ranges.h"
 
 namespace octavo {
 
 namespace {
-
-std::string with_unit(const std::string& number, const std::string& unit) {
-  return unit.empty() ? number : number + " " + unit;
-}
 
 /// With the digits that tell a number from all other float32, by which a range finds it.
 std::string float_digits(double value) {

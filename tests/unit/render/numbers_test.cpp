@@ -14,6 +14,7 @@ TEST(Numbers, AreShortButKeepAllDigitsBeforeThePoint) {
   EXPECT_EQ(short_number(-1e-30 * 0), "0");
   EXPECT_EQ(with_unit(40, "HU"), "40 HU");
   EXPECT_EQ(with_unit(40, ""), "40");
+  EXPECT_EQ(with_unit("0.40", "mm"), "0.40 mm");
   EXPECT_EQ(joined({0.957031, 0.957031, 1.5}, " x ", 3), "0.957 x 0.957 x 1.5");
 }
 

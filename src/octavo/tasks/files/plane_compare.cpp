@@ -85,7 +85,7 @@ void compare_plane(Side& a, Side& b, std::int64_t z, double tolerance, Compariso
       result.first = {at % width, at / width, z};
       result.first_values = {a.values[i], b.values[i]};
     }
-    if (std::isnan(distance)) result.max_difference = distance;
+    if (std::isnan(distance)) ++result.nan_in_one;
   }
 }
 

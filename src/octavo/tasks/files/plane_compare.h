@@ -20,7 +20,8 @@ struct Comparison {
   bool is_by_digest = false;        ///< the digests that two files state were compared, no voxel
   std::int64_t voxels = 0;          ///< compared
   std::int64_t different = 0;
-  double max_difference = 0;        ///< of all voxels compared, in the units that are compared
+  std::int64_t nan_in_one = 0;      ///< of the different ones: NaN in one volume alone
+  double max_difference = 0;        ///< of voxels that are no NaN, in the units that are compared
   double max_real_difference = 0;   ///< the same in real units
   Index3 first;                     ///< the first different voxel in z, y, x order
   std::array<double, 2> first_values{};

@@ -224,8 +224,9 @@ class RayScene final : public RenderScene {
       }
       legend.colors.push_back(mixed);
     }
+    const double step = (high - low) / 10;
     const std::string unit = unit_of(reader_->description());
-    legend.ends = {number_text(std::round(low)), with_unit(std::round(high), unit)};
+    legend.ends = {place_number(low, step), with_unit(place_number(high, step), unit)};
     return legend;
   }
 
@@ -456,13 +457,11 @@ class RayScene final : public RenderScene {
     const bool is_above = isovalue_ > std::max(static_cast<float>(bricks_.range().lowest) * sign_,
                                                static_cast<float>(bricks_.range().highest) * sign_);
     if (is_above) {
+      const auto [low, high] =
+          std::minmax({rescale_.to_real(range.lowest), rescale_.to_real(range.highest)});
       throw Error(ErrorKind::invalid_argument,
                   fmt::format("no voxel is at or above {}; values run from {} to {}",
-                              number_text(*asked_.isovalue),
-                              number_text(std::min(rescale_.to_real(range.lowest),
-                                                   rescale_.to_real(range.highest))),
-                              number_text(std::max(rescale_.to_real(range.lowest),
-                                                   rescale_.to_real(range.highest)))),
+                              number_text(*asked_.isovalue), number_text(low), number_text(high)),
                   asked_.input)
           .with_field("isovalue.range");
     }

@@ -42,6 +42,10 @@ TEST(PlaneCompare, WithinAToleranceBitsAreOfNoAccount) {
 
 TEST(PlaneCompare, NanIsNoNumber) {
   EXPECT_EQ(compared({kNan}, {0.0f}, 1e9).different, 1);
+  const Comparison c = compared({1.0f, kNan, 0.0f, kNan}, {1.5f, 2.0f, 0.0f, kNan}, 0);
+  EXPECT_EQ(c.different, 2);
+  EXPECT_EQ(c.nan_in_one, 1);
+  EXPECT_EQ(c.max_difference, 0.5);
 }
 
 }  // namespace
