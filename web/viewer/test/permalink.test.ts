@@ -137,3 +137,17 @@ test("an address that is not taken is a sentence", () => {
   assert.equal(rejectedAddresses("?url=a.8vo&labels=https://b/c.8vo", base).size, 0);
   assert.equal(rejectedAddresses("?at=1,2,3", base).size, 0);
 });
+
+test("numbers of a link are read as the same numbers", () => {
+  const link = {
+    window: { center: 1.0000046889, width: 7.47e-6 },
+    iso: 16777219,
+    opacity: 0.12345678,
+    curve: [
+      { value: 1.0000011, color: [1, 2, 3], opacity: 0.30000001 },
+      { value: 1e21, color: [4, 5, 6], opacity: 1 },
+    ],
+  } as const;
+  const base = "https://a.org/";
+  assert.deepEqual(parsePermalink(permalinkText(link, base), base), link);
+});

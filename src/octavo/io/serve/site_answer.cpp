@@ -226,25 +226,25 @@ class Answering {
 
 RangeState parse_asked_range(std::string_view field, std::uint64_t size, ServedRange& range) {
   constexpr std::string_view kUnit = "bytes=";
-  if (!starts_with_word(field, kUnit)) {
-    return starts_with_word(field, "bytes") ? RangeState::wrong : RangeState::none;
-  }
+  if (!starts_with_word(field, kUnit)) return RangeState::none;
   field.remove_prefix(kUnit.size());
   const std::size_t dash = field.find('-');
-  if (dash == std::string_view::npos) return RangeState::wrong;
+  if (dash == std::string_view::npos) return RangeState::none;
   const std::string_view low = field.substr(0, dash);
   const std::string_view high = field.substr(dash + 1);
   const auto last = number_of(high);
-  if (!high.empty() && !last) return RangeState::wrong;
+  if (!high.empty() && !last) return RangeState::none;
   if (low.empty()) {
     // The last bytes.
-    if (!last || *last == 0 || size == 0) return RangeState::wrong;
+    if (!last) return RangeState::none;
+    if (*last == 0 || size == 0) return RangeState::wrong;
     const std::uint64_t length = std::min(*last, size);
     range = {size - length, length};
     return RangeState::some;
   }
   const auto first = number_of(low);
-  if (!first || *first >= size || (last && *last < *first)) return RangeState::wrong;
+  if (!first || (last && *last < *first)) return RangeState::none;
+  if (*first >= size) return RangeState::wrong;
   const std::uint64_t end = last ? std::min(*last, size - 1) : size - 1;
   range = {*first, end - *first + 1};
   return RangeState::some;

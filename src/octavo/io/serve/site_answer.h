@@ -8,7 +8,7 @@
 //     anything but GET and HEAD                    405; OPTIONS for allowed origins 204
 //     If-Match of other bytes                      412
 //     If-None-Match of these bytes                 304
-//     a range that starts behind the end, several  416
+//     a range without a byte of the file           416
 //     a range, and no If-Range or that of now      206
 //     all else                                     200, all of it
 #pragma once
@@ -56,8 +56,8 @@ struct ServedRange {
 
 enum class RangeState { none, some, wrong };
 
-/// What a Range field asks for. Units other than bytes count as none; several ranges, and one that
-/// has no byte of the file, as wrong.
+/// What a Range field asks for. Units other than bytes, several ranges and what is no range count
+/// as none, which RFC 9110 lets servers ignore; a range that has no byte of the file as wrong.
 RangeState parse_asked_range(std::string_view field, std::uint64_t size, ServedRange& range);
 
 /// Whether a request is for what stands behind a folder of the table: the answer may take time to

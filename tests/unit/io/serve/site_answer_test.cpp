@@ -58,20 +58,24 @@ TEST(ServedRange, IsOneRunOfBytesThatAreThere) {
       {"bytes=-5000", RangeState::some, {0, 1000}},
       {"bytes=1000-", RangeState::wrong, {}},
       {"bytes=99999999999999999999999999-", RangeState::wrong, {}},
-      {"bytes=20-10", RangeState::wrong, {}},
+      {"bytes=20-10", RangeState::none, {}},
       {"bytes=-0", RangeState::wrong, {}},
-      {"bytes=-", RangeState::wrong, {}},
-      {"bytes=", RangeState::wrong, {}},
-      {"bytes=0-1,5-6", RangeState::wrong, {}},
-      {"bytes=0x1-2", RangeState::wrong, {}},
-      {"bytes=+1-2", RangeState::wrong, {}},
-      {"bytes=1 - 2", RangeState::wrong, {}},
-      {"bytes 1-2", RangeState::wrong, {}},
+      {"bytes=-", RangeState::none, {}},
+      {"bytes=", RangeState::none, {}},
+      {"bytes=0-1,5-6", RangeState::none, {}},
+      {"bytes=0x1-2", RangeState::none, {}},
+      {"bytes=+1-2", RangeState::none, {}},
+      {"bytes=1 - 2", RangeState::none, {}},
+      {"bytes 1-2", RangeState::none, {}},
       {"Bytes=10-19", RangeState::some, {10, 10}},
       {"BYTES=-10", RangeState::some, {990, 10}},
-      {"BYTES 1-2", RangeState::wrong, {}},
+      {"BYTES 1-2", RangeState::none, {}},
       {"byte", RangeState::none, {}},
       {"lines=1-2", RangeState::none, {}},
+      {"bytes=5000-6000,0-9", RangeState::none, {}},
+      {"bytes=1-2-3", RangeState::none, {}},
+      {"bytes=5000-4000", RangeState::none, {}},
+      {"bytes=1000-1000", RangeState::wrong, {}},
   };
   for (const auto& row : rows) {
     ServedRange range;
@@ -105,6 +109,12 @@ TEST(SiteAnswer, GivesAllOfAFileOrARange) {
   head.range = "bytes=1000-";
   EXPECT_EQ(answer_to(head).status, 416);
   EXPECT_TRUE(has(answer_to(head), "Content-Range: bytes */1000\r\n"));
+  for (const char* ignored : {"bytes=0-9,20-29", "bytes=5-2"}) {
+    head.range = ignored;
+    EXPECT_EQ(answer_to(head).status, 200) << ignored;
+    EXPECT_TRUE(has(answer_to(head), "Content-Length: 1000\r\n")) << ignored;
+    EXPECT_FALSE(has(answer_to(head), "Content-Range")) << ignored;
+  }
 }
 
 TEST(SiteAnswer, SaysOnceHowLongAnAnswerMayBeKept) {

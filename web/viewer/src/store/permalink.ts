@@ -9,7 +9,7 @@
 import { type Box, type Vec3 } from "../reader/volume.js";
 import { type Camera } from "../view/camera.js";
 import { type Transfer, type TransferPoint, TRANSFER_PRESETS } from "../view/transfer.js";
-import { type Window, numbers, parseWindow, shortNumber, windowText } from "../view/window.js";
+import { type Window, numbers, parseWindow, windowText } from "../view/window.js";
 
 export const LAYOUTS = ["four", "x", "y", "z", "3d"] as const;
 export type Layout = (typeof LAYOUTS)[number];
@@ -73,7 +73,7 @@ function curveText(curve: string | Transfer): string {
   if (typeof curve === "string") return curve;
   const hex = (c: number): string => Math.round(c).toString(16).padStart(2, "0");
   return curve
-    .map((p) => `${shortNumber(p.value)}:${shortNumber(p.opacity)}:${p.color.map(hex).join("")}`)
+    .map((p) => `${p.value}:${p.opacity}:${p.color.map(hex).join("")}`)
     .join(",");
 }
 
@@ -204,13 +204,13 @@ export function permalinkText(link: Permalink, base: string, search = ""): strin
   put("window", link.window && windowText(link.window));
   put("layout", link.layout === "four" ? undefined : link.layout);
   put("mode", link.mode);
-  put("iso", link.iso === undefined ? undefined : shortNumber(link.iso));
+  put("iso", link.iso === undefined ? undefined : String(link.iso));
   const c = link.camera;
   put(
     "camera",
     c && [c.azimuth, c.elevation, c.zoom].map((v) => Number(v.toPrecision(4))).join(","),
   );
-  put("opacity", link.opacity === undefined ? undefined : shortNumber(link.opacity));
+  put("opacity", link.opacity === undefined ? undefined : String(link.opacity));
   put("clip", link.clip && clipText(link.clip));
   put("curve", link.curve === undefined ? undefined : curveText(link.curve));
   put("hide", link.hidden && hiddenText(link.hidden));

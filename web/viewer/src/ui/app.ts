@@ -16,7 +16,7 @@ import {
 } from "../store/permalink.js";
 import { type StateKey, Store, type ViewState, emptyState } from "../store/state.js";
 import { usualTransfer, TRANSFER_PRESETS } from "../view/transfer.js";
-import { shortNumber } from "../view/window.js";
+import { realText } from "../view/value_text.js";
 import { clampVoxel, orientationOf } from "../view/geometry.js";
 import { parallelAxes } from "../view/slice_look.js";
 import { byId, shownText } from "./dom.js";
@@ -287,7 +287,7 @@ export class App {
     this.labels.open(facts.kind === "labels" ? this.session : undefined, false);
     showFacts(this.session);
     const [low, high] = facts.range;
-    const real = shortNumber(low * facts.slope + facts.intercept);
+    const real = realText(facts, low * facts.slope + facts.intercept);
     if (this.session.volume.hostNote !== "") {
       this.messages.show(this.session.volume.hostNote, "note");
     } else if (facts.kind === "grey" && low === high) {

@@ -11,9 +11,10 @@ import {
   type RoiStatistics,
   roiBox,
 } from "../view/measure.js";
+import { realText, statisticsText } from "../view/value_text.js";
 import { shortNumber } from "../view/window.js";
 import { button, byId, byteText, element, shownText } from "./dom.js";
-import { measurementText, statisticsText } from "./measure_text.js";
+import { measurementText } from "./measure_text.js";
 import { type Session } from "./session.js";
 
 /** Labels that are listed at once; more come as they are scrolled to. */
@@ -199,7 +200,7 @@ export class MeasureList {
       if (!cells.hasAll({ level, cells: cellsOf(level, box) })) continue;
       const found = this.sums(session, box, level);
       const of = level === 0 ? "" : ` (of ${levelText(facts.levels[level]!)}, not yet the scan)`;
-      const text = statisticsText(found, facts.unit) + of;
+      const text = statisticsText(found, facts, facts.unit) + of;
       this.measured.set(m, { session, level, text });
       return text;
     }
@@ -269,7 +270,7 @@ export function showFacts(session: Session): void {
     ["spacing", f.isSpacingKnown ? `${f.geometry.spacing.map(n).join(" × ")} mm` : "not known"],
     ["levels", String(f.levels.length)],
     ["file", byteText(f.fileBytes)],
-    ["values", f.range.map((v) => n(v * f.slope + f.intercept)).join(" to ")],
+    ["values", f.range.map((v) => realText(f, v * f.slope + f.intercept)).join(" to ")],
     ["max. error", f.maxError === 0 ? "none, lossless" : n(f.maxError * Math.abs(f.slope))],
   ];
   if (session.volume.hostNote !== "")

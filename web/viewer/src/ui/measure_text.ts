@@ -3,7 +3,6 @@ import { type VolumeFacts } from "../reader/volume.js";
 import {
   type Measurement,
   POINTS_NEEDED,
-  type RoiStatistics,
   angleDegrees,
   distanceMm,
 } from "../view/measure.js";
@@ -22,13 +21,4 @@ export function measurementText(facts: VolumeFacts, m: Measurement): string {
   if (m.kind === "distance") return lengthText(facts, distanceMm(g, m.points[0]!, m.points[1]!));
   if (m.kind === "angle") return `${angleDegrees(g, m.points).toFixed(1)}°`;
   return "region";
-}
-
-export function statisticsText(s: RoiStatistics, unit: string): string {
-  const n = (v: number): string => shortNumber(Number(v.toPrecision(5)));
-  const of = unit === "" ? "" : ` ${unit}`;
-  return (
-    `mean ${n(s.mean)} ± ${n(s.deviation)}${of}, ${n(s.min)} to ${n(s.max)}${of}, ` +
-    `${s.count} samples`
-  );
 }

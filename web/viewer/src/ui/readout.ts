@@ -6,7 +6,7 @@ import { type Store } from "../store/state.js";
 import { levelText, toWorld } from "../view/geometry.js";
 import { nameOf } from "../view/label_color.js";
 import { oCode, rootLevel } from "../view/o_code.js";
-import { shortNumber } from "../view/window.js";
+import { realText } from "../view/value_text.js";
 import { byId, shownText } from "./dom.js";
 import { type Session } from "./session.js";
 
@@ -30,7 +30,8 @@ export function valueText(session: Session, voxel: Vec3): string {
     return `${known.stored} ${shownText(nameOf(facts.labels, known.stored), 80)}${level}`;
   }
   const real = known.stored * facts.slope + facts.intercept;
-  return `${shortNumber(real)}${facts.unit === "" ? "" : ` ${shownText(facts.unit, 20)}`}${level}`;
+  const unit = facts.unit === "" ? "" : ` ${shownText(facts.unit, 20)}`;
+  return `${realText(facts, real)}${unit}${level}`;
 }
 
 export class Readout {

@@ -4,7 +4,7 @@ import { CELL_SIDE, boxSize, cellBox, cellsOf, previewLevel, wholeBox } from "..
 import { CellStore, type Step } from "../decode/cell_store.js";
 import { type Orientation, sampleAt, toIndex, toWorld } from "../view/geometry.js";
 import { NOT_A_NUMBER, type Plane, planeBox, planeOfBox, planeRect } from "../view/slice_plane.js";
-import { type Window, robustWindow, windowBetween } from "../view/window.js";
+import { type Window, robustWindow, wholeWindow } from "../view/window.js";
 
 /** A value as it is known so far: the finest level of which the voxel is here. */
 export interface KnownValue {
@@ -77,7 +77,7 @@ export class Session {
     }
     if (!this.hasPreview) {
       const [a, b] = this.facts.range.map(real) as [number, number];
-      return windowBetween(Math.min(a, b), Math.max(a, b));
+      return wholeWindow(Math.min(a, b), Math.max(a, b));
     }
     const values: number[] = [];
     for (const cell of this.previewStep().cells) {

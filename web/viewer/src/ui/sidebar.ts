@@ -3,7 +3,7 @@ import { type Vec3, type VolumeFacts, AXES } from "../reader/volume.js";
 import { MODES, type Mode } from "../store/permalink.js";
 import { type StateKey, type Store } from "../store/state.js";
 import { TRANSFER_PRESETS, usualTransfer } from "../view/transfer.js";
-import { WINDOW_PRESETS, shortNumber } from "../view/window.js";
+import { WINDOW_PRESETS, roundedTo } from "../view/window.js";
 import { byId, element } from "./dom.js";
 
 const MODE_NAMES: Readonly<Record<Mode, string>> = {
@@ -56,8 +56,8 @@ export class Sidebar {
       const window = { center: this.center.valueAsNumber, width: this.width.valueAsNumber };
       if (Number.isFinite(window.center) && window.width > 0) this.store.set({ window });
       // A number is typed to its end: the fields show what it came to.
-      this.center.value = shortNumber(this.store.now.window.center);
-      this.width.value = shortNumber(this.store.now.window.width);
+      this.center.value = String(this.store.now.window.center);
+      this.width.value = String(this.store.now.window.width);
     };
     this.center.addEventListener("change", change);
     this.width.addEventListener("change", change);
@@ -70,12 +70,14 @@ export class Sidebar {
       this.modes.set(mode, made);
       byId("modes").append(made);
     }
-    for (const input of [this.iso, this.isoSlider]) {
-      input.addEventListener("input", () => {
-        const iso = Number(input.value);
-        if (input.value !== "" && Number.isFinite(iso)) this.store.set({ iso });
-      });
-    }
+    this.iso.addEventListener("input", () => {
+      const iso = Number(this.iso.value);
+      if (this.iso.value !== "" && Number.isFinite(iso)) this.store.set({ iso });
+    });
+    this.isoSlider.addEventListener("input", () => {
+      const { min, max, value } = this.isoSlider;
+      this.store.set({ iso: roundedTo(Number(value), Number(max) - Number(min)) });
+    });
     this.transferPreset.addEventListener("change", () => {
       const name = this.transferPreset.value;
       const transfer =
@@ -142,15 +144,15 @@ export class Sidebar {
     const state = this.store.now;
     const facts = this.actions.facts();
     if (changed.has("window")) {
-      this.put(this.center, shortNumber(state.window.center));
-      this.put(this.width, shortNumber(state.window.width));
+      this.put(this.center, String(state.window.center));
+      this.put(this.width, String(state.window.width));
       const preset = [...WINDOW_PRESETS].find(
         ([, w]) => w.center === state.window.center && w.width === state.window.width,
       );
       this.preset.value = preset?.[0] ?? "own";
     }
     if (changed.has("iso")) {
-      this.put(this.iso, shortNumber(state.iso));
+      this.put(this.iso, String(state.iso));
       this.put(this.isoSlider, String(state.iso));
     }
     if (changed.has("mode") || changed.has("transferName")) {

@@ -10,7 +10,7 @@ import {
   withoutPoint,
 } from "../view/transfer.js";
 import { byId, element } from "./dom.js";
-import { shortNumber } from "../view/window.js";
+import { roundedTo } from "../view/window.js";
 
 const NEAR = 9;
 const BINS = 128;
@@ -61,9 +61,10 @@ export class TransferEditor {
     const rect = this.canvas.getBoundingClientRect();
     const share = (event.clientX - rect.left) / rect.width;
     const opacity = (rect.height - 6 - (event.clientY - rect.top)) / (rect.height - 14);
+    const span = this.shown[1] - this.shown[0];
     return [
-      this.shown[0] + share * (this.shown[1] - this.shown[0]),
-      Math.max(0, Math.min(1, opacity)),
+      roundedTo(this.shown[0] + share * span, span),
+      roundedTo(Math.max(0, Math.min(1, opacity)), 1),
     ];
   }
 
@@ -147,7 +148,7 @@ export class TransferEditor {
         const value = element("input", {
           type: "number",
           step: "any",
-          value: shortNumber(p.value),
+          value: String(p.value),
           "aria-label": `Value of point ${i + 1}`,
         });
         const opacity = element("input", {
@@ -155,7 +156,7 @@ export class TransferEditor {
           min: "0",
           max: "1",
           step: "0.01",
-          value: shortNumber(p.opacity),
+          value: String(p.opacity),
           "aria-label": `Opacity of point ${i + 1}`,
         });
         const [r, g, b] = p.color.map(Math.round) as [number, number, number];

@@ -74,7 +74,8 @@ export interface RoiStatistics {
   readonly max: number;
 }
 
-/** Statistics of real values that come part by part; what is not a number does not count. */
+/** Statistics of real values that come part by part, those of `octavo measure`: the deviation is
+ *  that of all samples, over their count. What is not a number does not count. */
 export class RegionSums {
   private count = 0;
   private mean = 0;
@@ -111,7 +112,7 @@ export class RegionSums {
 
   get statistics(): RoiStatistics {
     const { count, mean, squares, min, max } = this;
-    return { count, mean, deviation: count > 1 ? Math.sqrt(squares / (count - 1)) : 0, min, max };
+    return { count, mean, deviation: count > 0 ? Math.sqrt(squares / count) : 0, min, max };
   }
 }
 

@@ -25,27 +25,48 @@ export function grey(window: Window, value: number): number {
   return Math.floor(255 * Math.min(share, 1) + 0.5);
 }
 
-export function windowBetween(low: number, high: number): Window {
+/** What a center that is 0 may be off by, of the width. */
+const ROUNDING = 1e-9;
+
+function windowBetween(low: number, high: number): Window {
   const width = high > low ? high - low : 1;
-  return { center: low + width / 2, width };
+  const center = low + width / 2;
+  return { center: Math.abs(center) < ROUNDING * width ? 0 : center, width };
 }
 
-/** From the 0.5th to the 99.5th percentile; the whole range where these are equal. */
+/** All of a range; of one value, what lies between it and 0: above 0 it is white, below black. */
+export function wholeWindow(low: number, high: number): Window {
+  return high > low
+    ? windowBetween(low, high)
+    : windowBetween(Math.min(0, low), Math.max(0, low));
+}
+
+/** From the 0.5th to the 99.5th percentile; the whole range where these are equal. The window of
+ *  `octavo slice`. */
 export function robustWindow(values: Iterable<number>): Window {
   const finite = Float64Array.from(values).filter(Number.isFinite).sort();
   if (finite.length === 0) return { center: 0, width: 1 };
   const at = (share: number): number => finite[Math.round(share * (finite.length - 1))]!;
   const low = at(IGNORED_SHARE);
   const high = at(1 - IGNORED_SHARE);
-  return high > low ? windowBetween(low, high) : windowBetween(finite[0]!, finite.at(-1)!);
+  return high > low ? windowBetween(low, high) : wholeWindow(finite[0]!, finite.at(-1)!);
 }
 
 /** A drag of so many pixels: to the right widens, upwards makes brighter. */
 export function draggedWindow(from: Window, right: number, up: number): Window {
+  const width = Math.max(from.width * Math.exp(right / 200), 1e-6);
   return {
-    center: from.center - (up * from.width) / 300,
-    width: Math.max(from.width * Math.exp(right / 200), 1e-6),
+    center: roundedTo(from.center - (up * from.width) / 300, width),
+    width: roundedTo(width, width),
   };
+}
+
+/** What a hand chose, without digits that nobody chose: to the fifth digit of a span. */
+export function roundedTo(value: number, span: number): number {
+  const places = 4 - Math.floor(Math.log10(span));
+  if (!(span > 0 && span < Infinity) || places > 100) return value;
+  if (places >= 0) return Number(value.toFixed(places));
+  return Math.round(value / 10 ** -places) * 10 ** -places;
 }
 
 /** So many numbers of an address, where + stands for a space; undefined for anything else. */
@@ -67,11 +88,19 @@ export function powerOfTwo(value: number): number {
   return value > 0 && value < Infinity ? 2 ** Math.round(Math.log2(value)) : 1;
 }
 
-/** As few digits as tell the number, at most six. */
+/** As few digits as tell the number, at most six or those before the point. */
 export function shortNumber(value: number): string {
-  return Number.isFinite(value) ? String(Number(value.toPrecision(6))) : String(value);
+  return textOfDigits(value, 6);
 }
 
+/** As few digits as tell the number, at most so many or those before the point. */
+export function textOfDigits(value: number, most: number): string {
+  if (!Number.isFinite(value)) return String(value);
+  const whole = Math.floor(Math.log10(Math.abs(value))) + 1;
+  return String(Number(value.toPrecision(Math.min(17, Math.max(most, whole)))));
+}
+
+/** Read again, it is the same window. */
 export function windowText(window: Window): string {
-  return `${shortNumber(window.center)},${shortNumber(window.width)}`;
+  return `${window.center},${window.width}`;
 }
