@@ -291,7 +291,7 @@ test("a server that trickles bytes is waited for", async () => {
   host.misbehave = async (request, response) => {
     const part = beginRange(request, response, bytes);
     // A few bytes, and then ever more: frames of every size.
-    for (let at = 0, n = 1; at < part.length; at += n, n = Math.min(2 * n, 1500), ++pieces) {
+    for (let at = 0, n = 1; at < part.length; at += n, n = Math.min(2 * n, 700), ++pieces) {
       response.write(part.subarray(at, at + n));
       await new Promise((resolve) => setTimeout(resolve, 2));
     }

@@ -26,6 +26,8 @@ const settings = {
   outdir: here("dist"),
   bundle: true,
   target: "es2022",
+  // Members that a constructor sets are declared by that.
+  tsconfigRaw: { compilerOptions: { useDefineForClassFields: false } },
   minify: true,
   legalComments: "none",
   plugins: [scans],

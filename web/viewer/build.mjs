@@ -25,6 +25,8 @@ const common = {
   // What the reader asks of Node.js, and the tiny volume that it warms its workers with.
   external: ["node:*"],
   loader: { ".8vo": "binary" },
+  // Members that a constructor sets are declared by that.
+  tsconfigRaw: { compilerOptions: { useDefineForClassFields: false } },
   absWorkingDir: here,
 };
 

@@ -2,7 +2,7 @@
 // has nothing to do yet decodes two small files until the decoders are compiled well, for all
 // workers: they share the module.
 import { EngineFile } from "./engine.js";
-import grey from "../../../../tests/golden/v1/small-axis-order.8vo";
+import grey from "../../../../tests/golden/v1/small-uint8-thick.8vo";
 import labels from "../../../../tests/golden/v1/labels-uint8.8vo";
 
 const warmingMs = 300;
