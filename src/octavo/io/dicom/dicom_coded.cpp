@@ -12,6 +12,7 @@
 #include "octavo/core/error.h"
 #include "octavo/core/unset_bytes.h"
 #include "octavo/io/dicom/dicom_library.h"
+#include "octavo/io/source/jpeg_completeness.h"
 #include "octavo/io/source/source_file.h"
 
 namespace octavo {
@@ -122,6 +123,23 @@ bool is_plain_jpeg(const DicomLayout& layout) {
   const std::string& uid = layout.transfer_syntax;
   return uid.starts_with("1.2.840.10008.1.2.4.5") || uid.starts_with("1.2.840.10008.1.2.4.6") ||
          uid.starts_with("1.2.840.10008.1.2.4.7");
+}
+
+/// Rejects a decoded JPEG picture that ends early: the decoder fills it up without a word.
+void require_all_values(const DicomLayout& layout, std::int64_t frame,
+                        const std::vector<std::vector<std::byte>>& fragments) {
+  if (!is_plain_jpeg(layout)) return;
+  std::vector<std::byte> joined;
+  if (fragments.size() > 1) {
+    for (const std::vector<std::byte>& part : fragments) {
+      joined.insert(joined.end(), part.begin(), part.end());
+    }
+  }
+  const bool is_alone = fragments.size() == 1;
+  if (is_whole_jpeg({}, is_alone ? fragments.front() : joined)) return;
+  const std::string of = layout.frames > 1 ? " of frame " + std::to_string(frame + 1) : "";
+  reject(layout, "the compressed picture" + of + " ends before its last value: it is damaged; " +
+                     "copy the file again from its origin");
 }
 
 /// What the bits of a decoded number mean. In JPEG, which knows 8, 12 and 16 bits alone, those
@@ -254,6 +272,7 @@ bool read_coded_frame(const DicomSlice& slice, std::span<std::byte> plane) {
   }
   if (!head) {
     decode(layout, picture, plane);
+    require_all_values(layout, slice.frame, picture.fragments);
     return false;
   }
   picture.is_signed = head->is_signed || (layout.is_signed && !picture.transfer_syntax.starts_with(
@@ -266,6 +285,7 @@ bool read_coded_frame(const DicomSlice& slice, std::span<std::byte> plane) {
     decoded = narrow.bytes();
   }
   decode(layout, picture, decoded);
+  require_all_values(layout, slice.frame, picture.fragments);
   if (head->bits == layout.bits_allocated && layout.bits_stored == head->bits) return true;
   switch (picture.bits_allocated) {
     case 8: settle_from<std::uint8_t>(layout, *head, decoded, plane); break;

@@ -18,6 +18,7 @@
 #include "octavo/io/source/alternating_values.h"
 #include "octavo/io/source/byte_order.h"
 #include "octavo/io/source/claimed_bytes.h"
+#include "octavo/io/source/jpeg_completeness.h"
 
 namespace octavo {
 
@@ -314,10 +315,26 @@ void TiffFile::read_strips(const TiffPage& page, std::int64_t sample,
 void TiffFile::require_undamaged(const char* block, std::uint32_t number, bool may_go_on) const {
   const auto compression = tag_or<std::uint16_t>(handle_, TIFFTAG_COMPRESSION, COMPRESSION_NONE);
   if (may_go_on && compression == COMPRESSION_PACKBITS) return;
-  const std::string damage = told_damage(compression, *warnings_);
+  std::string damage = told_damage(compression, *warnings_);
+  if (damage.empty() && compression == COMPRESSION_JPEG && !is_whole_picture(number)) {
+    damage = "its picture ends before its last value";
+  }
   if (damage.empty()) return;
   reject(block + (" " + std::to_string(number)) + " is damaged (" + escaped(damage) +
          "); copy the file again from its origin");
+}
+
+bool TiffFile::is_whole_picture(std::uint32_t number) const {
+  const std::uint64_t offset = std::min(TIFFGetStrileOffset(handle_, number), file_.size());
+  const std::uint64_t length =
+      std::min(TIFFGetStrileByteCount(handle_, number), file_.size() - offset);
+  std::vector<std::byte> picture(static_cast<std::size_t>(length));
+  file_.read_exactly(offset, picture);
+  std::uint32_t table_bytes = 0;
+  const std::byte* tables = nullptr;
+  const bool has_tables =
+      TIFFGetField(handle_, TIFFTAG_JPEGTABLES, &table_bytes, &tables) == 1 && tables != nullptr;
+  return is_whole_jpeg({tables, has_tables ? table_bytes : 0}, picture);
 }
 
 void TiffFile::undo_predictor(const TiffPage& page, std::int64_t row_pixels,

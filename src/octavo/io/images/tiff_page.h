@@ -93,9 +93,12 @@ class TiffFile {
   bool read_padded_strip(std::uint32_t strip, std::int64_t padded_height,
                          std::span<std::byte> rows);
   /// PackBits that make more bytes than a whole block has are damaged, and so are JPEG pictures
-  /// without all of their values, which libtiff passes over with a warning.
+  /// without all of their values. libtiff passes over both, the first and marks within the second
+  /// with a warning, values that lack at the end without a word.
   /// may_go_on  behind the rows of the page
   void require_undamaged(const char* block, std::uint32_t number, bool may_go_on) const;
+  /// True where the JPEG picture of a strip or tile is there to its last value.
+  bool is_whole_picture(std::uint32_t number) const;
   void read_tiles(const TiffPage& page, std::int64_t sample, std::span<std::byte> plane);
 
   std::string path_;

@@ -158,6 +158,30 @@ TEST_F(SourceDicomCoded, WhatContradictsTheHeaderIsRejected) {
   }
 }
 
+TEST_F(SourceDicomCoded, JpegWithoutAllItsValuesIsRejected) {
+  struct Kind {
+    const char* uid;
+    Syntax::TSType type;
+  };
+  for (const Kind& kind : {Kind{"1.2.840.10008.1.2.4.50", Syntax::JPEGBaselineProcess1},
+                           Kind{"1.2.840.10008.1.2.4.57", Syntax::JPEGLosslessProcess14},
+                           Kind{"1.2.840.10008.1.2.4.70", Syntax::JPEGLosslessProcess14_1}}) {
+    const std::string whole = picture_of(ramp<std::uint8_t>(3), kind.type);
+    const std::size_t end = whole.rfind("\xff\xd9");
+    ASSERT_NE(end, std::string::npos);
+    EXPECT_EQ(voxels_of(*open(header(8, 8, 7), whole, kind.uid)).size(), kSide * kSide);
+    for (const std::size_t lost : {4U, 20U}) {
+      DicomElements elements = header(8, 8, 7);
+      elements.set_fragments({whole.substr(0, end - lost) + "\xff\xd9"}, true);
+      elements.write(path(), kind.uid);
+      expect_rejected(path(), {"the compressed picture ends before its last value"});
+      elements.set_fragments({whole.substr(0, end - lost), "\xff\xd9"}, true);
+      elements.write(path(), kind.uid);
+      expect_rejected(path(), {"the compressed picture ends before its last value"});
+    }
+  }
+}
+
 TEST_F(SourceDicomCoded, RunLengthsKeepTheirBitsBelowTheHighBit) {
   std::vector<std::uint16_t> values = ramp<std::uint16_t>(1);
   const std::string picture = picture_of(values, Syntax::RLELossless);

@@ -4,6 +4,7 @@
 
 #include <tiffio.h>
 
+#include <cstring>
 #include <fstream>
 
 #include "support/image_samples.h"
@@ -106,6 +107,32 @@ TEST(TiffPage, OfJpegWithoutAllItsValuesIsRejected) {
   bytes.replace(end - 200, 2, "\xff\xd9");
   write_file(folder.file("a.tif"), bytes);
   expect_rejected(folder.file("a.tif"), {"strip 0 is damaged (Corrupt JPEG data"});
+}
+
+TEST(TiffPage, OfJpegCutByItsByteCountIsRejected) {
+  const TempFolder folder;
+  TiffSample sample;
+  sample.width = 64;
+  sample.height = 64;
+  sample.compression = COMPRESSION_JPEG;
+  sample.rows_per_strip = 64;
+  sample.pages = {counted(64 * 64, 1)};
+  write_tiff(folder.file("a.tif"), sample);
+  std::string bytes = read_file(folder.file("a.tif"));
+  // An entry of one number, in the lower bytes of its last four.
+  std::size_t entry = bytes.find(bytes_of<std::uint16_t>({TIFFTAG_STRIPBYTECOUNTS, TIFF_SHORT}));
+  if (entry == std::string::npos) {
+    entry = bytes.find(bytes_of<std::uint16_t>({TIFFTAG_STRIPBYTECOUNTS, TIFF_LONG}));
+  }
+  ASSERT_NE(entry, std::string::npos);
+  std::uint16_t count = 0;
+  std::memcpy(&count, bytes.data() + entry + 8, sizeof count);
+  bytes.replace(entry + 8, 2, bytes_of<std::uint16_t>({static_cast<std::uint16_t>(count - 2)}));
+  write_file(folder.file("a.tif"), bytes);  // without its last mark
+  EXPECT_EQ(voxels_of(*open_source({folder.file("a.tif")}, {})).size(), 64U * 64);
+  bytes.replace(entry + 8, 2, bytes_of<std::uint16_t>({static_cast<std::uint16_t>(count / 2)}));
+  write_file(folder.file("a.tif"), bytes);
+  expect_rejected(folder.file("a.tif"), {"strip 0 is damaged (its picture ends before"});
 }
 
 TEST(TiffPage, WithMirroredBytesIsNoPlainRun) {
