@@ -150,8 +150,7 @@ class _Url:
             asked = time.perf_counter()
             try:
                 if wanted:
-                    found.update(zip(wanted, map(bytes, self._tried(lambda: files.cat_ranges(
-                        [path] * len(wanted), *map(list, zip(*wanted)), on_error="raise")))))
+                    found.update(zip(wanted, self._tried(lambda: _all_ranges(files, path, wanted))))
             except Exception as error:
                 raise OSError(self._words_of(error)) from None
             taken = time.perf_counter() - asked if wanted else 0.0
@@ -264,6 +263,16 @@ class _Url:
             return f"the server answered {status}"
         words = str(reason).replace(self._url, self.name).strip()
         return words or f"the server did not answer ({type(reason).__name__})"
+
+
+def _all_ranges(files, path, ranges):
+    """The bytes of each; raises what any of them failed with."""
+    # Some versions of fsspec return errors even where they are asked to raise them.
+    parts = files.cat_ranges([path] * len(ranges), *map(list, zip(*ranges)), on_error="return")
+    for part in parts:
+        if isinstance(part, BaseException):
+            raise part
+    return map(bytes, parts)
 
 
 def _reason_of(error):
