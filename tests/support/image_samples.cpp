@@ -65,6 +65,7 @@ void write_tiff(const std::string& path, const TiffSample& s) {
     TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC,
                  s.samples < 3 ? PHOTOMETRIC_MINISBLACK : PHOTOMETRIC_RGB);
     TIFFSetField(tiff, TIFFTAG_COMPRESSION, s.compression);
+    if (s.predictor > 0) TIFFSetField(tiff, TIFFTAG_PREDICTOR, s.predictor);
     const std::string& text = s.descriptions.empty() ? s.description : s.descriptions[number];
     if (!text.empty()) TIFFSetField(tiff, TIFFTAG_IMAGEDESCRIPTION, text.c_str());
     if (s.resolution > 0) {

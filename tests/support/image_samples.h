@@ -24,6 +24,7 @@ struct TiffSample {
   std::uint16_t samples = 1;      ///< 3 and more are written as RGB
   bool separate = false;          ///< samples in planes of their own, one behind the other
   std::uint16_t compression = 1;
+  std::uint16_t predictor = 0;    ///< of codecs whose predictor libtiff writes; 0: none
   std::uint32_t tile = 0;         ///< side of tiles; 0: strips
   std::uint32_t rows_per_strip = 0;
   bool big = false;

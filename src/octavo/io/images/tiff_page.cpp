@@ -7,12 +7,14 @@
 #include <cstdarg>
 #include <cstdio>
 #include <cstring>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string_view>
 #include <vector>
 
 #include "octavo/core/checked.h"
+#include "octavo/io/images/tiff_deflate.h"
 #include "octavo/io/images/tiff_directory.h"
 #include "octavo/io/images/tiff_loss.h"
 #include "octavo/io/source/alternating_values.h"
@@ -103,6 +105,30 @@ std::optional<std::uint64_t> ratio_of(std::uint16_t compression) {
     case COMPRESSION_DEFLATE:
     case COMPRESSION_ADOBE_DEFLATE: return kDeflateRatio;
     default: return std::nullopt;
+  }
+}
+
+bool is_deflate(std::uint16_t compression) {
+  return compression == COMPRESSION_DEFLATE || compression == COMPRESSION_ADOBE_DEFLATE;
+}
+
+/// Where a strip or tile stands, as far as the file has its bytes.
+DeflatedBlock deflated_block(TIFF* handle, std::uint32_t number, std::uint64_t file_bytes) {
+  DeflatedBlock block;
+  block.offset = std::min<std::uint64_t>(TIFFGetStrileOffset(handle, number), file_bytes);
+  block.length = std::min<std::uint64_t>(TIFFGetStrileByteCount(handle, number),
+                                         file_bytes - block.offset);
+  block.is_mirrored = tag_or<std::uint16_t>(handle, TIFFTAG_FILLORDER, FILLORDER_MSB2LSB) ==
+                      FILLORDER_LSB2MSB;
+  return block;
+}
+
+/// What libtiff undoes in the rows of a deflated page.
+TiffPrediction undone_prediction(TIFF* handle) {
+  switch (tag_or<std::uint16_t>(handle, TIFFTAG_PREDICTOR, PREDICTOR_NONE)) {
+    case PREDICTOR_HORIZONTAL: return TiffPrediction::differences;
+    case PREDICTOR_FLOATINGPOINT: return TiffPrediction::float_bytes;
+    default: return TiffPrediction::none;
   }
 }
 
@@ -278,8 +304,10 @@ void TiffFile::read_voxels(const TiffPage& page, std::int64_t sample, std::span<
 
 void TiffFile::read_strips(const TiffPage& page, std::int64_t sample,
                            std::span<std::byte> plane) {
-  const std::int64_t rows_per_strip = std::clamp<std::int64_t>(
-      tag_or<std::uint32_t>(handle_, TIFFTAG_ROWSPERSTRIP, 1), 1, page.height);
+  constexpr std::uint32_t kAllRows = std::numeric_limits<std::uint32_t>::max();
+  const auto stated_rows = tag_or<std::uint32_t>(handle_, TIFFTAG_ROWSPERSTRIP, 1);
+  const std::int64_t claimed_rows = stated_rows == kAllRows ? page.height : stated_rows;
+  const std::int64_t rows_per_strip = std::clamp<std::int64_t>(claimed_rows, 1, page.height);
   const bool alternates = page.samples > 1 && !page.is_separate;
   const std::int64_t strips_per_plane = (page.height + rows_per_strip - 1) / rows_per_strip;
   auto strip = static_cast<std::uint32_t>(page.is_separate ? sample * strips_per_plane : 0);
@@ -296,8 +324,7 @@ void TiffFile::read_strips(const TiffPage& page, std::int64_t sample,
       several.resize(static_cast<std::size_t>(strip_bytes));
       rows = several;
     }
-    if (y + rows_per_strip <= page.height ||
-        !read_padded_strip(strip, y + rows_per_strip, rows)) {
+    if (y + claimed_rows <= page.height || !read_padded_strip(page, strip, claimed_rows, rows)) {
       const auto wanted = static_cast<tmsize_t>(rows.size());
       const tmsize_t found = TIFFReadEncodedStrip(handle_, strip, rows.data(), wanted);
       if (found != wanted) {
@@ -306,8 +333,9 @@ void TiffFile::read_strips(const TiffPage& page, std::int64_t sample,
       }
       const bool may_go_on = y + rows_per_strip > page.height;
       require_undamaged("strip", strip, may_go_on);
+      require_proven("strip", strip, predicted_rows(page, page.width), rows);
     }
-    undo_predictor(page, page.width, rows);
+    undo_prediction(page.prediction, predicted_rows(page, page.width), rows);
     if (alternates) take_alternating(one_of(page, sample), several, plane.subspan(start, bytes));
   }
 }
@@ -337,34 +365,70 @@ bool TiffFile::is_whole_picture(std::uint32_t number) const {
   return is_whole_jpeg({tables, has_tables ? table_bytes : 0}, picture);
 }
 
-void TiffFile::undo_predictor(const TiffPage& page, std::int64_t row_pixels,
-                              std::span<std::byte> rows) {
+void TiffFile::require_proven(const char* block, std::uint32_t number,
+                              const PredictedRows& layout,
+                              std::span<const std::byte> rows) const {
+  const auto compression = tag_or<std::uint16_t>(handle_, TIFFTAG_COMPRESSION, COMPRESSION_NONE);
+  if (!is_deflate(compression)) return;
+  if (!ends_with_checksum_of(file_, deflated_block(handle_, number, file_.size()),
+                             undone_prediction(handle_), layout, rows)) {
+    inflated_bytes(block, number, rows.size(), rows.size());
+  }
+}
+
+std::uint64_t TiffFile::inflated_bytes(const char* block, std::uint32_t number,
+                                       std::uint64_t minimum, std::uint64_t most) const {
+  InflatedLength found =
+      inflated_length(file_, deflated_block(handle_, number, file_.size()), most);
+  if (found.bytes > most) {
+    found.damage = "its stream makes more than its " + std::to_string(most) + " bytes";
+  } else if (found.damage.empty() && found.bytes < minimum) {
+    found.damage = "its stream makes " + std::to_string(found.bytes) + " of " +
+                   std::to_string(minimum) + " bytes";
+  }
+  if (found.damage.empty()) return found.bytes;
+  reject(block + (" " + std::to_string(number)) + " is damaged (" + found.damage +
+         "); copy the file again from its origin");
+}
+
+PredictedRows TiffFile::predicted_rows(const TiffPage& page, std::int64_t row_pixels) {
   PredictedRows layout;
   layout.step = static_cast<std::size_t>(page.is_separate ? 1 : page.samples);
   layout.row_values = static_cast<std::size_t>(row_pixels) * layout.step;
   layout.value_bytes = bytes_per_value(page.type);
   layout.are_swapped = needs_swap(is_big_endian());
-  undo_prediction(page.prediction, layout, rows);
+  return layout;
 }
 
-bool TiffFile::read_padded_strip(std::uint32_t strip, std::int64_t padded_height,
-                                 std::span<std::byte> rows) {
+bool TiffFile::read_padded_strip(const TiffPage& page, std::uint32_t strip,
+                                 std::int64_t claimed_rows, std::span<std::byte> rows) {
   const auto compression = tag_or<std::uint16_t>(handle_, TIFFTAG_COMPRESSION, COMPRESSION_NONE);
-  if (compression != COMPRESSION_DEFLATE && compression != COMPRESSION_ADOBE_DEFLATE) return false;
-  const auto height = tag_or<std::uint32_t>(handle_, TIFFTAG_IMAGELENGTH, 0);
-  // A page that claims to be higher gives the strip all its rows.
-  TIFFSetField(handle_, TIFFTAG_IMAGELENGTH, static_cast<std::uint32_t>(padded_height));
-  const tmsize_t padded_bytes = TIFFStripSize(handle_);
-  bool is_padded = false;
-  if (padded_bytes > 0 && static_cast<std::uint64_t>(padded_bytes) <= kMaxBlockBytes) {
-    std::vector<std::byte> padded(static_cast<std::size_t>(padded_bytes));
-    is_padded = TIFFReadEncodedStrip(handle_, strip, padded.data(), padded_bytes) == padded_bytes &&
-                message_->empty();
-    if (is_padded) std::memcpy(rows.data(), padded.data(), rows.size());
+  if (!is_deflate(compression)) return false;
+  const PredictedRows layout = predicted_rows(page, page.width);
+  const std::uint64_t row_bytes = layout.row_values * layout.value_bytes;
+  const std::uint64_t most_rows = std::min<std::uint64_t>(
+      static_cast<std::uint64_t>(claimed_rows), kMaxBlockBytes / row_bytes);
+  const std::uint64_t padded_bytes = inflated_bytes(
+      "strip", strip, rows.size(), std::max<std::uint64_t>(most_rows * row_bytes, rows.size()));
+  if (padded_bytes == rows.size()) return false;
+  if (padded_bytes % row_bytes != 0) {
+    reject("strip " + std::to_string(strip) + " is damaged (its stream makes " +
+           std::to_string(padded_bytes) + " bytes, and each row has " + std::to_string(row_bytes) +
+           "); copy the file again from its origin");
   }
-  message_->clear();
-  TIFFSetField(handle_, TIFFTAG_IMAGELENGTH, height);
-  return is_padded;
+  // A page that claims to be higher gives the strip all its rows.
+  const std::uint64_t behind = (padded_bytes - rows.size()) / row_bytes;
+  std::vector<std::byte> padded(static_cast<std::size_t>(padded_bytes));
+  TIFFSetField(handle_, TIFFTAG_IMAGELENGTH,
+               static_cast<std::uint32_t>(static_cast<std::uint64_t>(page.height) + behind));
+  const tmsize_t found = TIFFReadEncodedStrip(handle_, strip, padded.data(),
+                                              static_cast<tmsize_t>(padded_bytes));
+  TIFFSetField(handle_, TIFFTAG_IMAGELENGTH, static_cast<std::uint32_t>(page.height));
+  if (found != static_cast<tmsize_t>(padded_bytes)) {
+    reject("strip " + std::to_string(strip) + " is damaged or cut");
+  }
+  std::memcpy(rows.data(), padded.data(), rows.size());
+  return true;
 }
 
 void TiffFile::read_tiles(const TiffPage& page, std::int64_t sample, std::span<std::byte> plane) {
@@ -394,7 +458,9 @@ void TiffFile::read_tiles(const TiffPage& page, std::int64_t sample, std::span<s
         reject("tile " + std::to_string(number) + " is damaged or cut");
       }
       require_undamaged("tile", number, false);
-      undo_predictor(page, tile_width, tile);
+      const PredictedRows layout = predicted_rows(page, tile_width);
+      require_proven("tile", number, layout, tile);
+      undo_prediction(page.prediction, layout, tile);
       const std::size_t bytes =
           static_cast<std::size_t>(std::min(tile_width, page.width - x)) * value_bytes;
       const auto rows = static_cast<std::size_t>(std::min(tile_height, page.height - y));

@@ -83,15 +83,26 @@ class TiffFile {
   /// Of the current page.
   bool is_lossy(const StoredType& type, std::uint16_t compression) const;
   void read_strips(const TiffPage& page, std::int64_t sample, std::span<std::byte> plane);
-  /// Gives the decoded rows of a strip or tile their values.
+  /// How the values of a strip or tile stand in its rows.
   /// row_pixels  of the tile, or of the page
-  void undo_predictor(const TiffPage& page, std::int64_t row_pixels, std::span<std::byte> rows);
+  PredictedRows predicted_rows(const TiffPage& page, std::int64_t row_pixels);
   /// Some programs fill the last strip with rows behind the page. libtiff, where it inflates with
-  /// libdeflate, then leaves the end of the strip unset without a word; so all rows are asked for
-  /// first.
-  /// rows  what is wanted of it; false and untouched when the strip holds no more than that
-  bool read_padded_strip(std::uint32_t strip, std::int64_t padded_height,
+  /// libdeflate, then leaves the end of the strip unset without a word; so all rows that its stream
+  /// makes are asked for.
+  /// claimed_rows  that the strip may have
+  /// rows          what is wanted of it; untouched where the answer is no
+  /// Returns       false when the strip, if deflated, holds no more than that
+  bool read_padded_strip(const TiffPage& page, std::uint32_t strip, std::int64_t claimed_rows,
                          std::span<std::byte> rows);
+  /// Rejects a deflated strip or tile whose stream is cut, makes another number of bytes than its
+  /// rows have, or has another checksum; libtiff, where it inflates with libdeflate, passes over
+  /// streams that make too much or lack their end.
+  /// rows  as libtiff decoded them
+  void require_proven(const char* block, std::uint32_t number, const PredictedRows& layout,
+                      std::span<const std::byte> rows) const;
+  /// How many bytes the stream of a deflated strip or tile makes; rejects one that is damaged.
+  std::uint64_t inflated_bytes(const char* block, std::uint32_t number, std::uint64_t minimum,
+                               std::uint64_t most) const;
   /// PackBits that make more bytes than a whole block has are damaged, and so are JPEG pictures
   /// without all of their values. libtiff passes over both, the first and marks within the second
   /// with a warning, values that lack at the end without a word.

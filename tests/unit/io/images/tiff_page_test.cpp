@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <tiffio.h>
+#include <zlib.h>
 
+#include <array>
 #include <cstring>
 #include <fstream>
 
@@ -133,6 +135,159 @@ TEST(TiffPage, OfJpegCutByItsByteCountIsRejected) {
   bytes.replace(entry + 8, 2, bytes_of<std::uint16_t>({static_cast<std::uint16_t>(count / 2)}));
   write_file(folder.file("a.tif"), bytes);
   expect_rejected(folder.file("a.tif"), {"strip 0 is damaged (its picture ends before"});
+}
+
+std::string deflated_rows(const std::string& rows) {
+  uLongf length = compressBound(static_cast<uLong>(rows.size()));
+  std::string stream(length, '\0');
+  compress2(reinterpret_cast<Bytef*>(stream.data()), &length,
+            reinterpret_cast<const Bytef*>(rows.data()), static_cast<uLong>(rows.size()), 9);
+  stream.resize(length);
+  return stream;
+}
+
+/// Gives a tag of one number in a little-endian file another one.
+void set_number(std::string& bytes, std::uint16_t tag, std::uint32_t number) {
+  std::size_t at = bytes.rfind(bytes_of<std::uint16_t>({tag, TIFF_SHORT, 1, 0}));
+  if (at == std::string::npos) at = bytes.rfind(bytes_of<std::uint16_t>({tag, TIFF_LONG, 1, 0}));
+  ASSERT_NE(at, std::string::npos) << tag;
+  bytes.replace(at, 4, bytes_of<std::uint16_t>({tag, TIFF_LONG}));
+  bytes.replace(at + 8, 4, bytes_of<std::uint32_t>({number}));
+}
+
+/// A picture of one strip or tile of 16 x 16 values, with another block.
+/// counted_bytes  of the block, as its tag says
+void write_block(const std::string& path, const TiffSample& sample, const std::string& block,
+                 std::size_t counted_bytes) {
+  write_tiff(path, sample);
+  std::string bytes = read_file(path);
+  const bool is_tile = sample.tile > 0;
+  set_number(bytes, is_tile ? TIFFTAG_TILEOFFSETS : TIFFTAG_STRIPOFFSETS,
+             static_cast<std::uint32_t>(bytes.size()));
+  set_number(bytes, is_tile ? TIFFTAG_TILEBYTECOUNTS : TIFFTAG_STRIPBYTECOUNTS,
+             static_cast<std::uint32_t>(counted_bytes));
+  write_file(path, bytes + block);
+}
+
+TiffSample deflated_picture(std::uint32_t tile) {
+  TiffSample sample;
+  sample.width = 16;
+  sample.height = 16;
+  sample.compression = COMPRESSION_ADOBE_DEFLATE;
+  sample.tile = tile;
+  sample.pages = {std::string(256, '\0')};
+  return sample;
+}
+
+TEST(TiffPage, OfDeflateThatIsDamagedIsRejected) {
+  const TempFolder folder;
+  std::string values;
+  for (int i = 0; i < 256; ++i) values += static_cast<char>(100 + i * i * 7 % 11);
+  const std::string stream = deflated_rows(values);
+  for (const std::uint32_t tile : {0U, 16U}) {
+    const TiffSample sample = deflated_picture(tile);
+    const std::string block = tile > 0 ? "tile 0 is damaged" : "strip 0 is damaged";
+    const auto write = [&](const std::string& bytes, std::size_t counted_bytes) {
+      write_block(folder.file("a.tif"), sample, bytes, counted_bytes);
+    };
+    write(stream, stream.size());
+    EXPECT_EQ(voxels_of(*open_source({folder.file("a.tif")}, {})), values);
+    write(stream + "behind the end", stream.size() + 14);
+    EXPECT_EQ(voxels_of(*open_source({folder.file("a.tif")}, {})), values);
+    for (std::size_t lacking = 1; lacking < stream.size(); ++lacking) {
+      write(stream, stream.size() - lacking);  // the file goes on, the block does not
+      expect_rejected(folder.file("a.tif"), {block});
+      write(stream.substr(0, stream.size() - lacking) + std::string(lacking, '\0'), stream.size());
+      expect_rejected(folder.file("a.tif"), {block});
+    }
+    std::size_t rejected = 0;
+    // Behind the head, which says how the stream was packed.
+    for (std::size_t bit = 16; bit < stream.size() * 8; ++bit) {
+      std::string flipped = stream;
+      flipped[bit / 8] = static_cast<char>(flipped[bit / 8] ^ (1 << bit % 8));
+      write(flipped, flipped.size());
+      // What ends the stream may be flipped where its values and their checksum are right.
+      std::string found = values;
+      try {
+        found = voxels_of(*open_source({folder.file("a.tif")}, {}));
+      } catch (const Error& error) {
+        EXPECT_TRUE(contains(error, block)) << bit;
+        ++rejected;
+      }
+      EXPECT_EQ(found, values) << bit;
+    }
+    constexpr std::size_t kEndBits = 7 + 7;  // of the last code, and up to the next byte
+    EXPECT_GE(rejected + kEndBits, stream.size() * 8 - 16);
+    const std::string more = deflated_rows(values + values.substr(0, 16));
+    write(more, more.size());
+    expect_rejected(folder.file("a.tif"), {block, "more than its 256 bytes"});
+    const std::string less = deflated_rows(values.substr(16));
+    write(less, less.size());
+    expect_rejected(folder.file("a.tif"), {block});
+  }
+}
+
+TEST(TiffPage, OfDeflateMayHaveRowsBehindItInItsLastStrip) {
+  const TempFolder folder;
+  TiffSample sample = deflated_picture(0);
+  sample.rows_per_strip = 20;
+  const std::string rows = counted(16 * 21, 3);
+  for (std::size_t found = 16; found <= 21; ++found) {
+    const std::string stream = deflated_rows(rows.substr(0, found * 16));
+    write_block(folder.file("a.tif"), sample, stream, stream.size());
+    if (found == 21) {
+      expect_rejected(folder.file("a.tif"), {"strip 0 is damaged", "more than its 320 bytes"});
+    } else {
+      EXPECT_EQ(voxels_of(*open_source({folder.file("a.tif")}, {})), rows.substr(0, 256)) << found;
+    }
+  }
+  std::string stream = deflated_rows(rows.substr(0, 17 * 16 + 5));
+  write_block(folder.file("a.tif"), sample, stream, stream.size());
+  expect_rejected(folder.file("a.tif"), {"strip 0 is damaged", "277 bytes, and each row has 16"});
+  stream = deflated_rows(rows.substr(0, 18 * 16));
+  stream.back() = static_cast<char>(~stream.back());
+  write_block(folder.file("a.tif"), sample, stream, stream.size());
+  expect_rejected(folder.file("a.tif"), {"strip 0 is damaged", "incorrect data check"});
+  // The second of two strips, of which a row counts no more.
+  sample = deflated_picture(0);
+  sample.rows_per_strip = 8;
+  sample.pages = {rows.substr(0, 256)};
+  write_tiff(folder.file("a.tif"), sample);
+  std::string bytes = read_file(folder.file("a.tif"));
+  set_number(bytes, TIFFTAG_IMAGELENGTH, 15);
+  write_file(folder.file("a.tif"), bytes);
+  EXPECT_EQ(voxels_of(*open_source({folder.file("a.tif")}, {})), rows.substr(0, 240));
+}
+
+TEST(TiffPage, OfDeflateIsReadWithPredictorsInBothByteOrders) {
+  const TempFolder folder;
+  std::vector<std::uint32_t> values;
+  for (std::uint32_t i = 0; i < 19 * 21; ++i) values.push_back(0x3f800000 + i * i * 4099);
+  const std::string bytes = bytes_of(values);
+  for (const bool big_endian : {false, true}) {
+    for (const std::uint32_t tile : {0U, 16U}) {
+      for (const std::uint16_t predictor : std::array<std::uint16_t, 3>{0, 2, 3}) {
+        for (const std::uint16_t bits : std::array<std::uint16_t, 3>{8, 16, 32}) {
+          // Floats of big-endian files are written wrong by libtiff.
+          if (predictor == 3 && (bits < 32 || big_endian)) continue;
+          TiffSample sample;
+          sample.width = 19;
+          sample.height = 21;
+          sample.bits = bits;
+          sample.format = predictor == 3 ? 3 : 1;
+          sample.compression = COMPRESSION_ADOBE_DEFLATE;
+          sample.predictor = predictor;
+          sample.big_endian = big_endian;
+          sample.rows_per_strip = 4;
+          sample.tile = tile;
+          sample.pages = {bytes.substr(0, values.size() * bits / 8)};
+          write_tiff(folder.file("a.tif"), sample);
+          EXPECT_EQ(voxels_of(*open_source({folder.file("a.tif")}, {})), sample.pages[0])
+              << big_endian << " " << tile << " " << predictor << " " << bits;
+        }
+      }
+    }
+  }
 }
 
 TEST(TiffPage, WithMirroredBytesIsNoPlainRun) {

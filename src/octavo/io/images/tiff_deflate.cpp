@@ -1,0 +1,146 @@
+#include "octavo/io/images/tiff_deflate.h"
+
+#include <tiffio.h>
+#include <zlib.h>
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <vector>
+
+#include "octavo/core/error.h"
+#include "octavo/io/source/byte_order.h"
+
+namespace octavo {
+
+namespace {
+
+constexpr std::size_t kPieceBytes = 1U << 15;
+constexpr std::size_t kAdlerBytes = 4;
+
+/// A stream of zlib that is being inflated.
+class OpenDeflate {
+ public:
+  OpenDeflate() {
+    if (inflateInit(&stream) != Z_OK) {
+      throw Error(ErrorKind::out_of_memory, "no memory for decompression");
+    }
+  }
+  ~OpenDeflate() { inflateEnd(&stream); }
+  OpenDeflate(const OpenDeflate&) = delete;
+  OpenDeflate& operator=(const OpenDeflate&) = delete;
+
+  z_stream stream{};
+};
+
+/// What is wrong with a stream by the last answer of zlib.
+std::string deflate_damage(const z_stream& stream, int state) {
+  switch (state) {
+    case Z_OK:
+    case Z_STREAM_END: return {};
+    case Z_BUF_ERROR: return "its stream ends early";
+    case Z_NEED_DICT: return "its stream asks for a dictionary";
+    case Z_MEM_ERROR: throw Error(ErrorKind::out_of_memory, "no memory for decompression");
+    default: return stream.msg != nullptr ? stream.msg : "it holds no stream of Deflate";
+  }
+}
+
+/// The step from each number to that of the pixel before it, as predictors store them.
+template <class T>
+void take_steps(std::span<const std::byte> row, std::size_t step, std::span<std::byte> steps) {
+  const std::size_t count = row.size() / sizeof(T);
+  std::memcpy(steps.data(), row.data(), std::min(step * sizeof(T), row.size()));
+  for (std::size_t i = step; i < count; ++i) {
+    T before{};
+    T value{};
+    std::memcpy(&before, row.data() + (i - step) * sizeof(T), sizeof(T));
+    std::memcpy(&value, row.data() + i * sizeof(T), sizeof(T));
+    value = static_cast<T>(value - before);
+    std::memcpy(steps.data() + i * sizeof(T), &value, sizeof(T));
+  }
+}
+
+void take_row_steps(const PredictedRows& layout, std::span<const std::byte> row,
+                    std::span<std::byte> steps) {
+  switch (layout.value_bytes) {
+    case 1: return take_steps<std::uint8_t>(row, layout.step, steps);
+    case 2: return take_steps<std::uint16_t>(row, layout.step, steps);
+    case 4: return take_steps<std::uint32_t>(row, layout.step, steps);
+    default: return take_steps<std::uint64_t>(row, layout.step, steps);
+  }
+}
+
+std::uint32_t added_to_adler(std::uint32_t sum, std::span<const std::byte> bytes) {
+  return static_cast<std::uint32_t>(
+      adler32_z(sum, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
+}
+
+/// The checksum of rows as they stood in the file before they were deflated.
+std::uint32_t adler_of(TiffPrediction prediction, const PredictedRows& layout,
+                       std::span<const std::byte> rows) {
+  constexpr std::uint32_t kAdlerOfNothing = 1;
+  const bool are_as_stored = prediction == TiffPrediction::none &&
+                             (!layout.are_swapped || layout.value_bytes == 1);
+  if (are_as_stored) return added_to_adler(kAdlerOfNothing, rows);
+  const std::size_t row_bytes = layout.row_values * layout.value_bytes;
+  std::vector<std::byte> stored(row_bytes);
+  std::uint32_t sum = kAdlerOfNothing;
+  for (std::size_t at = 0; at + row_bytes <= rows.size(); at += row_bytes) {
+    const std::span<const std::byte> row = rows.subspan(at, row_bytes);
+    if (prediction == TiffPrediction::differences) {
+      take_row_steps(layout, row, stored);
+    } else {
+      std::memcpy(stored.data(), row.data(), row_bytes);
+    }
+    if (layout.are_swapped) swap_values(stored, layout.value_bytes);
+    sum = added_to_adler(sum, stored);
+  }
+  return sum;
+}
+
+}  // namespace
+
+InflatedLength inflated_length(const SourceFile& file, const DeflatedBlock& block,
+                               std::uint64_t most) {
+  OpenDeflate open;
+  z_stream& stream = open.stream;
+  std::array<std::byte, kPieceBytes> packed;
+  std::array<std::byte, kPieceBytes> made;
+  std::uint64_t read = 0;
+  InflatedLength found;
+  int state = Z_OK;
+  // Without input left, zlib still gives what it holds back, and then says that it lacks some.
+  while (state == Z_OK && found.bytes <= most) {
+    if (stream.avail_in == 0) {
+      const std::uint64_t wanted = std::min<std::uint64_t>(kPieceBytes, block.length - read);
+      const std::size_t count = file.read_some(
+          block.offset + read, std::span(packed).first(static_cast<std::size_t>(wanted)));
+      read += count;
+      stream.next_in = reinterpret_cast<Bytef*>(packed.data());
+      stream.avail_in = static_cast<uInt>(count);
+      if (block.is_mirrored) TIFFReverseBits(stream.next_in, static_cast<tmsize_t>(count));
+    }
+    stream.next_out = reinterpret_cast<Bytef*>(made.data());
+    stream.avail_out = static_cast<uInt>(made.size());
+    state = inflate(&stream, Z_NO_FLUSH);
+    found.bytes += made.size() - stream.avail_out;
+  }
+  found.damage = deflate_damage(stream, state);
+  return found;
+}
+
+bool ends_with_checksum_of(const SourceFile& file, const DeflatedBlock& block,
+                           TiffPrediction prediction, const PredictedRows& layout,
+                           std::span<const std::byte> rows) {
+  const bool is_known =
+      prediction != TiffPrediction::float_bytes && !block.is_mirrored && block.length > kAdlerBytes;
+  std::array<std::byte, kAdlerBytes> end{};
+  if (!is_known || file.read_some(block.offset + block.length - end.size(), end) != end.size()) {
+    return false;
+  }
+  std::uint32_t stored = 0;
+  for (const std::byte byte : end) stored = stored << 8 | std::to_integer<std::uint32_t>(byte);
+  return stored == adler_of(prediction, layout, rows);
+}
+
+}  // namespace octavo
