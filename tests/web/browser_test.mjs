@@ -3,6 +3,7 @@
 import assert from "node:assert/strict";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
+import { gzipSync } from "node:zlib";
 import { inChromium, newPage } from "./support/chromium.mjs";
 import {
   dist, golden, goldenFolder, goldenNames, programDigests,
@@ -146,6 +147,50 @@ test("what is no signal, place or address is named in a page as it is in Node.js
     "invalid_argument: http://[: no address",
   ]);
   assert.ok(found.count > 0);
+});
+
+test("a server that compresses ranges is told from one that allows no other pages", async () => {
+  const bytes = golden("small-int16.8vo");
+  const compressing = (isWhole) => (request, response, entry) => {
+    if (entry.path !== "/scan.8vo") return false;
+    const ends = /(\d+)-(\d+)/.exec(entry.range)?.slice(1).map(Number);
+    const [first, last] = ends ?? [0, bytes.length];
+    const part = gzipSync(bytes.subarray(first, last + 1));
+    response.writeHead(entry.range ? 206 : 200, {
+      ...(entry.range || isWhole ? { "Content-Encoding": "gzip" } : {}),
+      ...(entry.range ? { "Content-Range": `bytes ${first}-${last}/${bytes.length}` } : {}),
+    });
+    response.end(request.method === "HEAD" ? undefined : part);
+    return true;
+  };
+  const why = async (url) => inChromium(async (browser) => {
+    const page = await newPage(browser, site.url);
+    return page.evaluate(async (from) => {
+      const { open } = await import("/dist/reader.js");
+      return open(from).then(() => "", ({ kind, message }) => `${kind}: ${message}`);
+    }, url);
+  });
+  const before = site.misbehave;
+  try {
+    for (const isWhole of [true, false]) {
+      site.misbehave = (...call) => before(...call) || compressing(isWhole)(...call);
+      assert.match(await why(`${site.url}/scan.8vo`), isWhole
+        ? /^io: scan\.8vo: the server compresses it \(Content-Encoding: gzip\)/
+        : /^io: scan\.8vo: .*compressed \(Content-Encoding\)/);
+    }
+    files.misbehave = compressing(true);
+    const ofOther = await why(`${files.url}/scan.8vo`);
+    assert.match(ofOther, /compressed \(Content-Encoding\)/);
+    assert.doesNotMatch(ofOther, /CORS/);
+    files.misbehave = null;
+    files.files.set("/scan.8vo", Buffer.from(bytes));
+    files.headers = {};
+    assert.match(await why(`${files.url}/scan.8vo`), /does not let pages of other sites read it/);
+  } finally {
+    site.misbehave = before;
+    files.misbehave = null;
+    files.headers = { "Access-Control-Allow-Origin": "*" };
+  }
 });
 
 test("a dropped file opens without a request", async () => {

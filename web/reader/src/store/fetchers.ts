@@ -78,9 +78,10 @@ class UrlFetcher implements Fetcher {
     onBytes: OnBytes): Promise<FetchedBytes> {
     const stalled = new AbortController();
     const watch = new Watch(stalled, onBytes);
+    const ending = chained(signal, stalled);
     let hasAnswered = false;
     try {
-      const response = await this.ask(offset, length, chained(signal, stalled), fresh);
+      const response = await this.ask(offset, length, ending, fresh);
       hasAnswered = true;
       if (response.status === 200) return await this.readWhole(response, watch);
       const range = /^bytes (\d+)-\d+\/(\d+)$/.exec(response.headers.get("Content-Range") ?? "");
@@ -106,11 +107,31 @@ class UrlFetcher implements Fetcher {
         throw new OctavoError("io",
           `${this.name}: addresses of ${protocol} cannot be fetched here`, { cause });
       }
-      throw new Unsettled(
-        "the server cannot be reached, or does not let pages of other sites read it (CORS)");
+      throw await this.whyNoAnswer(ending);
     } finally {
       watch.end();
     }
+  }
+
+  /** Pages hear no more of a fetch than that it failed. */
+  private async whyNoAnswer(signal: AbortSignal): Promise<Error> {
+    const { credentials } = this.settings;
+    // Without a range, of which browsers decode no part. Node.js reads compressed ranges.
+    const head = platform.baseAddress() === undefined ? undefined
+      : await fetch(this.url, { method: "HEAD", signal, credentials, cache: "no-store" })
+        .catch(() => undefined);
+    if (!head) {
+      return new Unsettled(
+        "the server cannot be reached, or does not let pages of other sites read it (CORS)");
+    }
+    const encoding = head.headers.get("Content-Encoding");
+    if (encoding) {
+      return new OctavoError("io",
+        `${this.name}: the server compresses it (Content-Encoding: ${encoding}), and browsers ` +
+        "read no ranges of that; it has to be served as it is");
+    }
+    return new Unsettled("the server is there, but its answer to a range cannot be read: the " +
+      "connection ended early, or the range was compressed (Content-Encoding)");
   }
 
   private async ask(
