@@ -236,6 +236,50 @@ test("equal voxels are said to be equal", async () => {
   });
 });
 
+test("numbers are those of the scan, and of the window behind its link", async () => {
+  const side = 16;
+  const first = 3913030420;
+  const voxels = Uint32Array.from({ length: side ** 3 }, (_, i) => first + (i % 97));
+  host.files.set("/large.8vo", await builtRaw(voxels, [side, side, side]));
+  const query = "?url=large.8vo&at=5,0,0&layout=z&mode=iso&window=3913030468.5,95&iso=3913030470";
+  await withPage(query, async (shown) => {
+    const fields = () => shown.evaluate(() =>
+      ["center", "width", "iso"].map((id) => document.getElementById(id).value));
+    await settled(shown);
+    assert.match(await text(shown, "readout"), / · 3913030425 · /);
+    assert.match(await text(shown, "facts"), /3913030420 to 3913030516/);
+    assert.deepEqual(await fields(), ["3913030468.5", "95", "3913030470"]);
+    const before = pngPixels(await panelPng(shown, "panel-z")).grey;
+    // Who leaves a field as it is changes nothing.
+    await shown.locator("#center").focus();
+    await shown.locator("#center").dispatchEvent("change");
+    await shown.goto(await shown.evaluate(() => octavo.permalink()));
+    await settled(shown);
+    assert.deepEqual(await fields(), ["3913030468.5", "95", "3913030470"]);
+    assert.deepEqual(pngPixels(await panelPng(shown, "panel-z")).grey, before);
+  });
+});
+
+test("values too small for graphics cards are drawn, one value as octavo slice does", async () => {
+  const middle = async (shown) => {
+    const { grey, width, height } = pngPixels(await panelPng(shown, "panel-z"));
+    return [0.25, 0.75].map(
+      (at) => grey[Math.floor(height / 2 - 20) * width + Math.floor(width / 2 + (at - 0.5) * 200)]);
+  };
+  const tiny = Float32Array.from({ length: 512 }, (_, i) => (i % 8 < 4 ? 5e-43 : 1e-42));
+  host.files.set("/tiny.8vo", await builtRaw(tiny, [8, 8, 8]));
+  await withPage("?url=tiny.8vo&layout=z&window=5e-43,1e-42", async (shown) => {
+    await settled(shown);
+    const [left, right] = await middle(shown);
+    assert.ok(Math.abs(left - 128) <= 2 && right === 255, `${left}, ${right}`);
+  });
+  host.files.set("/seven.8vo", await builtRaw(new Uint8Array(512).fill(7), [8, 8, 8]));
+  await withPage("?url=seven.8vo&layout=z", async (shown) => {
+    await settled(shown);
+    assert.deepEqual(await middle(shown), [255, 255]);
+  });
+});
+
 test("a scan without a finite value is said to be one", async () => {
   const nowhere = await builtRaw(new Float32Array(1000).fill(NaN), [10, 10, 10]);
   host.files.set("/nowhere.8vo", nowhere);

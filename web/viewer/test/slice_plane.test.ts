@@ -13,6 +13,8 @@ import {
   planeCells,
   planeOfBox,
   planeRect,
+  textureUnit,
+  textureValues,
 } from "../src/view/slice_plane.js";
 import { MadeUpVolume, valueOf } from "./made_up_volume.js";
 
@@ -33,6 +35,25 @@ async function readAll(): Promise<Map<string, Int16Array>> {
   }
   return found;
 }
+
+test("values that graphics cards take for 0 stand in textures in another unit", () => {
+  const plane = (...values: number[]) => ({
+    level: 0, slice: 0, from: [0, 0] as const, size: [values.length, 1] as const,
+    values: Float32Array.from(values), isComplete: false,
+  });
+  const unit = textureUnit({ range: [-1.4e-45, 1e-42] });
+  assert.ok(Number.isInteger(Math.log2(unit)));
+  const tiny = plane(1e-42, -1.4e-45, 0, MISSING, NOT_A_NUMBER, 2.9e38, -2.9e38);
+  const values = textureValues(tiny, unit);
+  assert.ok(values[0]! > 0.5 && values[0]! < 2, String(values[0]));
+  assert.deepEqual([...values.slice(0, 3)].map((v) => v * unit), [...tiny.values.slice(0, 3)]);
+  assert.deepEqual([...values.slice(3)], [...tiny.values.slice(3)]);
+  for (const range of [[-1000, 3000], [0, 0], [-1e-29, 0], [0, 3e38]] as const) {
+    assert.equal(textureUnit({ range }), 1);
+  }
+  const usual = plane(1, 2, MISSING);
+  assert.equal(textureValues(usual, 1), usual.values);
+});
 
 test("a plane holds the voxels of its slice, for each axis", async () => {
   const cells = await readAll();

@@ -62,6 +62,9 @@ test("a drag to the right widens, one upwards lowers the center", () => {
   assert.ok(draggedWindow(from, 50, 0).width > 200);
   assert.ok(draggedWindow(from, 0, 50).center < 100);
   assert.ok(draggedWindow(from, -1e5, 0).width > 0);
+  const tiny = draggedWindow({ center: 2e-42, width: 1e-42 }, 5, 5);
+  assert.ok(tiny.width > 1e-42 && tiny.width < 1.1e-42, windowText(tiny));
+  assert.ok(tiny.center > 1.9e-42 && tiny.center < 2e-42, windowText(tiny));
   for (const center of [100, 1.000004, 2 ** 24, -3e9]) {
     const { width, center: moved } = draggedWindow({ center, width: 7e-3 }, 7, 3);
     assert.ok(String(width).length <= 9, String(width));

@@ -25,6 +25,7 @@ import {
   type PlaneRect,
   planeCells,
   planeRect,
+  textureUnit,
 } from "../view/slice_plane.js";
 import { drawAnnotations } from "./annotations.js";
 import { byId } from "./dom.js";
@@ -203,8 +204,9 @@ export class SlicePanel {
       wanted === shown
         ? this.base
         : composed(this.fine, session, o, this.rect(wanted, look));
-    t.base.values(this.base.plane);
-    t.fine.values(this.fine.plane);
+    const unit = textureUnit(session.facts);
+    t.base.values(this.base.plane, unit);
+    t.fine.values(this.fine.plane, unit);
     const colors = this.colorsFor(session, o, look, t);
     painter.draw(
       {
@@ -237,8 +239,9 @@ export class SlicePanel {
     if (sampleAt(level, this.axis, this.slice) !== first.plane.slice) return;
     const t = (this.textures ??= painter.newTextures());
     this.base = { key: "first", plane: first.plane };
-    t.base.values(first.plane);
-    t.fine.values(first.plane);
+    const unit = textureUnit(session.facts);
+    t.base.values(first.plane, unit);
+    t.fine.values(first.plane, unit);
     const look = this.look;
     painter.draw(
       {

@@ -5,7 +5,7 @@
 import { type VolumeFacts } from "../reader/volume.js";
 import { Cover, type Gl, nearestTexture } from "./gl.js";
 import { type Orientation } from "./geometry.js";
-import { type Plane } from "./slice_plane.js";
+import { type Plane, textureUnit, textureValues } from "./slice_plane.js";
 import { type Window, powerOfTwo } from "./window.js";
 
 const SHADER = `#version 300 es
@@ -99,12 +99,12 @@ export class PlaneTexture {
     this.level = plane.level;
   }
 
-  values(plane: Plane): void {
+  /** unit  that of the values in the texture: textureUnit of the volume */
+  values(plane: Plane, unit: number): void {
     const gl = this.gl;
     const [w, h] = plane.size;
     this.put(plane, plane, () => {
-      const { values } = plane;
-      const floats = values instanceof Float32Array ? values : new Float32Array(values);
+      const floats = textureValues(plane, unit);
       gl.texImage2D(gl.TEXTURE_2D, 0, gl.R32F, w, h, 0, gl.RED, gl.FLOAT, floats);
     });
   }
@@ -216,7 +216,8 @@ export class SlicePainter {
     // Half of the powers of the width each, so that neither leaves what floats hold.
     const unit = powerOfTwo(Math.sqrt(window.width));
     c.floats("window", (window.center - window.width / 2) / unit, unit / window.width);
-    c.floats("real", facts.slope / unit, facts.intercept / unit);
+    const slope = (facts.slope * textureUnit(facts)) / unit;
+    c.floats("real", slope, facts.intercept / unit);
     c.ints("isLabels", drawing.isLabels ? 1 : 0);
     c.ints("hasColors", drawing.colors ? 1 : 0);
     if (drawing.colors) {

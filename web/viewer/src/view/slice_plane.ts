@@ -8,6 +8,7 @@ import {
 } from "../reader/volume.js";
 import { CELL_SIDE, type Cell, boxSize, cellBox, cellsOf } from "../decode/cells.js";
 import { type Orientation, sampleAt } from "./geometry.js";
+import { powerOfTwo } from "./window.js";
 
 /** Stands for a sample that is not here; no voxel is as large. */
 export const MISSING = Math.fround(3.0e38);
@@ -69,6 +70,22 @@ function newValues(facts: VolumeFacts, rect: PlaneRect): PlaneValues {
   const count = rect.size[0] * rect.size[1];
   const isLarge = facts.kind === "labels" && facts.type.endsWith("32");
   return isLarge ? new Float64Array(count) : new Float32Array(count);
+}
+
+/** Stored values stand in textures in this unit: graphics cards may take floats below 1.2e-38 for
+ *  0. A power of two, so that nothing is rounded; 1 where values are not as small. */
+export function textureUnit(facts: Pick<VolumeFacts, "range">): number {
+  const most = Math.max(...facts.range.map(Math.abs));
+  return most < 1e-30 ? powerOfTwo(most) : 1;
+}
+
+/** The values of a plane for a texture. */
+export function textureValues(plane: Plane, unit: number): Float32Array {
+  const { values } = plane;
+  if (unit === 1) return values instanceof Float32Array ? values : new Float32Array(values);
+  return Float32Array.from(values, (v) =>
+    v === MISSING || v === NOT_A_NUMBER ? v : storable(v / unit),
+  );
 }
 
 function strides(size: Vec3): Vec3 {

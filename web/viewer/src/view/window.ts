@@ -54,7 +54,7 @@ export function robustWindow(values: Iterable<number>): Window {
 
 /** A drag of so many pixels: to the right widens, upwards makes brighter. */
 export function draggedWindow(from: Window, right: number, up: number): Window {
-  const width = Math.max(from.width * Math.exp(right / 200), 1e-6);
+  const width = Math.max(from.width * Math.exp(right / 200), Math.min(from.width, 1e-6));
   return {
     center: roundedTo(from.center - (up * from.width) / 300, width),
     width: roundedTo(width, width),
