@@ -122,8 +122,8 @@ class ProgramsOfTests(unittest.TestCase):
                                    "octavo_samples": ["f", "g"]})
 
     def test_name_nothing_alike_within_one(self):
-        a = SOURCE % "constexpr int kSize = 3;\nTEST(Box, IsClosed) { EXPECT_TRUE(true); }"
-        b = SOURCE % "constexpr int kSize = 4;\nTEST(Box, IsOpen) { EXPECT_TRUE(true); }"
+        a = SOURCE % "constexpr int kSize = 3;\nTEST(Box, IsClosed) { EXPECT_EQ(kSize, 3); }"
+        b = SOURCE % "constexpr int kSize = 4;\nTEST(Box, IsOpen) { EXPECT_EQ(kSize, 4); }"
         self.assertEqual(self.clashes("octavo_test(a short SOURCES a.cpp)\n"
                                       "octavo_test(b short SOURCES b.cpp)", a, b), [])
         self.assertEqual(self.clashes("octavo_test(a short SOURCES a.cpp b.cpp)", a, b),

@@ -86,15 +86,39 @@ TEST(TiffPage, OfPackBitsThatMakeMoreThanABlockIsRejected) {
             sample.pages[0].substr(0, 8) + std::string(4, sample.pages[0][8]));
 }
 
-TEST(TiffPage, OfJpegWithoutAllItsValuesIsRejected) {
-  const TempFolder folder;
+/// Where a little-endian file has the entry of a tag of one number.
+std::size_t entry_of(const std::string& bytes, std::uint16_t tag) {
+  const std::size_t at = bytes.rfind(bytes_of<std::uint16_t>({tag, TIFF_SHORT, 1, 0}));
+  return at != std::string::npos ? at
+                                 : bytes.rfind(bytes_of<std::uint16_t>({tag, TIFF_LONG, 1, 0}));
+}
+
+std::uint32_t number_of(const std::string& bytes, std::uint16_t tag) {
+  std::uint32_t number = 0;
+  std::memcpy(&number, bytes.data() + entry_of(bytes, tag) + 8, sizeof number);
+  return number;
+}
+
+void set_number(std::string& bytes, std::uint16_t tag, std::uint32_t number) {
+  const std::size_t at = entry_of(bytes, tag);
+  ASSERT_NE(at, std::string::npos) << tag;
+  bytes.replace(at, 4, bytes_of<std::uint16_t>({tag, TIFF_LONG}));
+  bytes.replace(at + 8, 4, bytes_of<std::uint32_t>({number}));
+}
+
+TiffSample jpeg_picture() {
   TiffSample sample;
   sample.width = 64;
   sample.height = 64;
   sample.compression = COMPRESSION_JPEG;
   sample.rows_per_strip = 64;
   sample.pages = {counted(64 * 64, 1)};
-  write_tiff(folder.file("a.tif"), sample);
+  return sample;
+}
+
+TEST(TiffPage, OfJpegWithoutAllItsValuesIsRejected) {
+  const TempFolder folder;
+  write_tiff(folder.file("a.tif"), jpeg_picture());
   const std::string whole = read_file(folder.file("a.tif"));
   const std::size_t end = whole.find("\xff\xd9", whole.find("\xff\xda"));
   ASSERT_NE(end, std::string::npos);
@@ -113,26 +137,13 @@ TEST(TiffPage, OfJpegWithoutAllItsValuesIsRejected) {
 
 TEST(TiffPage, OfJpegCutByItsByteCountIsRejected) {
   const TempFolder folder;
-  TiffSample sample;
-  sample.width = 64;
-  sample.height = 64;
-  sample.compression = COMPRESSION_JPEG;
-  sample.rows_per_strip = 64;
-  sample.pages = {counted(64 * 64, 1)};
-  write_tiff(folder.file("a.tif"), sample);
+  write_tiff(folder.file("a.tif"), jpeg_picture());
   std::string bytes = read_file(folder.file("a.tif"));
-  // An entry of one number, in the lower bytes of its last four.
-  std::size_t entry = bytes.find(bytes_of<std::uint16_t>({TIFFTAG_STRIPBYTECOUNTS, TIFF_SHORT}));
-  if (entry == std::string::npos) {
-    entry = bytes.find(bytes_of<std::uint16_t>({TIFFTAG_STRIPBYTECOUNTS, TIFF_LONG}));
-  }
-  ASSERT_NE(entry, std::string::npos);
-  std::uint16_t count = 0;
-  std::memcpy(&count, bytes.data() + entry + 8, sizeof count);
-  bytes.replace(entry + 8, 2, bytes_of<std::uint16_t>({static_cast<std::uint16_t>(count - 2)}));
+  const std::uint32_t count = number_of(bytes, TIFFTAG_STRIPBYTECOUNTS);
+  set_number(bytes, TIFFTAG_STRIPBYTECOUNTS, count - 2);
   write_file(folder.file("a.tif"), bytes);  // without its last mark
   EXPECT_EQ(voxels_of(*open_source({folder.file("a.tif")}, {})).size(), 64U * 64);
-  bytes.replace(entry + 8, 2, bytes_of<std::uint16_t>({static_cast<std::uint16_t>(count / 2)}));
+  set_number(bytes, TIFFTAG_STRIPBYTECOUNTS, count / 2);
   write_file(folder.file("a.tif"), bytes);
   expect_rejected(folder.file("a.tif"), {"strip 0 is damaged (its picture ends before"});
 }
@@ -144,15 +155,6 @@ std::string deflated_rows(const std::string& rows) {
             reinterpret_cast<const Bytef*>(rows.data()), static_cast<uLong>(rows.size()), 9);
   stream.resize(length);
   return stream;
-}
-
-/// Gives a tag of one number in a little-endian file another one.
-void set_number(std::string& bytes, std::uint16_t tag, std::uint32_t number) {
-  std::size_t at = bytes.rfind(bytes_of<std::uint16_t>({tag, TIFF_SHORT, 1, 0}));
-  if (at == std::string::npos) at = bytes.rfind(bytes_of<std::uint16_t>({tag, TIFF_LONG, 1, 0}));
-  ASSERT_NE(at, std::string::npos) << tag;
-  bytes.replace(at, 4, bytes_of<std::uint16_t>({tag, TIFF_LONG}));
-  bytes.replace(at + 8, 4, bytes_of<std::uint32_t>({number}));
 }
 
 /// A picture of one strip or tile of 16 x 16 values, with another block.
