@@ -65,6 +65,10 @@ test("a drag to the right widens, one upwards lowers the center", () => {
   const tiny = draggedWindow({ center: 2e-42, width: 1e-42 }, 5, 5);
   assert.ok(tiny.width > 1e-42 && tiny.width < 1.1e-42, windowText(tiny));
   assert.ok(tiny.center > 1.9e-42 && tiny.center < 2e-42, windowText(tiny));
+  for (const narrow of [1e-5, 1e-7, 1e-40]) {
+    const { width } = draggedWindow({ center: 0, width: narrow }, -200, 0);
+    assert.ok(Math.abs(width / narrow - Math.exp(-1)) < 1e-4, `${narrow} becomes ${width}`);
+  }
   for (const center of [100, 1.000004, 2 ** 24, -3e9]) {
     const { width, center: moved } = draggedWindow({ center, width: 7e-3 }, 7, 3);
     assert.ok(String(width).length <= 9, String(width));

@@ -52,9 +52,12 @@ export function robustWindow(values: Iterable<number>): Window {
   return high > low ? windowBetween(low, high) : wholeWindow(finite[0]!, finite.at(-1)!);
 }
 
+/** The smallest float32 above 0. */
+const NARROWEST = 2 ** -149;
+
 /** A drag of so many pixels: to the right widens, upwards makes brighter. */
 export function draggedWindow(from: Window, right: number, up: number): Window {
-  const width = Math.max(from.width * Math.exp(right / 200), Math.min(from.width, 1e-6));
+  const width = Math.max(from.width * Math.exp(right / 200), NARROWEST);
   return {
     center: roundedTo(from.center - (up * from.width) / 300, width),
     width: roundedTo(width, width),
