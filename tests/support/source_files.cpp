@@ -47,9 +47,10 @@ std::string read_file(const std::string& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-std::string gzip(const std::string& bytes) {
+/// window_bits  as zlib counts: 15; and 16 for a head of gzip, or negative for none
+static std::string deflated(const std::string& bytes, int window_bits) {
   z_stream stream{};
-  deflateInit2(&stream, 6, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY);
+  EXPECT_EQ(deflateInit2(&stream, 6, Z_DEFLATED, window_bits, 8, Z_DEFAULT_STRATEGY), Z_OK);
   std::string out(deflateBound(&stream, static_cast<uLong>(bytes.size())), '\0');
   std::string in = bytes;
   stream.next_in = reinterpret_cast<Bytef*>(in.data());
@@ -61,6 +62,10 @@ std::string gzip(const std::string& bytes) {
   deflateEnd(&stream);
   return out;
 }
+
+std::string gzip(const std::string& bytes) { return deflated(bytes, 15 + 16); }
+std::string zlib_stream(const std::string& bytes) { return deflated(bytes, 15); }
+std::string bare_deflate_stream(const std::string& bytes) { return deflated(bytes, -15); }
 
 std::string counted(std::size_t bytes, int start) {
   std::string text;

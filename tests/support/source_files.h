@@ -42,6 +42,9 @@ inline bool contains(const Warning& warning, const std::string& part) {
 void write_file(const std::string& path, const std::string& bytes);
 std::string read_file(const std::string& path);
 std::string gzip(const std::string& bytes);
+std::string zlib_stream(const std::string& bytes);
+/// Deflate without head and checksum.
+std::string bare_deflate_stream(const std::string& bytes);
 
 /// The bytes of values, in either order.
 template <class T>

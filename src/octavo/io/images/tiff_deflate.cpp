@@ -15,7 +15,7 @@ namespace octavo {
 
 namespace {
 
-constexpr std::size_t kPieceBytes = 1U << 15;
+constexpr std::size_t kMostRoom = 1U << 30;  // zlib counts in 32 bits
 constexpr std::size_t kAdlerBytes = 4;
 
 /// A stream of zlib that is being inflated.
@@ -100,42 +100,45 @@ std::uint32_t adler_of(TiffPrediction prediction, const PredictedRows& layout,
 
 }  // namespace
 
-InflatedLength inflated_length(const SourceFile& file, const DeflatedBlock& block,
-                               std::uint64_t most) {
-  OpenDeflate open;
-  z_stream& stream = open.stream;
-  std::array<std::byte, kPieceBytes> packed;
-  std::array<std::byte, kPieceBytes> made;
-  std::uint64_t read = 0;
-  InflatedLength found;
-  int state = Z_OK;
-  // Without input left, zlib still gives what it holds back, and then says that it lacks some.
-  while (state == Z_OK && found.bytes <= most) {
-    if (stream.avail_in == 0) {
-      const std::uint64_t wanted = std::min<std::uint64_t>(kPieceBytes, block.length - read);
-      const std::size_t count = file.read_some(
-          block.offset + read, std::span(packed).first(static_cast<std::size_t>(wanted)));
-      read += count;
-      stream.next_in = reinterpret_cast<Bytef*>(packed.data());
-      stream.avail_in = static_cast<uInt>(count);
-      if (block.is_mirrored) TIFFReverseBits(stream.next_in, static_cast<tmsize_t>(count));
-    }
-    stream.next_out = reinterpret_cast<Bytef*>(made.data());
-    stream.avail_out = static_cast<uInt>(made.size());
-    state = inflate(&stream, Z_NO_FLUSH);
-    found.bytes += made.size() - stream.avail_out;
-  }
-  found.damage = deflate_damage(stream, state);
-  return found;
+bool is_deflate(std::uint16_t compression) {
+  return compression == COMPRESSION_DEFLATE || compression == COMPRESSION_ADOBE_DEFLATE;
 }
 
-bool ends_with_checksum_of(const SourceFile& file, const DeflatedBlock& block,
+MadeBytes inflate_rows(const SourceFile& file, const CodedBlock& block, std::span<std::byte> rows,
+                       std::uint64_t most) {
+  OpenDeflate open;
+  z_stream& stream = open.stream;
+  BlockPieces pieces(file, block);
+  RowSink sink(rows);
+  int state = Z_OK;
+  // Without input left, zlib still gives what it holds back, and then says that it lacks some.
+  while (state == Z_OK && sink.taken() <= most) {
+    if (stream.avail_in == 0) {
+      const std::span<std::byte> piece = pieces.next();
+      stream.next_in = reinterpret_cast<Bytef*>(piece.data());
+      stream.avail_in = static_cast<uInt>(piece.size());
+    }
+    const std::span<std::byte> room = sink.room();
+    const std::size_t most_room = std::min(room.size(), kMostRoom);
+    stream.next_out = reinterpret_cast<Bytef*>(room.data());
+    stream.avail_out = static_cast<uInt>(most_room);
+    state = inflate(&stream, Z_NO_FLUSH);
+    sink.take(most_room - stream.avail_out);
+  }
+  return {sink.taken(), deflate_damage(stream, state)};
+}
+
+bool may_end_with_checksum(const CodedBlock& block, TiffPrediction prediction) {
+  return prediction != TiffPrediction::float_bytes && !block.is_mirrored &&
+         block.length > kAdlerBytes;
+}
+
+bool ends_with_checksum_of(const SourceFile& file, const CodedBlock& block,
                            TiffPrediction prediction, const PredictedRows& layout,
                            std::span<const std::byte> rows) {
-  const bool is_known =
-      prediction != TiffPrediction::float_bytes && !block.is_mirrored && block.length > kAdlerBytes;
   std::array<std::byte, kAdlerBytes> end{};
-  if (!is_known || file.read_some(block.offset + block.length - end.size(), end) != end.size()) {
+  if (!may_end_with_checksum(block, prediction) ||
+      file.read_some(block.offset + block.length - end.size(), end) != end.size()) {
     return false;
   }
   std::uint32_t stored = 0;

@@ -4,41 +4,34 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <string>
 
 #include "octavo/io/images/tiff_predictor.h"
-#include "octavo/io/source/source_file.h"
+#include "octavo/io/images/tiff_stream.h"
 
 namespace octavo {
 
-/// Where the bytes of a strip or tile stand in a file.
-struct DeflatedBlock {
-  std::uint64_t offset = 0;
-  std::uint64_t length = 0;
-  bool is_mirrored = false;  ///< the bits of each byte stand in reverse (FillOrder 2)
-};
+/// True for both numbers of a compression that stand for Deflate.
+bool is_deflate(std::uint16_t compression);
 
-/// What a stream makes.
-struct InflatedLength {
-  std::uint64_t bytes = 0;  ///< up to its end or its damage, or a few more than were allowed
-  std::string damage;       ///< what is wrong with it; empty where it is whole or was left
-};
-
-/// Inflates a block and forgets what comes out of it. Bytes behind the end of the stream are
+/// Inflates a block into its rows, as they are stored. Bytes behind the end of the stream are
 /// passed over.
-/// most    after more bytes than that the stream is left
+/// rows    get what the stream makes first; the rest is forgotten
+/// most    after more bytes than that the stream is left; at least those of the rows
 /// Throws  Error{io}, Error{out_of_memory}
 /// Memory  about 100 kB
 /// Source  RFC 1950
-InflatedLength inflated_length(const SourceFile& file, const DeflatedBlock& block,
-                               std::uint64_t most);
+MadeBytes inflate_rows(const SourceFile& file, const CodedBlock& block, std::span<std::byte> rows,
+                       std::uint64_t most);
+
+/// Whether ends_with_checksum_of can be true of such a block.
+bool may_end_with_checksum(const CodedBlock& block, TiffPrediction prediction);
 
 /// True where the checksum at the very end of a block is that of decoded rows, which are whole
 /// then. False says nothing: other bytes may stand behind the stream.
-/// prediction  that was undone: none or differences
+/// prediction  that was undone
 /// rows        in native order
 /// Throws      Error{io}
-bool ends_with_checksum_of(const SourceFile& file, const DeflatedBlock& block,
+bool ends_with_checksum_of(const SourceFile& file, const CodedBlock& block,
                            TiffPrediction prediction, const PredictedRows& layout,
                            std::span<const std::byte> rows);
 

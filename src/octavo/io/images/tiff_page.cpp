@@ -20,7 +20,6 @@
 #include "octavo/io/source/alternating_values.h"
 #include "octavo/io/source/byte_order.h"
 #include "octavo/io/source/claimed_bytes.h"
-#include "octavo/io/source/jpeg_completeness.h"
 
 namespace octavo {
 
@@ -28,39 +27,25 @@ namespace {
 
 constexpr std::uint32_t kZeissTag = 34412;       // CZ_LSMINFO
 constexpr std::uint32_t kMetaMorphTag = 33629;   // UIC2, a value of which is a plane
-constexpr std::uint64_t kMaxBlockBytes = std::uint64_t{1} << 30;
 constexpr std::uint64_t kMaxDescriptionBytes = std::uint64_t{1} << 27;  // OME's tells of each plane
 
-/// libtiff's hook for errors: keeps the first message.
-int keep_message(TIFF*, void* user, const char*, const char* format, va_list arguments) {
-  auto* message = static_cast<std::string*>(user);
+/// libtiff's hook for errors.
+int keep_error(TIFF*, void* user, const char*, const char* format, va_list arguments) {
+  std::string& error = static_cast<TiffMessages*>(user)->error;
   char text[256];
   std::vsnprintf(text, sizeof text, format, arguments);
-  if (message->empty()) *message = text;
+  if (error.empty()) error = text;
   return 1;
 }
 
-/// libtiff's hook for warnings: keeps the first ones, a line each.
+/// libtiff's hook for warnings.
 int keep_warning(TIFF*, void* user, const char*, const char* format, va_list arguments) {
   constexpr std::size_t kMostBytes = 4096;
-  auto* warnings = static_cast<std::string*>(user);
+  std::string& warnings = static_cast<TiffMessages*>(user)->warnings;
   char text[256];
   std::vsnprintf(text, sizeof text, format, arguments);
-  if (warnings->size() < kMostBytes) *warnings += text + std::string("\n");
+  if (warnings.size() < kMostBytes) warnings += text + std::string("\n");
   return 1;
-}
-
-/// The first of the warnings that tells of values that are lost; empty where none does. libjpeg
-/// also tells of bytes that nothing needs, and of a missing mark behind a whole picture.
-std::string told_damage(std::uint16_t compression, std::string_view warnings) {
-  for (; !warnings.empty(); warnings.remove_prefix(warnings.find('\n') + 1)) {
-    const std::string_view line = warnings.substr(0, warnings.find('\n'));
-    const bool is_of_jpeg = compression == COMPRESSION_JPEG &&
-                            line.find("Corrupt JPEG data") != std::string_view::npos &&
-                            line.find("extraneous bytes") == std::string_view::npos;
-    if (is_of_jpeg || compression == COMPRESSION_PACKBITS) return std::string(line);
-  }
-  return {};
 }
 
 template <class T>
@@ -108,30 +93,6 @@ std::optional<std::uint64_t> ratio_of(std::uint16_t compression) {
   }
 }
 
-bool is_deflate(std::uint16_t compression) {
-  return compression == COMPRESSION_DEFLATE || compression == COMPRESSION_ADOBE_DEFLATE;
-}
-
-/// Where a strip or tile stands, as far as the file has its bytes.
-DeflatedBlock deflated_block(TIFF* handle, std::uint32_t number, std::uint64_t file_bytes) {
-  DeflatedBlock block;
-  block.offset = std::min<std::uint64_t>(TIFFGetStrileOffset(handle, number), file_bytes);
-  block.length = std::min<std::uint64_t>(TIFFGetStrileByteCount(handle, number),
-                                         file_bytes - block.offset);
-  block.is_mirrored = tag_or<std::uint16_t>(handle, TIFFTAG_FILLORDER, FILLORDER_MSB2LSB) ==
-                      FILLORDER_LSB2MSB;
-  return block;
-}
-
-/// What libtiff undoes in the rows of a deflated page.
-TiffPrediction undone_prediction(TIFF* handle) {
-  switch (tag_or<std::uint16_t>(handle, TIFFTAG_PREDICTOR, PREDICTOR_NONE)) {
-    case PREDICTOR_HORIZONTAL: return TiffPrediction::differences;
-    case PREDICTOR_FLOATINGPOINT: return TiffPrediction::float_bytes;
-    default: return TiffPrediction::none;
-  }
-}
-
 /// Tags of cameras and programs that hold records of their own.
 bool is_record(std::uint32_t tag) {
   constexpr std::array<std::uint32_t, 5> kRecords = {TIFFTAG_XMLPACKET, TIFFTAG_RICHTIFFIPTC,
@@ -153,11 +114,11 @@ Alternation one_of(const TiffPage& page, std::int64_t sample) {
 TiffFile::TiffFile(const std::string& path)
     : path_(path),
       file_(path),
-      message_(std::make_unique<std::string>()),
-      warnings_(std::make_unique<std::string>()) {
+      messages_(std::make_unique<TiffMessages>()) {
   TIFFOpenOptions* options = TIFFOpenOptionsAlloc();
-  TIFFOpenOptionsSetErrorHandlerExtR(options, keep_message, message_.get());
-  TIFFOpenOptionsSetWarningHandlerExtR(options, keep_warning, warnings_.get());
+  TIFFOpenOptionsSetMaxSingleMemAlloc(options, static_cast<tmsize_t>(kMaxBlockBytes));
+  TIFFOpenOptionsSetErrorHandlerExtR(options, keep_error, messages_.get());
+  TIFFOpenOptionsSetWarningHandlerExtR(options, keep_warning, messages_.get());
   handle_ = TIFFOpenExt(path.c_str(), "r", options);
   TIFFOpenOptionsFree(options);
   if (handle_ == nullptr) reject("libtiff cannot open it");
@@ -168,7 +129,7 @@ TiffFile::~TiffFile() {
 }
 
 void TiffFile::reject(const std::string& why) const {
-  const std::string cause = message_->empty() ? "" : " (" + escaped(*message_) + ")";
+  const std::string cause = messages_->error.empty() ? "" : " (" + escaped(messages_->error) + ")";
   throw Error(ErrorKind::source_rejected, why + cause, path_);
 }
 
@@ -179,7 +140,7 @@ bool TiffFile::is_lossy(const StoredType& type, std::uint16_t compression) const
     const auto length = static_cast<tmsize_t>(start.size());
     found = TIFFIsTiled(handle_) != 0 ? TIFFReadRawTile(handle_, 0, start.data(), length)
                                       : TIFFReadRawStrip(handle_, 0, start.data(), length);
-    message_->clear();  // reading the block tells what is wrong with it
+    messages_->error.clear();  // reading the block tells what is wrong with it
   }
   const std::span<const std::byte> bytes(start);
   return is_lossy_block(compression, type,
@@ -280,115 +241,17 @@ std::optional<std::uint64_t> TiffFile::plain_run(const TiffPage& page) const {
 }
 
 bool TiffFile::next_page() {
-  message_->clear();
+  messages_->error.clear();
+  ++number_;
   if (TIFFReadDirectory(handle_) == 1) return true;
-  if (!message_->empty()) reject("a damaged page");
+  if (!messages_->error.empty()) reject("a damaged page");
   return false;
 }
 
-void TiffFile::go_to(std::uint64_t directory_offset) {
-  message_->clear();
+void TiffFile::go_to(std::uint64_t directory_offset, std::int64_t number) {
+  messages_->error.clear();
+  number_ = number;
   if (TIFFSetSubDirectory(handle_, directory_offset) != 1) reject("a page cannot be found again");
-}
-
-void TiffFile::read_voxels(const TiffPage& page, std::int64_t sample, std::span<std::byte> plane) {
-  message_->clear();
-  warnings_->clear();
-  if (TIFFIsTiled(handle_) != 0) {
-    read_tiles(page, sample, plane);
-  } else {
-    read_strips(page, sample, plane);
-  }
-  if (!message_->empty()) reject("damaged voxel data");
-}
-
-void TiffFile::read_strips(const TiffPage& page, std::int64_t sample,
-                           std::span<std::byte> plane) {
-  constexpr std::uint32_t kAllRows = std::numeric_limits<std::uint32_t>::max();
-  const auto stated_rows = tag_or<std::uint32_t>(handle_, TIFFTAG_ROWSPERSTRIP, 1);
-  const std::int64_t claimed_rows = stated_rows == kAllRows ? page.height : stated_rows;
-  const std::int64_t rows_per_strip = std::clamp<std::int64_t>(claimed_rows, 1, page.height);
-  const bool alternates = page.samples > 1 && !page.is_separate;
-  const std::int64_t strips_per_plane = (page.height + rows_per_strip - 1) / rows_per_strip;
-  auto strip = static_cast<std::uint32_t>(page.is_separate ? sample * strips_per_plane : 0);
-  const auto stride = static_cast<std::size_t>(alternates ? page.samples : 1);
-  std::vector<std::byte> several;
-  for (std::int64_t y = 0; y < page.height; y += rows_per_strip, ++strip) {
-    const std::size_t start = at_voxel(page, 0, y);
-    const std::size_t bytes =
-        at_voxel(page, 0, std::min(y + rows_per_strip, page.height)) - start;
-    std::span<std::byte> rows = plane.subspan(start, bytes);
-    if (alternates) {
-      const std::uint64_t strip_bytes = checked_mul(bytes, stride, "strip");
-      if (strip_bytes > kMaxBlockBytes) reject("strips of more than 1 GiB are not read");
-      several.resize(static_cast<std::size_t>(strip_bytes));
-      rows = several;
-    }
-    if (y + claimed_rows <= page.height || !read_padded_strip(page, strip, claimed_rows, rows)) {
-      const auto wanted = static_cast<tmsize_t>(rows.size());
-      const tmsize_t found = TIFFReadEncodedStrip(handle_, strip, rows.data(), wanted);
-      if (found != wanted) {
-        reject("strip " + std::to_string(strip) + " is damaged or cut: " + std::to_string(wanted) +
-               " bytes expected, " + std::to_string(std::max<tmsize_t>(found, 0)) + " found");
-      }
-      const bool may_go_on = y + rows_per_strip > page.height;
-      require_undamaged("strip", strip, may_go_on);
-      require_proven("strip", strip, predicted_rows(page, page.width), rows);
-    }
-    undo_prediction(page.prediction, predicted_rows(page, page.width), rows);
-    if (alternates) take_alternating(one_of(page, sample), several, plane.subspan(start, bytes));
-  }
-}
-
-void TiffFile::require_undamaged(const char* block, std::uint32_t number, bool may_go_on) const {
-  const auto compression = tag_or<std::uint16_t>(handle_, TIFFTAG_COMPRESSION, COMPRESSION_NONE);
-  if (may_go_on && compression == COMPRESSION_PACKBITS) return;
-  std::string damage = told_damage(compression, *warnings_);
-  if (damage.empty() && compression == COMPRESSION_JPEG && !is_whole_picture(number)) {
-    damage = "its picture ends before its last value";
-  }
-  if (damage.empty()) return;
-  reject(block + (" " + std::to_string(number)) + " is damaged (" + escaped(damage) +
-         "); copy the file again from its origin");
-}
-
-bool TiffFile::is_whole_picture(std::uint32_t number) const {
-  const std::uint64_t offset = std::min(TIFFGetStrileOffset(handle_, number), file_.size());
-  const std::uint64_t length =
-      std::min(TIFFGetStrileByteCount(handle_, number), file_.size() - offset);
-  std::vector<std::byte> picture(static_cast<std::size_t>(length));
-  file_.read_exactly(offset, picture);
-  std::uint32_t table_bytes = 0;
-  const std::byte* tables = nullptr;
-  const bool has_tables =
-      TIFFGetField(handle_, TIFFTAG_JPEGTABLES, &table_bytes, &tables) == 1 && tables != nullptr;
-  return is_whole_jpeg({tables, has_tables ? table_bytes : 0}, picture);
-}
-
-void TiffFile::require_proven(const char* block, std::uint32_t number,
-                              const PredictedRows& layout,
-                              std::span<const std::byte> rows) const {
-  const auto compression = tag_or<std::uint16_t>(handle_, TIFFTAG_COMPRESSION, COMPRESSION_NONE);
-  if (!is_deflate(compression)) return;
-  if (!ends_with_checksum_of(file_, deflated_block(handle_, number, file_.size()),
-                             undone_prediction(handle_), layout, rows)) {
-    inflated_bytes(block, number, rows.size(), rows.size());
-  }
-}
-
-std::uint64_t TiffFile::inflated_bytes(const char* block, std::uint32_t number,
-                                       std::uint64_t minimum, std::uint64_t most) const {
-  InflatedLength found =
-      inflated_length(file_, deflated_block(handle_, number, file_.size()), most);
-  if (found.bytes > most) {
-    found.damage = "its stream makes more than its " + std::to_string(most) + " bytes";
-  } else if (found.damage.empty() && found.bytes < minimum) {
-    found.damage = "its stream makes " + std::to_string(found.bytes) + " of " +
-                   std::to_string(minimum) + " bytes";
-  }
-  if (found.damage.empty()) return found.bytes;
-  reject(block + (" " + std::to_string(number)) + " is damaged (" + found.damage +
-         "); copy the file again from its origin");
 }
 
 PredictedRows TiffFile::predicted_rows(const TiffPage& page, std::int64_t row_pixels) {
@@ -400,35 +263,49 @@ PredictedRows TiffFile::predicted_rows(const TiffPage& page, std::int64_t row_pi
   return layout;
 }
 
-bool TiffFile::read_padded_strip(const TiffPage& page, std::uint32_t strip,
-                                 std::int64_t claimed_rows, std::span<std::byte> rows) {
-  const auto compression = tag_or<std::uint16_t>(handle_, TIFFTAG_COMPRESSION, COMPRESSION_NONE);
-  if (!is_deflate(compression)) return false;
+TiffBlockDecoder TiffFile::block_decoder(const TiffPage& page, const PredictedRows& layout) {
+  return {handle_, file_, *messages_, layout, page.prediction, number_};
+}
+
+void TiffFile::read_voxels(const TiffPage& page, std::int64_t sample, std::span<std::byte> plane) {
+  if (TIFFIsTiled(handle_) != 0) {
+    read_tiles(page, sample, plane);
+  } else {
+    read_strips(page, sample, plane);
+  }
+}
+
+void TiffFile::read_strips(const TiffPage& page, std::int64_t sample,
+                           std::span<std::byte> plane) {
+  constexpr std::uint32_t kAllRows = std::numeric_limits<std::uint32_t>::max();
+  const auto stated_rows = tag_or<std::uint32_t>(handle_, TIFFTAG_ROWSPERSTRIP, 1);
+  const std::int64_t claimed_rows = stated_rows == kAllRows ? page.height : stated_rows;
+  const std::int64_t rows_per_strip = std::clamp<std::int64_t>(claimed_rows, 1, page.height);
+  const bool alternates = page.samples > 1 && !page.is_separate;
+  const std::int64_t strips_per_plane = (page.height + rows_per_strip - 1) / rows_per_strip;
+  auto strip = static_cast<std::uint32_t>(page.is_separate ? sample * strips_per_plane : 0);
   const PredictedRows layout = predicted_rows(page, page.width);
   const std::uint64_t row_bytes = layout.row_values * layout.value_bytes;
+  // Some programs fill the last strip with rows behind the page.
   const std::uint64_t most_rows = std::min<std::uint64_t>(
       static_cast<std::uint64_t>(claimed_rows), kMaxBlockBytes / row_bytes);
-  const std::uint64_t padded_bytes = inflated_bytes(
-      "strip", strip, rows.size(), std::max<std::uint64_t>(most_rows * row_bytes, rows.size()));
-  if (padded_bytes == rows.size()) return false;
-  if (padded_bytes % row_bytes != 0) {
-    reject("strip " + std::to_string(strip) + " is damaged (its stream makes " +
-           std::to_string(padded_bytes) + " bytes, and each row has " + std::to_string(row_bytes) +
-           "); copy the file again from its origin");
+  TiffBlockDecoder decoder = block_decoder(page, layout);
+  std::vector<std::byte> several;
+  for (std::int64_t y = 0; y < page.height; y += rows_per_strip, ++strip) {
+    const std::int64_t row_count = std::min(rows_per_strip, page.height - y);
+    const std::span<std::byte> taken =
+        plane.subspan(at_voxel(page, 0, y), at_voxel(page, 0, row_count));
+    std::span<std::byte> rows = taken;
+    if (alternates) {
+      const std::uint64_t strip_bytes =
+          checked_mul(taken.size(), static_cast<std::uint64_t>(page.samples), "strip");
+      if (strip_bytes > kMaxBlockBytes) reject("strips of more than 1 GiB are not read");
+      several.resize(static_cast<std::size_t>(strip_bytes));
+      rows = several;
+    }
+    decoder.decode(strip, rows, std::max<std::uint64_t>(most_rows * row_bytes, rows.size()));
+    if (alternates) take_alternating(one_of(page, sample), several, taken);
   }
-  // A page that claims to be higher gives the strip all its rows.
-  const std::uint64_t behind = (padded_bytes - rows.size()) / row_bytes;
-  std::vector<std::byte> padded(static_cast<std::size_t>(padded_bytes));
-  TIFFSetField(handle_, TIFFTAG_IMAGELENGTH,
-               static_cast<std::uint32_t>(static_cast<std::uint64_t>(page.height) + behind));
-  const tmsize_t found = TIFFReadEncodedStrip(handle_, strip, padded.data(),
-                                              static_cast<tmsize_t>(padded_bytes));
-  TIFFSetField(handle_, TIFFTAG_IMAGELENGTH, static_cast<std::uint32_t>(page.height));
-  if (found != static_cast<tmsize_t>(padded_bytes)) {
-    reject("strip " + std::to_string(strip) + " is damaged or cut");
-  }
-  std::memcpy(rows.data(), padded.data(), rows.size());
-  return true;
 }
 
 void TiffFile::read_tiles(const TiffPage& page, std::int64_t sample, std::span<std::byte> plane) {
@@ -450,17 +327,10 @@ void TiffFile::read_tiles(const TiffPage& page, std::int64_t sample, std::span<s
   const std::int64_t tiles_per_plane = ((page.width + tile_width - 1) / tile_width) *
                                        ((page.height + tile_height - 1) / tile_height);
   auto number = static_cast<std::uint32_t>(page.is_separate ? sample * tiles_per_plane : 0);
+  TiffBlockDecoder decoder = block_decoder(page, predicted_rows(page, tile_width));
   for (std::int64_t y = 0; y < page.height; y += tile_height) {
     for (std::int64_t x = 0; x < page.width; x += tile_width, ++number) {
-      const tmsize_t found = TIFFReadEncodedTile(handle_, number, tile.data(),
-                                                 static_cast<tmsize_t>(tile_bytes));
-      if (found != static_cast<tmsize_t>(tile_bytes)) {
-        reject("tile " + std::to_string(number) + " is damaged or cut");
-      }
-      require_undamaged("tile", number, false);
-      const PredictedRows layout = predicted_rows(page, tile_width);
-      require_proven("tile", number, layout, tile);
-      undo_prediction(page.prediction, layout, tile);
+      decoder.decode(number, tile, tile.size());
       const std::size_t bytes =
           static_cast<std::size_t>(std::min(tile_width, page.width - x)) * value_bytes;
       const auto rows = static_cast<std::size_t>(std::min(tile_height, page.height - y));

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "octavo/io/images/tiff_block.h"
 #include "octavo/io/images/tiff_predictor.h"
 #include "octavo/io/source/source_file.h"
 #include "octavo/io/source/source_identity.h"
@@ -51,7 +52,8 @@ class TiffFile {
   /// one.
   bool next_page();
   /// Goes to the page at an offset. Throws Error{source_rejected}.
-  void go_to(std::uint64_t directory_offset);
+  /// number  of the page, for messages
+  void go_to(std::uint64_t directory_offset, std::int64_t number);
   /// Decodes one sample of the current page, rows of `page.width` values of page.type in
   /// native order.
   /// Throws Error{source_rejected} when data are missing or damaged.
@@ -82,40 +84,17 @@ class TiffFile {
   [[noreturn]] void reject(const std::string& why) const;
   /// Of the current page.
   bool is_lossy(const StoredType& type, std::uint16_t compression) const;
-  void read_strips(const TiffPage& page, std::int64_t sample, std::span<std::byte> plane);
   /// How the values of a strip or tile stand in its rows.
   /// row_pixels  of the tile, or of the page
   PredictedRows predicted_rows(const TiffPage& page, std::int64_t row_pixels);
-  /// Some programs fill the last strip with rows behind the page. libtiff, where it inflates with
-  /// libdeflate, then leaves the end of the strip unset without a word; so all rows that its stream
-  /// makes are asked for.
-  /// claimed_rows  that the strip may have
-  /// rows          what is wanted of it; untouched where the answer is no
-  /// Returns       false when the strip, if deflated, holds no more than that
-  bool read_padded_strip(const TiffPage& page, std::uint32_t strip, std::int64_t claimed_rows,
-                         std::span<std::byte> rows);
-  /// Rejects a deflated strip or tile whose stream is cut, makes another number of bytes than its
-  /// rows have, or has another checksum; libtiff, where it inflates with libdeflate, passes over
-  /// streams that make too much or lack their end.
-  /// rows  as libtiff decoded them
-  void require_proven(const char* block, std::uint32_t number, const PredictedRows& layout,
-                      std::span<const std::byte> rows) const;
-  /// How many bytes the stream of a deflated strip or tile makes; rejects one that is damaged.
-  std::uint64_t inflated_bytes(const char* block, std::uint32_t number, std::uint64_t minimum,
-                               std::uint64_t most) const;
-  /// PackBits that make more bytes than a whole block has are damaged, and so are JPEG pictures
-  /// without all of their values. libtiff passes over both, the first and marks within the second
-  /// with a warning, values that lack at the end without a word.
-  /// may_go_on  behind the rows of the page
-  void require_undamaged(const char* block, std::uint32_t number, bool may_go_on) const;
-  /// True where the JPEG picture of a strip or tile is there to its last value.
-  bool is_whole_picture(std::uint32_t number) const;
+  TiffBlockDecoder block_decoder(const TiffPage& page, const PredictedRows& layout);
+  void read_strips(const TiffPage& page, std::int64_t sample, std::span<std::byte> plane);
   void read_tiles(const TiffPage& page, std::int64_t sample, std::span<std::byte> plane);
 
   std::string path_;
   SourceFile file_;
-  std::unique_ptr<std::string> message_;
-  std::unique_ptr<std::string> warnings_;
+  std::int64_t number_ = 0;  // of the current page
+  std::unique_ptr<TiffMessages> messages_;
   tiff* handle_ = nullptr;
 };
 

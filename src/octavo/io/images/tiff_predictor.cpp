@@ -5,6 +5,7 @@
 #include <cstring>
 #include <vector>
 
+#include "octavo/io/images/tiff_deflate.h"
 #include "octavo/io/source/byte_order.h"
 
 namespace octavo {
@@ -53,12 +54,16 @@ void gather_bytes(const PredictedRows& layout, std::vector<std::byte>& apart,
 
 std::optional<TiffPrediction> prediction_left(std::uint16_t compression, std::uint64_t predictor,
                                               const StoredType& type) {
-  const bool is_left = compression == COMPRESSION_PACKBITS || compression == COMPRESSION_LERC;
+  const bool is_left = compression == COMPRESSION_PACKBITS || compression == COMPRESSION_LERC ||
+                       is_deflate(compression);
   if (!is_left || predictor == PREDICTOR_NONE) return TiffPrediction::none;
   const bool is_float = type == StoredType(VoxelType::float32) || type == WideType::float64;
-  if (!is_float && predictor == PREDICTOR_HORIZONTAL) return TiffPrediction::differences;
+  // libtiff takes floats for integers there.
+  if (predictor == PREDICTOR_HORIZONTAL && (!is_float || is_deflate(compression))) {
+    return TiffPrediction::differences;
+  }
   // LERC takes what it is given for numbers, of which it need not keep all bits.
-  const bool are_bytes_kept = compression == COMPRESSION_PACKBITS;
+  const bool are_bytes_kept = compression != COMPRESSION_LERC;
   if (is_float && predictor == PREDICTOR_FLOATINGPOINT && are_bytes_kept) {
     return TiffPrediction::float_bytes;
   }

@@ -153,7 +153,7 @@ void read_stored(const TiffStack& stack, std::int64_t z, std::span<std::byte> nu
     return;
   }
   TiffFile file(path);
-  file.go_to(from.page.directory_offset);
+  file.go_to(from.page.directory_offset, from.number);
   const TiffPage page = file.page();
   if (page.width != from.page.width || page.height != from.page.height ||
       type_text(page) != type_text(from.page)) {

@@ -187,7 +187,7 @@ void examine_file(TiffStack& stack, std::size_t index, bool is_spacing_given) {
 /// first of OME's images.
 void describe_again(TiffStack& stack, TiffFile& file, bool is_spacing_given,
                     std::size_t ome_image) {
-  file.go_to(stack.planes.front().page.directory_offset);
+  file.go_to(stack.planes.front().page.directory_offset, stack.planes.front().number);
   const TiffPage page = file.page();
   take_description(stack, file, page, 0, is_spacing_given, ome_image);
 }

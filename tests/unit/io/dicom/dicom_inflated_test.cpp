@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
-#include <zlib.h>
 
 #include "octavo/io/source/described_source.h"
 #include "octavo/io/source/prefetch_source.h"
@@ -13,29 +12,13 @@ namespace octavo::testing {
 namespace {
 
 constexpr const char* kDeflated = "1.2.840.10008.1.2.1.99";
-constexpr int kNoHeader = -15;
-
-std::string bare_deflated(const std::string& bytes) {
-  z_stream zlib{};
-  EXPECT_EQ(deflateInit2(&zlib, 6, Z_DEFLATED, kNoHeader, 8, Z_DEFAULT_STRATEGY), Z_OK);
-  std::string result(deflateBound(&zlib, static_cast<uLong>(bytes.size())), '\0');
-  std::string copy = bytes;
-  zlib.next_in = reinterpret_cast<Bytef*>(copy.data());
-  zlib.avail_in = static_cast<uInt>(copy.size());
-  zlib.next_out = reinterpret_cast<Bytef*>(result.data());
-  zlib.avail_out = static_cast<uInt>(result.size());
-  EXPECT_EQ(deflate(&zlib, Z_FINISH), Z_STREAM_END);
-  result.resize(result.size() - zlib.avail_out);
-  deflateEnd(&zlib);
-  return result;
-}
 
 /// The file of `elements` with its data set deflated.
 std::string deflated_file(const TempFolder& folder, const DicomElements& elements) {
   elements.write(folder.file("plain"), kDeflated);
   const std::string set = elements.bytes();
   const std::string whole = read_file(folder.file("plain"));
-  return whole.substr(0, whole.size() - set.size()) + bare_deflated(set);
+  return whole.substr(0, whole.size() - set.size()) + bare_deflate_stream(set);
 }
 
 /// 9 frames of 64 x 40 voxels, larger than what is read at once.

@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 #include <tiffio.h>
-#include <zlib.h>
 
 #include <string>
 
@@ -11,15 +10,6 @@
 
 namespace octavo::testing {
 namespace {
-
-std::string zlib_stream(const std::string& bytes) {
-  uLongf length = compressBound(static_cast<uLong>(bytes.size()));
-  std::string stream(length, '\0');
-  compress(reinterpret_cast<Bytef*>(stream.data()), &length,
-           reinterpret_cast<const Bytef*>(bytes.data()), static_cast<uLong>(bytes.size()));
-  stream.resize(length);
-  return stream;
-}
 
 /// Values that hardly shrink.
 std::string uneven_bytes(std::size_t count) {
@@ -32,50 +22,68 @@ std::string uneven_bytes(std::size_t count) {
   return bytes;
 }
 
-InflatedLength length_of(const TempFolder& folder, const std::string& block, std::uint64_t most,
-                         bool is_mirrored = false) {
+struct Inflated {
+  MadeBytes made;
+  std::string rows;
+};
+
+/// A block with other bytes around it, as `row_bytes` of rows.
+Inflated inflated(const TempFolder& folder, const std::string& block, std::size_t row_bytes,
+                  std::uint64_t most, bool is_mirrored = false) {
   write_file(folder.file("block"), "head" + block + "tail");
-  return inflated_length(SourceFile(folder.file("block")), {4, block.size(), is_mirrored}, most);
+  Inflated result;
+  result.rows.resize(row_bytes, '?');
+  result.made = inflate_rows(SourceFile(folder.file("block")), {4, block.size(), is_mirrored},
+                              std::as_writable_bytes(std::span(result.rows)), most);
+  return result;
 }
 
-TEST(TiffDeflate, LengthIsThatOfTheWholeStream) {
+TEST(TiffDeflate, RowsAreTheFirstBytesOfTheStream) {
   const TempFolder folder;
   for (const std::size_t count : {0U, 1U, 1000U, 32768U, 65536U, 200000U}) {
     for (const std::string& bytes : {uneven_bytes(count), std::string(count, 'x')}) {
       std::string stream = zlib_stream(bytes);
       for (const char* behind : {"", "some more"}) {
-        const InflatedLength found = length_of(folder, stream + behind, count);
-        EXPECT_EQ(found.bytes, count);
-        EXPECT_EQ(found.damage, "");
+        for (const std::size_t rows : {std::size_t{0}, count / 3, count}) {
+          const Inflated whole = inflated(folder, stream + behind, rows, count);
+          EXPECT_EQ(whole.made.count, count);
+          EXPECT_EQ(whole.made.damage, "");
+          EXPECT_EQ(whole.rows, bytes.substr(0, rows));
+        }
       }
       TIFFReverseBits(reinterpret_cast<std::uint8_t*>(stream.data()),
                       static_cast<tmsize_t>(stream.size()));
-      const InflatedLength mirrored = length_of(folder, stream, count, true);
-      EXPECT_EQ(mirrored.bytes, count);
-      EXPECT_EQ(mirrored.damage, "");
+      const Inflated mirrored = inflated(folder, stream, count, count, true);
+      EXPECT_EQ(mirrored.made.count, count);
+      EXPECT_EQ(mirrored.made.damage, "");
+      EXPECT_EQ(mirrored.rows, bytes);
     }
   }
 }
 
 TEST(TiffDeflate, DamageIsNamed) {
   const TempFolder folder;
+  const auto damage_of = [&](const std::string& block) {
+    return inflated(folder, block, 300, 300).made.damage;
+  };
   const std::string stream = zlib_stream(uneven_bytes(300));
   for (std::size_t length = 0; length < stream.size(); ++length) {
-    EXPECT_EQ(length_of(folder, stream.substr(0, length), 300).damage, "its stream ends early");
+    EXPECT_EQ(damage_of(stream.substr(0, length)), "its stream ends early");
   }
   std::string wrong = stream;
   wrong.back() = static_cast<char>(wrong.back() ^ 1);
-  EXPECT_EQ(length_of(folder, wrong, 300).damage, "incorrect data check");
-  EXPECT_NE(length_of(folder, "no stream at all", 300).damage, "");
+  EXPECT_EQ(damage_of(wrong), "incorrect data check");
+  EXPECT_NE(damage_of("no stream at all"), "");
   // "x\xbb": a head that names a dictionary.
-  EXPECT_EQ(length_of(folder, "x\xbb" + stream, 300).damage, "its stream asks for a dictionary");
+  EXPECT_EQ(damage_of("x\xbb" + stream), "its stream asks for a dictionary");
 }
 
 TEST(TiffDeflate, StreamsThatMakeTooMuchAreLeft) {
   const TempFolder folder;
-  const InflatedLength found = length_of(folder, zlib_stream(std::string(10'000'000, 'x')), 100);
-  EXPECT_GT(found.bytes, 100U);
-  EXPECT_LT(found.bytes, 100'000U);
+  const Inflated left = inflated(folder, zlib_stream(std::string(10'000'000, 'x')), 50, 100);
+  EXPECT_GT(left.made.count, 100U);
+  EXPECT_LT(left.made.count, 100'000U);
+  EXPECT_EQ(left.rows, std::string(50, 'x'));
 }
 
 TEST(TiffDeflate, ChecksumIsThatOfRowsAsTheyAreStored) {
@@ -87,7 +95,7 @@ TEST(TiffDeflate, ChecksumIsThatOfRowsAsTheyAreStored) {
         const std::string stored = uneven_bytes(4 * layout.row_values * value_bytes);
         write_file(folder.file("block"), "head" + zlib_stream(stored));
         const SourceFile file(folder.file("block"));
-        const DeflatedBlock block = {4, file.size() - 4, false};
+        const CodedBlock block = {4, file.size() - 4, false};
         for (const TiffPrediction prediction :
              {TiffPrediction::none, TiffPrediction::differences}) {
           std::string rows = stored;
@@ -111,10 +119,12 @@ TEST(TiffDeflate, ChecksumIsUnknownOfFloatBytesMirrorsAndBlocksOutsideTheFile) {
   const SourceFile file(folder.file("block"));
   const PredictedRows layout = {4, 1, 4, false};
   const auto bytes = std::as_bytes(std::span(rows));
-  const auto is_proven = [&](const DeflatedBlock& block, TiffPrediction prediction) {
+  const auto is_proven = [&](const CodedBlock& block, TiffPrediction prediction) {
     return ends_with_checksum_of(file, block, prediction, layout, bytes);
   };
   EXPECT_TRUE(is_proven({0, file.size(), false}, TiffPrediction::none));
+  EXPECT_TRUE(may_end_with_checksum({0, 5, false}, TiffPrediction::differences));
+  EXPECT_FALSE(may_end_with_checksum({0, 5, true}, TiffPrediction::none));
   EXPECT_FALSE(is_proven({0, file.size(), false}, TiffPrediction::float_bytes));
   EXPECT_FALSE(is_proven({0, file.size(), true}, TiffPrediction::none));
   EXPECT_FALSE(is_proven({0, 4, false}, TiffPrediction::none));

@@ -3,10 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <tiffio.h>
-#include <zlib.h>
 
 #include <array>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 
 #include "support/image_samples.h"
@@ -78,12 +78,14 @@ TEST(TiffPage, OfPackBitsThatMakeMoreThanABlockIsRejected) {
     write_file(folder.file("a.tif"), bytes);
   };
   damaged('\x81', row);  // the first value 128 times
-  expect_rejected(folder.file("a.tif"), {"strip 0 is damaged (Discarding "});
+  expect_rejected(folder.file("a.tif"), {"strip 0 of page 0 is damaged (Discarding "});
   // The last strip may go on behind the page.
-  sample.rows_per_strip = 2;
-  damaged('\xf9', '\3' + sample.pages[0].substr(8));  // its first value 8 times
-  EXPECT_EQ(voxels_of(*open_source({folder.file("a.tif")}, {})),
-            sample.pages[0].substr(0, 8) + std::string(4, sample.pages[0][8]));
+  for (const std::uint32_t rows : {2U, 4U, 100U}) {
+    sample.rows_per_strip = rows;
+    damaged('\xf9', '\3' + sample.pages[0].substr(8));  // its first value 8 times
+    EXPECT_EQ(voxels_of(*open_source({folder.file("a.tif")}, {})),
+              sample.pages[0].substr(0, 8) + std::string(4, sample.pages[0][8]));
+  }
 }
 
 /// Where a little-endian file has the entry of a tag of one number.
@@ -99,11 +101,33 @@ std::uint32_t number_of(const std::string& bytes, std::uint16_t tag) {
   return number;
 }
 
+/// Gives a tag other numbers, behind all other bytes of the file.
+void set_numbers(std::string& bytes, std::uint16_t tag, const std::vector<std::uint32_t>& numbers) {
+  std::size_t at = bytes.rfind(bytes_of<std::uint16_t>({tag, TIFF_SHORT}));
+  if (at == std::string::npos) at = bytes.rfind(bytes_of<std::uint16_t>({tag, TIFF_LONG}));
+  ASSERT_NE(at, std::string::npos) << tag;
+  bytes.replace(at, 4, bytes_of<std::uint16_t>({tag, TIFF_LONG}));
+  const auto end = static_cast<std::uint32_t>(bytes.size());
+  bytes.replace(at + 4, 8,
+                bytes_of<std::uint32_t>({static_cast<std::uint32_t>(numbers.size()), end}));
+  bytes += bytes_of(numbers);
+}
+
 void set_number(std::string& bytes, std::uint16_t tag, std::uint32_t number) {
   const std::size_t at = entry_of(bytes, tag);
   ASSERT_NE(at, std::string::npos) << tag;
   bytes.replace(at, 4, bytes_of<std::uint16_t>({tag, TIFF_LONG}));
   bytes.replace(at + 8, 4, bytes_of<std::uint32_t>({number}));
+}
+
+TiffSample deflated_picture(std::uint32_t tile) {
+  TiffSample sample;
+  sample.width = 16;
+  sample.height = 16;
+  sample.compression = COMPRESSION_ADOBE_DEFLATE;
+  sample.tile = tile;
+  sample.pages = {std::string(256, '\0')};
+  return sample;
 }
 
 TiffSample jpeg_picture() {
@@ -132,7 +156,7 @@ TEST(TiffPage, OfJpegWithoutAllItsValuesIsRejected) {
   bytes = whole;
   bytes.replace(end - 200, 2, "\xff\xd9");
   write_file(folder.file("a.tif"), bytes);
-  expect_rejected(folder.file("a.tif"), {"strip 0 is damaged (Corrupt JPEG data"});
+  expect_rejected(folder.file("a.tif"), {"strip 0 of page 0 is damaged (Corrupt JPEG data"});
 }
 
 TEST(TiffPage, OfJpegCutByItsByteCountIsRejected) {
@@ -145,16 +169,32 @@ TEST(TiffPage, OfJpegCutByItsByteCountIsRejected) {
   EXPECT_EQ(voxels_of(*open_source({folder.file("a.tif")}, {})).size(), 64U * 64);
   set_number(bytes, TIFFTAG_STRIPBYTECOUNTS, count / 2);
   write_file(folder.file("a.tif"), bytes);
-  expect_rejected(folder.file("a.tif"), {"strip 0 is damaged (its picture ends before"});
+  expect_rejected(folder.file("a.tif"), {"strip 0 of page 0 is damaged (its picture ends before"});
 }
 
-std::string deflated_rows(const std::string& rows) {
-  uLongf length = compressBound(static_cast<uLong>(rows.size()));
-  std::string stream(length, '\0');
-  compress2(reinterpret_cast<Bytef*>(stream.data()), &length,
-            reinterpret_cast<const Bytef*>(rows.data()), static_cast<uLong>(rows.size()), 9);
-  stream.resize(length);
-  return stream;
+TEST(TiffPage, OfStripsThatClaimFarTooManyBytesIsRejectedAtTheFirstOne) {
+  const TempFolder folder;
+  TiffSample sample = jpeg_picture();
+  sample.rows_per_strip = 8;
+  write_tiff(folder.file("a.tif"), sample);
+  std::string bytes = read_file(folder.file("a.tif"));
+  constexpr std::uint32_t kClaimed = 300'000'000;
+  set_numbers(bytes, TIFFTAG_STRIPBYTECOUNTS, std::vector<std::uint32_t>(8, kClaimed));
+  write_file(folder.file("a.tif"), bytes);
+  std::filesystem::resize_file(folder.file("a.tif"), 2 * std::uintmax_t{kClaimed});
+  expect_rejected(folder.file("a.tif"),
+                  {"strip 0 of page 0 is damaged (Too large strip byte count"});
+}
+
+TEST(TiffPage, OfSeveralIsNamedWhereItIsDamaged) {
+  const TempFolder folder;
+  TiffSample sample = deflated_picture(0);
+  for (int i = 0; i < 2; ++i) sample.pages.push_back(counted(256, i));
+  write_tiff(folder.file("a.tif"), sample);
+  std::string bytes = read_file(folder.file("a.tif"));
+  set_number(bytes, TIFFTAG_STRIPBYTECOUNTS, number_of(bytes, TIFFTAG_STRIPBYTECOUNTS) - 1);
+  write_file(folder.file("a.tif"), bytes);
+  expect_rejected(folder.file("a.tif"), {"strip 0 of page 2 is damaged"});
 }
 
 /// A picture of one strip or tile of 16 x 16 values, with another block.
@@ -171,24 +211,15 @@ void write_block(const std::string& path, const TiffSample& sample, const std::s
   write_file(path, bytes + block);
 }
 
-TiffSample deflated_picture(std::uint32_t tile) {
-  TiffSample sample;
-  sample.width = 16;
-  sample.height = 16;
-  sample.compression = COMPRESSION_ADOBE_DEFLATE;
-  sample.tile = tile;
-  sample.pages = {std::string(256, '\0')};
-  return sample;
-}
-
 TEST(TiffPage, OfDeflateThatIsDamagedIsRejected) {
   const TempFolder folder;
   std::string values;
   for (int i = 0; i < 256; ++i) values += static_cast<char>(100 + i * i * 7 % 11);
-  const std::string stream = deflated_rows(values);
+  const std::string stream = zlib_stream(values);
   for (const std::uint32_t tile : {0U, 16U}) {
     const TiffSample sample = deflated_picture(tile);
-    const std::string block = tile > 0 ? "tile 0 is damaged" : "strip 0 is damaged";
+    const std::string kind = tile > 0 ? "tile" : "strip";
+    const std::string block = kind + " 0 of page 0 is damaged";
     const auto write = [&](const std::string& bytes, std::size_t counted_bytes) {
       write_block(folder.file("a.tif"), sample, bytes, counted_bytes);
     };
@@ -220,10 +251,10 @@ TEST(TiffPage, OfDeflateThatIsDamagedIsRejected) {
     }
     constexpr std::size_t kEndBits = 7 + 7;  // of the last code, and up to the next byte
     EXPECT_GE(rejected + kEndBits, stream.size() * 8 - 16);
-    const std::string more = deflated_rows(values + values.substr(0, 16));
+    const std::string more = zlib_stream(values + values.substr(0, 16));
     write(more, more.size());
     expect_rejected(folder.file("a.tif"), {block, "more than its 256 bytes"});
-    const std::string less = deflated_rows(values.substr(16));
+    const std::string less = zlib_stream(values.substr(16));
     write(less, less.size());
     expect_rejected(folder.file("a.tif"), {block});
   }
@@ -235,21 +266,21 @@ TEST(TiffPage, OfDeflateMayHaveRowsBehindItInItsLastStrip) {
   sample.rows_per_strip = 20;
   const std::string rows = counted(16 * 21, 3);
   for (std::size_t found = 16; found <= 21; ++found) {
-    const std::string stream = deflated_rows(rows.substr(0, found * 16));
+    const std::string stream = zlib_stream(rows.substr(0, found * 16));
     write_block(folder.file("a.tif"), sample, stream, stream.size());
     if (found == 21) {
-      expect_rejected(folder.file("a.tif"), {"strip 0 is damaged", "more than its 320 bytes"});
+      expect_rejected(folder.file("a.tif"), {"strip 0 of page 0", "more than its 320 bytes"});
     } else {
       EXPECT_EQ(voxels_of(*open_source({folder.file("a.tif")}, {})), rows.substr(0, 256)) << found;
     }
   }
-  std::string stream = deflated_rows(rows.substr(0, 17 * 16 + 5));
+  std::string stream = zlib_stream(rows.substr(0, 17 * 16 + 5));
   write_block(folder.file("a.tif"), sample, stream, stream.size());
-  expect_rejected(folder.file("a.tif"), {"strip 0 is damaged", "277 bytes, and each row has 16"});
-  stream = deflated_rows(rows.substr(0, 18 * 16));
+  expect_rejected(folder.file("a.tif"), {"strip 0 of page 0", "277 bytes, and each row has 16"});
+  stream = zlib_stream(rows.substr(0, 18 * 16));
   stream.back() = static_cast<char>(~stream.back());
   write_block(folder.file("a.tif"), sample, stream, stream.size());
-  expect_rejected(folder.file("a.tif"), {"strip 0 is damaged", "incorrect data check"});
+  expect_rejected(folder.file("a.tif"), {"strip 0 of page 0 is damaged", "incorrect data check"});
   // The second of two strips, of which a row counts no more.
   sample = deflated_picture(0);
   sample.rows_per_strip = 8;

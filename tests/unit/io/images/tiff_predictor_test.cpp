@@ -33,10 +33,25 @@ TEST(TiffPredictor, IsLeftByCodecsThatDoNotUndoIt) {
     EXPECT_FALSE(prediction_left(COMPRESSION_LERC, 3, type));
   }
   for (const int kind :
-       {COMPRESSION_NONE, COMPRESSION_LZW, COMPRESSION_ADOBE_DEFLATE, COMPRESSION_DEFLATE,
-        COMPRESSION_ZSTD, COMPRESSION_LZMA, COMPRESSION_JPEG, COMPRESSION_WEBP}) {
+       {COMPRESSION_NONE, COMPRESSION_LZW, COMPRESSION_ZSTD, COMPRESSION_LZMA, COMPRESSION_JPEG,
+        COMPRESSION_WEBP}) {
     const auto codec = static_cast<std::uint16_t>(kind);
     EXPECT_EQ(prediction_left(codec, 2, VoxelType::int16), TiffPrediction::none) << codec;
+  }
+}
+
+TEST(TiffPredictor, OfDeflateStandsInItsStream) {
+  for (const int kind : {COMPRESSION_ADOBE_DEFLATE, COMPRESSION_DEFLATE}) {
+    const auto codec = static_cast<std::uint16_t>(kind);
+    for (const StoredType type :
+         {StoredType(VoxelType::uint8), StoredType(VoxelType::float32)}) {
+      EXPECT_EQ(prediction_left(codec, 1, type), TiffPrediction::none);
+      EXPECT_EQ(prediction_left(codec, 2, type), TiffPrediction::differences);
+      EXPECT_FALSE(prediction_left(codec, 0, type));
+      EXPECT_FALSE(prediction_left(codec, 34892, type));
+    }
+    EXPECT_EQ(prediction_left(codec, 3, VoxelType::float32), TiffPrediction::float_bytes);
+    EXPECT_FALSE(prediction_left(codec, 3, VoxelType::uint8));
   }
 }
 
