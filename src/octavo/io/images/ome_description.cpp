@@ -169,6 +169,15 @@ std::string_view pixels_tag(std::string_view image) {
   return tag_at(image, find_element(image, "Pixels"));
 }
 
+/// How many channels there are of those that SizeC counts, where samples that stand in one page
+/// count once: as many pages as a slice has at one time.
+std::int64_t paged_channels(std::string_view image, std::int64_t channels) {
+  const std::size_t at = find_element(image, "Channel");
+  if (at == std::string_view::npos) return channels;
+  const std::int64_t samples = count_of(tag_at(image, at), "SamplesPerPixel").value_or(1);
+  return samples > 0 && channels % samples == 0 ? channels / samples : channels;
+}
+
 /// image  has pixels
 OmeTiffImage read_image(std::string_view image) {
   const std::string_view pixels = pixels_tag(image);
@@ -177,7 +186,8 @@ OmeTiffImage read_image(std::string_view image) {
   };
   OmeTiffImage result;
   if (image.starts_with("<Image")) result.name = text_of(tag_at(image, 0), "Name");
-  result.planes = size_of("SizeZ") * size_of("SizeC") * size_of("SizeT");
+  result.planes =
+      size_of("SizeZ") * paged_channels(image, size_of("SizeC")) * size_of("SizeT");
   result.width = size_of("SizeX");
   result.height = size_of("SizeY");
   return result;

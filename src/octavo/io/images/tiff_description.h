@@ -21,6 +21,9 @@ struct OmePages {
   std::int64_t time = 0;
   std::string file_name;              ///< of the file they stand in; empty: this file
   std::string file_id;                ///< its UUID
+
+  /// How many of `total` pages: all where nothing says more, one where only the first is named.
+  std::int64_t pages_of(std::int64_t total) const { return count.value_or(page ? 1 : total); }
 };
 
 /// One of the images that an OME description has.

@@ -26,7 +26,7 @@ void place_pages(const OmePages& pages, const PageCounts& counts, const PageStep
                  std::int64_t samples, std::vector<std::int64_t>& order, const std::string& path) {
   const auto total = static_cast<std::int64_t>(order.size());
   const std::int64_t page = pages.page.value_or(0);
-  const std::int64_t count = pages.count.value_or(pages.page ? 1 : total);
+  const std::int64_t count = pages.pages_of(total);
   const std::int64_t channel = pages.channel / samples;
   const bool is_inside = pages.slice >= 0 && pages.slice < counts.slices && pages.channel >= 0 &&
                          channel < counts.channels && pages.time >= 0 && pages.time < counts.times;

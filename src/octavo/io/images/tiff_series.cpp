@@ -5,6 +5,7 @@
 
 #include "octavo/core/error.h"
 #include "octavo/core/text.h"
+#include "octavo/io/source/component_choice.h"
 
 namespace octavo {
 
@@ -83,13 +84,10 @@ std::vector<TiffSeries> TiffSeriesFinder::found(std::int64_t page_count) const {
   return found;
 }
 
-std::string series_numbers(std::size_t count) {
-  return count == 2 ? "0 or 1" : "0 to " + std::to_string(count - 1);
-}
-
 std::size_t choose_tiff_series(const std::vector<TiffSeries>& found, const std::string& series,
                                const std::string& path, std::string& warning) {
-  const std::string numbers = found.size() > 1 ? series_numbers(found.size()) : "";
+  const auto count = static_cast<std::int64_t>(found.size());
+  const std::string numbers = count > 1 ? numbers_to_give(count) : "";
   if (!series.empty()) {
     std::size_t number = 0;
     const auto [end, failure] =
@@ -105,7 +103,7 @@ std::size_t choose_tiff_series(const std::vector<TiffSeries>& found, const std::
   const std::size_t volume = beside_thumbnails(found);
   if (volume == found.size()) {
     throw Error(ErrorKind::source_rejected,
-                "it holds " + std::to_string(found.size()) + " series of pages (" +
+                "it holds " + std::to_string(count) + " series of pages (" +
                     list_text(found) + "), and a volume is made of one",
                 path)
         .with_field("series", numbers);

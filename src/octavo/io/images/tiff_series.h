@@ -52,9 +52,6 @@ class TiffSeriesFinder {
   std::int64_t next_start_ = 0;
 };
 
-/// "0 or 1", "0 to 3": the numbers of so many series.
-std::string series_numbers(std::size_t count);
-
 /// Which of the series is taken, by its number. Where none is asked for it is an only one of
 /// several planes, where all others are single pictures smaller than it.
 /// series   what was asked for; or nothing

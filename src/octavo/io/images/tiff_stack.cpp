@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 #include <utility>
 
 #include "octavo/core/checked.h"
@@ -10,6 +9,7 @@
 #include "octavo/io/images/ome_description.h"
 #include "octavo/io/images/page_notes.h"
 #include "octavo/io/images/tiff_series.h"
+#include "octavo/io/source/component_choice.h"
 #include "octavo/io/source/source_file.h"
 
 namespace octavo {
@@ -162,9 +162,11 @@ void examine_file(TiffStack& stack, std::size_t index, bool is_spacing_given) {
   file.note_identity(stack.identity);
   std::int64_t number = 0;
   // A thumbnail may stand in front of what it shows.
-  for (; page.is_reduced && file.next_page(); page = file.page(), ++number) {
+  while (page.is_reduced && file.next_page()) {
+    page = file.page();
     file.note_identity(stack.identity);
     ++stack.reduced_pages;
+    ++number;
   }
   const TiffDescription text = take_description(stack, file, page, index, is_spacing_given);
   stack.planes.push_back({index, number, page});
@@ -192,6 +194,24 @@ void describe_again(TiffStack& stack, TiffFile& file, bool is_spacing_given,
   take_description(stack, file, page, 0, is_spacing_given, ome_image);
 }
 
+/// Which of the first `total` pages of a file OME's elements name.
+std::vector<bool> named_pages(const std::vector<OmePages>& elements, std::int64_t total) {
+  std::vector<std::int64_t> changes(static_cast<std::size_t>(total) + 1);
+  for (const OmePages& pages : elements) {
+    const std::int64_t first = std::clamp<std::int64_t>(pages.page.value_or(0), 0, total);
+    const std::int64_t count = std::clamp<std::int64_t>(pages.pages_of(total), 0, total - first);
+    ++changes[static_cast<std::size_t>(first)];
+    --changes[static_cast<std::size_t>(first + count)];
+  }
+  std::vector<bool> are_named;
+  std::int64_t naming = 0;
+  for (std::int64_t i = 0; i < total; ++i) {
+    naming += changes[static_cast<std::size_t>(i)];
+    are_named.push_back(naming > 0);
+  }
+  return are_named;
+}
+
 /// Keeps the pages of one of the images that OME's description has.
 void keep_ome_image(TiffStack& stack, TiffFile& file, const SourceOptions& options) {
   const std::string& path = stack.files.front();
@@ -199,7 +219,6 @@ void keep_ome_image(TiffStack& stack, TiffFile& file, const SourceOptions& optio
   for (const OmeTiffImage& image : stack.description.ome_images) {
     images.push_back({0, image.planes, image.planes, image.width, image.height, image.name, true});
   }
-  if (images.empty()) return;
   const std::size_t chosen =
       choose_tiff_series(images, options.series, path, stack.series_warning);
   if (images.size() == 1) return;
@@ -209,14 +228,11 @@ void keep_ome_image(TiffStack& stack, TiffFile& file, const SourceOptions& optio
                      " images and does not say which pages are those of number " +
                      std::to_string(chosen) + "; save that as a file of its own");
   }
-  std::set<std::int64_t> kept;
-  const auto pages_here = static_cast<std::int64_t>(stack.planes.size());
-  for (const OmePages& pages : stack.description.ome_pages) {
-    const std::int64_t first = pages.page.value_or(0);
-    const std::int64_t count = pages.count.value_or(pages.page ? 1 : pages_here);
-    for (std::int64_t i = 0; i < std::min(count, pages_here); ++i) kept.insert(first + i);
-  }
-  std::erase_if(stack.planes, [&](const TiffPlane& plane) { return !kept.contains(plane.number); });
+  const std::vector<bool> is_kept =
+      named_pages(stack.description.ome_pages, stack.planes.back().number + 1);
+  std::erase_if(stack.planes, [&](const TiffPlane& plane) {
+    return !is_kept[static_cast<std::size_t>(plane.number)];
+  });
   if (stack.planes.empty()) {
     reject(path, "its OME description gives image " + std::to_string(chosen) +
                      " no page of this file; save that image as a file of its own");
@@ -271,10 +287,10 @@ void examine_pages(TiffStack& stack, const SourceOptions& options) {
   try {
     for (std::size_t i = 0; i < stack.planes.size(); ++i) require_alike(stack, stack.planes[i], i);
   } catch (const Error& failure) {
-    const std::size_t series = finder.found(page_count).size();
+    const auto series = static_cast<std::int64_t>(finder.found(page_count).size());
     const bool can_choose = series > 1 && stack.description.program != "OME";
     if (!can_choose || !options.series.empty()) throw;
-    throw failure.with_field("series", series_numbers(series));
+    throw failure.with_field("series", numbers_to_give(series));
   }
 }
 

@@ -25,9 +25,9 @@ struct TiffPlane {
 struct TiffStack {
   std::vector<std::string> files;
   std::vector<TiffPlane> planes;
-  TiffDescription description;   ///< of the first page
-  std::optional<std::uint64_t> plain_run;  ///< start of the first page's voxels, as in TiffFile
-  double tag_x_mm = 0;           ///< pixels by the resolution tags of the first page; 0: none
+  TiffDescription description;   ///< of the first plane's page
+  std::optional<std::uint64_t> plain_run;  ///< start of that page's voxels, as in TiffFile
+  double tag_x_mm = 0;           ///< pixels by the resolution tags of that page; 0: none
   double tag_y_mm = 0;
   bool is_big_endian = false;    ///< of the first file
   std::int64_t reduced_pages = 0;

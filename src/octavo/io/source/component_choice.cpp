@@ -33,19 +33,15 @@ std::string times_text(const SourceComponents& components) {
          (components.times == 1 ? " point in time" : " points in time");
 }
 
-std::string range_text(std::int64_t count) {
-  return count == 2 ? "0 or 1" : "0 to " + std::to_string(count - 1);
-}
-
 /// What can be given for a channel; nothing where there is only one.
 std::string channels_to_give(const SourceComponents& components) {
   if (components.channels == 1) return "";
   const std::string by_name = components.channel_names.empty() ? "" : "one of these names or ";
-  return by_name + range_text(components.channels);
+  return by_name + numbers_to_give(components.channels);
 }
 
 std::string times_to_give(const SourceComponents& components) {
-  return components.times == 1 ? "" : range_text(components.times);
+  return components.times == 1 ? "" : numbers_to_give(components.times);
 }
 
 Error missing_choice(const SourceComponents& components, bool lacks_channel, bool lacks_time,
@@ -96,6 +92,10 @@ std::int64_t require_time(const SourceComponents& components, std::int64_t time,
 }
 
 }  // namespace
+
+std::string numbers_to_give(std::int64_t count) {
+  return count == 2 ? "0 or 1" : "0 to " + std::to_string(count - 1);
+}
 
 std::vector<std::string> color_names(std::int64_t channels) {
   if (channels == 3) return {"red", "green", "blue"};

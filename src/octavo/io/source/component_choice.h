@@ -26,6 +26,9 @@ struct ComponentChoice {
   bool operator==(const ComponentChoice&) const = default;
 };
 
+/// "0 or 1", "0 to 3": the numbers of so many things, of which one is chosen.
+std::string numbers_to_give(std::int64_t count);
+
 /// "red", "green", "blue" and "alpha" for 3 or 4 channels of color; nothing for other counts.
 std::vector<std::string> color_names(std::int64_t channels);
 

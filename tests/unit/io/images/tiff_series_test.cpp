@@ -4,6 +4,9 @@
 
 #include <tiffio.h>
 
+#include <ctime>
+#include <filesystem>
+
 #include "support/image_samples.h"
 #include "support/source_files.h"
 
@@ -224,6 +227,63 @@ TEST(TiffSeries, OfOmeIsTheVolumeBesideAPictureOfItsLabel) {
   ASSERT_EQ(source->warnings().size(), 1U);
   EXPECT_TRUE(contains(source->warnings()[0], "left out (\"label\", 1 plane of 4 x 3)"));
   EXPECT_EQ(voxels_in(path, "0"), counted(12, 8));
+}
+
+TEST(TiffSeries, OfOmeIsTheVolumeBesideAPictureInColors) {
+  const TempFolder folder;
+  const std::string path = folder.file("a.ome.tif");
+  const std::string volume = counted(20, 3) + counted(20, 4);
+  const auto picture = [](const std::string& channels) {
+    return "<Image" + pair("Name", "label") + "><Pixels" + pair("SizeX", "4") +
+           pair("SizeY", "3") + pair("SizeZ", "1") + pair("SizeC", "3") + pair("SizeT", "1") +
+           pair("DimensionOrder", "XYCZT") + ">" + channels + "<TiffData" + pair("IFD", "0") +
+           pair("PlaneCount", "1") + "/></Pixels></Image>";
+  };
+  TiffSample label;
+  label.samples = 3;
+  label.pages = {counted(36, 8)};
+  const auto write = [&](const std::string& channels) {
+    label.description = "<OME>" + picture(channels) + image_of_ome("scan", 2, 1, 5, 4) + "</OME>";
+    write_tiff(path, label);
+    append_pages(path, 5, 4, {volume.substr(0, 20), volume.substr(20)}, "");
+  };
+  write("<Channel" + pair("SamplesPerPixel", "3") + "/>");
+  const auto source = open_source({path}, {});
+  EXPECT_EQ(voxels_of(*source), volume);
+  ASSERT_EQ(source->warnings().size(), 1U);
+  EXPECT_TRUE(contains(source->warnings()[0], "left out (\"label\", 1 plane of 4 x 3)"));
+  // Samples that stand in no whole number of pages are planes each.
+  for (const char* samples : {"0", "2", "-3", "x"}) {
+    write("<Channel" + pair("SamplesPerPixel", samples) + "/>");
+    EXPECT_TRUE(contains(source_error({path}), "0: \"label\", 3 planes of 4 x 3")) << samples;
+  }
+}
+
+TEST(TiffSeries, OfOmeMayClaimAnyPages) {
+  const TempFolder folder;
+  const std::string path = folder.file("a.ome.tif");
+  const auto claims = [](const std::string& attributes, int count) {
+    std::string image = "<Image><Pixels SizeX=\"4\" SizeY=\"3\" SizeZ=\"2\">";
+    for (int i = 0; i < count; ++i) image += "<TiffData" + attributes + "/>";
+    return image + "</Pixels></Image>";
+  };
+  const auto error_of_first = [&](const std::string& image, std::size_t pages) {
+    std::filesystem::remove(path);
+    append_pages(path, 4, 3, std::vector<std::string>(pages, counted(12, 1)),
+                 "<OME>" + image + image_of_ome("scan", 2, 1, 4, 3) + "</OME>");
+    return source_error({path}, with_series("0"));
+  };
+  const std::string last = pair("IFD", "9223372036854775807");
+  const std::string many = pair("PlaneCount", "9223372036854775807");
+  for (const std::string& attributes : {last, last + many, last + pair("PlaneCount", "2")}) {
+    EXPECT_TRUE(contains(error_of_first(claims(attributes, 1), 3), "no page of this file"));
+  }
+  EXPECT_TRUE(contains(error_of_first(claims(pair("IFD", "1") + many, 1), 3), "from page 1 on"));
+  // Each of many tells of all pages.
+  const std::clock_t began = std::clock();
+  EXPECT_TRUE(contains(error_of_first(claims("", 100'000), 1000), "found are 1000 pages"));
+  const double seconds = static_cast<double>(std::clock() - began) / CLOCKS_PER_SEC;
+  EXPECT_LT(seconds, 2);
 }
 
 }  // namespace
