@@ -22,6 +22,7 @@ constexpr unsigned kEndMark = 0xd9;
 constexpr unsigned kScanMark = 0xda;
 constexpr unsigned kIntervalMark = 0xdd;
 constexpr std::size_t kMostComponents = 4;
+constexpr std::size_t kMostTables = 4;  // of each kind
 /// In place of the mark of the end, and to fill up to an even length.
 constexpr std::size_t kMostBytesWithoutEnd = 3;
 
@@ -38,9 +39,9 @@ struct JpegComponent {
 
 /// A component of a scan.
 struct ScannedComponent {
-  std::size_t index = 0;  // in the frame
-  JpegCodes first;        // of lossless differences, or of the first coefficients
-  JpegCodes further;      // of coefficients
+  std::size_t index = 0;        // in the frame
+  JpegCodes dc;                 // of first coefficients, or of lossless differences
+  std::optional<JpegCodes> ac;  // of the other coefficients
 };
 
 unsigned byte_in(std::span<const std::byte> bytes, std::size_t at) {
@@ -91,7 +92,7 @@ class JpegWalk {
   std::uint64_t columns_ = 0;
   std::uint64_t interval_ = 0;  // groups between restarts; 0: there are none
   std::vector<JpegComponent> components_;
-  std::array<std::array<std::optional<JpegTable>, kMostComponents>, 2> tables_;
+  std::array<std::array<std::optional<JpegTable>, kMostTables>, 2> tables_;  // DC, AC
 };
 
 void JpegWalk::read_frame(unsigned mark, std::span<const std::byte> segment) {
@@ -121,7 +122,10 @@ void JpegWalk::read_codes(std::span<const std::byte> segment) {
     const std::span<const std::byte> counts = segment.subspan(1, kLengths);
     std::size_t symbols = 0;
     for (const std::byte count : counts) symbols += std::to_integer<std::size_t>(count);
-    if (segment.size() < 1 + kLengths + symbols || place >> 4 > 1 || (place & 15U) > 3) return;
+    if (segment.size() < 1 + kLengths + symbols || place >> 4 > 1 ||
+        (place & 15U) >= kMostTables) {
+      return;
+    }
     tables_[place >> 4][place & 15U] = {counts, segment.subspan(1 + kLengths, symbols)};
     segment = segment.subspan(1 + kLengths + symbols);
   }
@@ -138,17 +142,18 @@ std::optional<std::vector<ScannedComponent>> JpegWalk::scan_of(
     const unsigned id = byte_in(segment, 1 + 2 * i);
     const unsigned choice = byte_in(segment, 2 + 2 * i);
     const auto found = std::ranges::find(components_, id, &JpegComponent::id);
-    if (found == components_.end() || found->is_scanned || choice >> 4 > 3 || (choice & 15U) > 3) {
+    if (found == components_.end() || found->is_scanned || choice >> 4 >= kMostTables ||
+        (choice & 15U) >= kMostTables) {
       return std::nullopt;
     }
     const auto codes_of = [](const std::optional<JpegTable>& table) {
       return table ? JpegCodes::of(*table) : std::nullopt;
     };
-    const bool has_further = process_ == JpegProcess::sequential;
-    const auto first = codes_of(tables_[0][choice >> 4]);
-    const auto further = has_further ? codes_of(tables_[1][choice & 15U]) : first;
-    if (!first || !further) return std::nullopt;
-    scan.push_back({static_cast<std::size_t>(found - components_.begin()), *first, *further});
+    const bool has_ac = process_ == JpegProcess::sequential;
+    const auto dc = codes_of(tables_[0][choice >> 4]);
+    const auto ac = has_ac ? codes_of(tables_[1][choice & 15U]) : std::nullopt;
+    if (!dc || (has_ac && !ac)) return std::nullopt;
+    scan.push_back({static_cast<std::size_t>(found - components_.begin()), *dc, ac});
   }
   return scan;
 }
@@ -171,7 +176,7 @@ std::uint64_t JpegWalk::groups_in(const std::vector<ScannedComponent>& scan) con
 }
 
 bool JpegWalk::skip_difference(const ScannedComponent& of, JpegBits& bits) {
-  const std::optional<unsigned> width = of.first.take(bits);
+  const std::optional<unsigned> width = of.dc.take(bits);
   // Of 16 bits there is one difference, without bits of its own.
   return width && *width <= 16 && (*width == 16 || bits.skip(*width));
 }
@@ -179,10 +184,10 @@ bool JpegWalk::skip_difference(const ScannedComponent& of, JpegBits& bits) {
 bool JpegWalk::skip_block(const ScannedComponent& of, JpegBits& bits) {
   constexpr unsigned kCoefficients = 64;
   constexpr unsigned kLongRun = 15;
-  const std::optional<unsigned> width = of.first.take(bits);
+  const std::optional<unsigned> width = of.dc.take(bits);
   if (!width || *width > 16 || !bits.skip(*width)) return false;
   for (unsigned i = 1; i < kCoefficients; ++i) {
-    const std::optional<unsigned> symbol = of.further.take(bits);
+    const std::optional<unsigned> symbol = of.ac->take(bits);
     if (!symbol) return false;
     const unsigned run = *symbol >> 4;
     const unsigned bit_count = *symbol & 15U;

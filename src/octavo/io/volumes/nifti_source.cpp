@@ -130,8 +130,9 @@ std::unique_ptr<PlaneSource> open_nifti_source(const std::string& path,
   for (Warning& warning : facts.warnings) warning.text += ": " + escaped(path);
   facts.place_known = header.sform_code > 0 || header.qform_code > 0;
   for (const auto& [name, text] : header.texts) facts.identity.note(name, text);
-  const std::int64_t plain_offset = header.version == 1 ? 352 : 544;
-  if (header.is_pair ? header.is_extended : header.voxel_offset > plain_offset) {
+  const std::int64_t header_bytes = header.version == 1 ? 348 : 540;
+  constexpr std::int64_t kFlagBytes = 4;  // which say whether an extension follows
+  if (header.is_pair ? header.is_extended : header.voxel_offset > header_bytes + kFlagBytes) {
     facts.identity.note_lost("header extension");
   }
   settle(facts, options, path);
@@ -140,7 +141,7 @@ std::unique_ptr<PlaneSource> open_nifti_source(const std::string& path,
   run.path = voxel_file(path, header.is_pair);
   run.big_endian = header.big_endian;
   run.coding = is_gzip_file(run.path) ? StreamCoding::deflated : StreamCoding::plain;
-  const std::int64_t minimum = header.is_pair ? 0 : header.version == 1 ? 348 : 540;
+  const std::int64_t minimum = header.is_pair ? 0 : header_bytes;
   if (header.voxel_offset < minimum) {
     reject(path, "the voxels are said to start at byte " + std::to_string(header.voxel_offset) +
                      ", inside the header of " + std::to_string(minimum) + " bytes");
