@@ -215,7 +215,7 @@ class BrickCodec {
 
   /// Decodes the levels above 0 of bricks whose level 0 has parts; null for other bricks. Four
   /// bricks at once take less time than one by one.
-  /// Throws Error{corrupt} when one of them is
+  /// Throws Error{corrupt, unsupported_version} as one of them would alone
   virtual std::vector<std::unique_ptr<BrickParts>> open_together(
       VoxelType /*type*/, std::span<const CodedBrick> bricks) const {
     return std::vector<std::unique_ptr<BrickParts>>(bricks.size());

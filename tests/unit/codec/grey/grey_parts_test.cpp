@@ -409,6 +409,54 @@ TEST(Parts, OfSeveralBricksDecodeTogether) {
   }
 }
 
+/// Above level 0 one of several is damaged; others are opened afterwards, in the same work spaces.
+TEST(Parts, OfSeveralBricksOpenWhereEachOpensAlone) {
+  const Size3 sizes[] = {{64, 64, 64}, {33, 64, 40}, {64, 40, 33}, {64, 33, 1}};
+  std::mt19937 random(77);
+  for (const Preset preset : {Preset::small, Preset::fast}) {
+    const auto codec =
+        cut_codec<std::int16_t>(trained_on<std::int16_t>(Streams::cells, {preset}), kAllCuts);
+    std::vector<EncodedBrick> good;
+    for (const Size3& size : sizes) {
+      const auto voxels = voxels_of<std::int16_t>(size, Streams::cells, 4);
+      good.push_back(codec->encode(shape_of(size), view_of(voxels, size)));
+    }
+    int failures = 0;
+    for (int round = 0; round < 24; ++round) {
+      std::vector<EncodedBrick> bricks = good;
+      Bytes& bytes = bricks[random() % 4].segments[1 + random() % 5];
+      if (!bytes.empty() && round % 4 > 0) bytes[random() % bytes.size()] ^= 0x10;
+      if (!bytes.empty() && round % 4 > 1) bytes.resize(1 + random() % bytes.size());
+      std::vector<std::vector<ByteSpan>> segments;
+      std::vector<CodedBrick> coded;
+      std::vector<bool> opens;
+      for (std::size_t i = 0; i < bricks.size(); ++i) {
+        segments.push_back(spans_of(bricks[i]));
+        coded.push_back({shape_of(sizes[i]), bricks[i].range, segments.back()});
+        try {
+          opens.push_back(codec->open_together(VoxelType::int16, std::span(&coded[i], 1))[0] !=
+                          nullptr);
+        } catch (const Error&) {
+          opens.push_back(false);
+        }
+      }
+      const bool do_all = std::find(opens.begin(), opens.end(), false) == opens.end();
+      failures += do_all ? 0 : 1;
+      if (do_all) {
+        const auto parts = codec->open_together(VoxelType::int16, coded);
+        for (std::size_t i = 0; i < parts.size(); ++i) {
+          EXPECT_EQ(parts_together<std::int16_t>(*parts[i], bricks[i], sizes[i]),
+                    whole_of<std::int16_t>(*codec, coded[i].shape, bricks[i]));
+        }
+      } else {
+        EXPECT_THROW(codec->open_together(VoxelType::int16, coded), Error);
+      }
+    }
+    EXPECT_GT(failures, 6);
+    EXPECT_LT(failures, 24);
+  }
+}
+
 /// Some parts hold one value alone: they have no bytes, beside others that do.
 TEST(Parts, WithoutBytesStandBesideOthers) {
   const Size3 size{64, 64, 64};
