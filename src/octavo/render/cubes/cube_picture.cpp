@@ -159,10 +159,10 @@ class SpinePainter {
     for (int i = 0; i < shape.face_count; ++i) {
       const Face& face = shape.faces[static_cast<std::size_t>(i)];
       if ((faces >> face.axis & 1) == 0 || !rows_.fill(face, corner, next_number())) continue;
-      seen_.push_back({mask, scene_.pixel(mask, face, corner.depth + face.depth)});
+      note(mask, scene_.pixel(mask, face, corner.depth + face.depth));
     }
     if (shape.spine.empty() || !rows_.fill_spine(shape, corner, next_number())) return;
-    seen_.push_back({mask, scene_.spine_pixel(mask, corner, shape, faces)});
+    note(mask, scene_.spine_pixel(mask, corner, shape, faces));
   }
 
   /// Gives the pixels of `rows` that show something its color.
@@ -178,11 +178,14 @@ class SpinePainter {
 
  private:
   struct Seen {
-    std::size_t mask;
+    std::uint32_t mask;
     std::uint32_t pixel;
   };
 
   std::uint32_t next_number() const { return static_cast<std::uint32_t>(seen_.size() + 1); }
+  void note(std::size_t mask, std::uint32_t pixel) {
+    seen_.push_back({static_cast<std::uint32_t>(mask), pixel});
+  }
 
   const Scene& scene_;
   PixelRows faces_;

@@ -45,7 +45,7 @@ class DepthFade {
 /// Draws the leaves of masks from the farthest to the nearest: three channels. The masks lie on
 /// the grid of the view and do not overlap. Uses the threads of the calling task arena; the picture
 /// does not depend on their number.
-/// Memory  64 rows of 4 bytes per pixel for each thread, beside the picture; up to 28 with spines
+/// Memory  64 rows of 4 bytes per pixel for each thread, beside the picture; up to 44 with spines
 /// Source  thesis 4.3
 Picture draw_cubes(std::span<const PaintedMask> masks, const View& view, const CubeStyle& style);
 
