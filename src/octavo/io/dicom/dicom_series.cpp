@@ -9,6 +9,7 @@
 #include "octavo/core/error.h"
 #include "octavo/core/text.h"
 #include "octavo/core/unset_bytes.h"
+#include "octavo/io/dicom/dicom_moment.h"
 #include "octavo/io/dicom/dicom_pixels.h"
 #include "octavo/io/source/described_source.h"
 
@@ -135,10 +136,9 @@ constexpr SharedName kSettings[] = {
     {"Temporal Position Identifier (0020,0100)", &DicomLayout::temporal_position, true},
     {"Image Type (0008,0008)", &DicomLayout::picture_kind, true}};
 
-/// What tells several pictures of one place apart beside these.
-constexpr SharedName kRepetitions[] = {
-    {"Trigger Time (0018,1060)", &DicomLayout::trigger, true},
-    {"Acquisition Number (0020,0012)", &DicomLayout::acquisition, true}};
+/// What tells several pictures of one place apart where no moment does, also where it is no number.
+constexpr SharedName kAcquisition = {"Acquisition Number (0020,0012)", &DicomLayout::acquisition,
+                                     true};
 
 /// Slices of several volumes may be mixed though no two lie at one place.
 void tell_of_mixture(DicomStack& stack) {
@@ -178,10 +178,14 @@ std::string difference_of(const DicomSlice& kept, const DicomSlice& slice) {
   for (const SharedName& name : kSettings) {
     if (std::string text = told_by(name); !text.empty()) return text;
   }
-  for (const SharedName& name : kRepetitions) {
-    if (std::string text = told_by(name); !text.empty()) return text;
-  }
-  return {};
+  const std::string moment = moment_difference(kept, slice);
+  return moment.empty() ? told_by(kAcquisition) : moment;
+}
+
+/// What can be done about two slices of which a setting tells that they are of several volumes.
+const char* advice_for_volumes(const DicomSlice& kept, const DicomSlice& slice) {
+  return kept.layout == slice.layout ? "; not all of them have the same places: export each alone"
+                                     : "; build each of them from its own files";
 }
 
 /// What can be done about two slices of one place.
@@ -202,14 +206,14 @@ void require_copy(const DicomSlice& kept, const DicomSlice& slice, double sidewa
                       " apart sideways" +
                       (difference.empty() ? advice_for(kept, slice)
                                           : ", and are of several volumes: " + difference +
-                                                "; build each of them from its own files"));
+                                                advice_for_volumes(kept, slice)));
   }
   const Point3& at = *kept.position_mm;
   const std::string place = pair + " lie at the same position (" + precise_text(at[0]) + ", " +
                             precise_text(at[1]) + ", " + mm_text(at[2]) + ")";
   if (!may_drop && !difference.empty()) {
     reject(slice, place + ", but are of several volumes: " + difference +
-                      "; build each of them from its own files");
+                      advice_for_volumes(kept, slice));
   }
   if (!may_drop) {
     throw Error(ErrorKind::source_rejected, place + advice_for(kept, slice), slice.layout->path)

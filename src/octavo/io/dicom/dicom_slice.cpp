@@ -135,7 +135,6 @@ DicomLayout read_layout(const DicomFile& file) {
   }
   layout.temporal_position = data.text(0x00200100);
   layout.acquisition = data.text(0x00200012);
-  layout.trigger = setting_text(data, 0x00181060, " ms");
   layout.modality = data.text(0x00080060);
   layout.image_type = data.text(0x00080008);
   layout.picture_kind = picture_kind(layout.image_type);
@@ -282,8 +281,9 @@ std::vector<DicomSlice> read_dicom_slices(const std::string& path) {
     DicomSlice slice;
     slice.layout = layout;
     slice.frame = i;
+    const DicomSet& own = item < frame_items.size() ? frame_items[item] : none;
+    slice.moment = read_dicom_moment(file.data, shared, own);
     if (!shared_items.empty() || !frame_items.empty()) {
-      const DicomSet& own = item < frame_items.size() ? frame_items[item] : none;
       take_place(macro(shared, own, kPlanePosition), macro(shared, own, kPlaneOrientation),
                  macro(shared, own, kPixelMeasures), slice);
       slice.values = read_dicom_values(file.data, macro(shared, own, kValueTransformation));

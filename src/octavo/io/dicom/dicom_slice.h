@@ -14,6 +14,7 @@
 #include "octavo/core/geometry.h"
 #include "octavo/core/label_names.h"
 #include "octavo/io/dicom/dicom_file.h"
+#include "octavo/io/dicom/dicom_moment.h"
 #include "octavo/io/dicom/dicom_values.h"
 
 namespace octavo {
@@ -50,7 +51,6 @@ struct DicomLayout {
   std::string b_value;           ///< Diffusion b-value
   std::string temporal_position; ///< Temporal Position Identifier
   std::string acquisition;       ///< Acquisition Number
-  std::string trigger;           ///< Trigger Time to a tenth
   std::string modality;
   std::string image_type;
   std::string picture_kind;      ///< Image Type behind its second value, as "M\ND"
@@ -117,6 +117,7 @@ struct DicomSlice {
   std::optional<double> instance_number;
   std::optional<std::int64_t> in_stack_position;      ///< of a frame: In-Stack Position Number
   std::optional<std::int64_t> temporal_index;         ///< of a frame: Temporal Position Index
+  DicomMoment moment;                                 ///< when it was taken
   std::int64_t channel = 0;  ///< of a color picture: the sample that is taken
   std::int64_t segment = 0;  ///< of a SEG: the number of the segment that the frame belongs to
   std::optional<std::int64_t> taken_label;  ///< of a label map: the segment that alone is taken

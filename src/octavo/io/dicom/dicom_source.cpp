@@ -227,11 +227,12 @@ std::unique_ptr<PlaneSource> open_dicom_source(const std::vector<std::string>& f
         .with_field("on_gap", "fill or resample");
   }
   slices = choose_segments(std::move(slices), options);
-  std::vector<std::vector<DicomSlice>> volumes = volumes_in_time(std::move(slices));
-  components.times = static_cast<std::int64_t>(volumes.size());
+  DicomTimes times = volumes_in_time(std::move(slices));
+  components.times = static_cast<std::int64_t>(times.volumes.size());
+  components.times_told_by = times.told_by;
   const ComponentChoice choice =
-      choose_component(components, options, volumes.front().front().layout->path);
-  slices = std::move(volumes[static_cast<std::size_t>(choice.time)]);
+      choose_component(components, options, times.volumes.front().front().layout->path);
+  slices = std::move(times.volumes[static_cast<std::size_t>(choice.time)]);
   if (has_palette(*slices.front().layout)) {
     slices = choose_palette_color(std::move(slices), choice.channel);
   } else {

@@ -2,13 +2,15 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <map>
 #include <optional>
+#include <string>
 #include <utility>
 
+#include "octavo/core/text.h"
 #include "octavo/core/vectors.h"
+#include "octavo/io/dicom/dicom_moment.h"
 #include "octavo/io/dicom/dicom_places.h"
 
 namespace octavo {
@@ -17,35 +19,14 @@ namespace {
 
 using Moments = std::map<double, std::vector<std::size_t>>;  // and the slices of each
 
-/// The number that a text starts with.
-std::optional<double> leading_number(const std::string& text) {
-  double value = 0;
-  const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (failure != std::errc() || !std::isfinite(value)) return std::nullopt;
-  return value;
-}
-
-std::optional<double> temporal_position(const DicomSlice& slice) {
-  if (slice.temporal_index) return static_cast<double>(*slice.temporal_index);
-  return leading_number(slice.layout->temporal_position);
-}
-
-std::optional<double> trigger_time(const DicomSlice& slice) {
-  return leading_number(slice.layout->trigger);
-}
-
-std::optional<double> acquisition_number(const DicomSlice& slice) {
-  return leading_number(slice.layout->acquisition);
-}
-
 /// Slices by their numbers; none where one has no number, or all have one.
 Moments moments_by(const std::vector<DicomSlice>& slices,
-                   std::optional<double> (*number_of)(const DicomSlice&)) {
+                   const MomentNumber& number) {
   Moments moments;
   for (std::size_t i = 0; i < slices.size(); ++i) {
-    const std::optional<double> number = number_of(slices[i]);
-    if (!number) return {};
-    moments[*number].push_back(i);
+    const std::optional<double> value = number.of(slices[i]);
+    if (!value) return {};
+    moments[*value].push_back(i);
   }
   return moments.size() > 1 ? moments : Moments();
 }
@@ -84,34 +65,54 @@ bool share_places(const Moments& moments, const std::vector<TimedPlace>& places,
   });
 }
 
+/// "Trigger Time (0018,1060): 0, 40, 80 ms".
+std::string list_moments(const MomentNumber& number, const Moments& moments) {
+  constexpr std::size_t kMaxShown = 8;
+  std::string list;
+  std::size_t shown = 0;
+  for (const auto& [value, members] : moments) {
+    if (shown++ == kMaxShown) break;
+    list += (list.empty() ? "" : ", ") + precise_text(value);
+  }
+  if (moments.size() > kMaxShown) list += " to " + precise_text(moments.rbegin()->first);
+  return std::string(number.name) + ": " + list + number.unit;
+}
+
+/// The first voxel of each slice.
+std::vector<TimedPlace> places_of(const std::vector<DicomSlice>& slices) {
+  const SliceAxes axes = slice_axes(slices.front());
+  std::vector<TimedPlace> places;
+  for (const DicomSlice& slice : slices) {
+    const Point3& at = *slice.position_mm;
+    places.push_back({dot(at, axes.normal), dot(at, axes.row), dot(at, axes.column)});
+  }
+  return places;
+}
+
 }  // namespace
 
-std::vector<std::vector<DicomSlice>> volumes_in_time(std::vector<DicomSlice> slices) {
+DicomTimes volumes_in_time(std::vector<DicomSlice> slices) {
   const bool are_placed = std::ranges::all_of(slices, [](const DicomSlice& slice) {
     return slice.position_mm && slice.orientation && !slice.layout->is_segmentation();
   });
-  std::vector<std::vector<DicomSlice>> volumes;
+  DicomTimes times;
   if (are_placed) {
-    const SliceAxes axes = slice_axes(slices.front());
-    std::vector<TimedPlace> places;
-    for (const DicomSlice& slice : slices) {
-      const Point3& at = *slice.position_mm;
-      places.push_back({dot(at, axes.normal), dot(at, axes.row), dot(at, axes.column)});
-    }
+    const std::vector<TimedPlace> places = places_of(slices);
     const auto pixel = slices.front().pixel_mm.value_or(std::array<double, 2>{1, 1});
     const double pixel_mm = std::min(pixel[0], pixel[1]);
-    for (const auto number_of : {temporal_position, trigger_time, acquisition_number}) {
-      const Moments moments = moments_by(slices, number_of);
+    for (const MomentNumber& number : moment_numbers()) {
+      const Moments moments = moments_by(slices, number);
       if (moments.empty() || !share_places(moments, places, pixel_mm)) continue;
-      for (const auto& [number, members] : moments) {
-        std::vector<DicomSlice>& volume = volumes.emplace_back();
+      times.told_by = list_moments(number, moments);
+      for (const auto& [value, members] : moments) {
+        std::vector<DicomSlice>& volume = times.volumes.emplace_back();
         for (const std::size_t i : members) volume.push_back(std::move(slices[i]));
       }
-      return volumes;
+      return times;
     }
   }
-  volumes.push_back(std::move(slices));
-  return volumes;
+  times.volumes.push_back(std::move(slices));
+  return times;
 }
 
 }  // namespace octavo

@@ -30,7 +30,8 @@ std::string channels_text(const SourceComponents& components) {
 
 std::string times_text(const SourceComponents& components) {
   return std::to_string(components.times) +
-         (components.times == 1 ? " point in time" : " points in time");
+         (components.times == 1 ? " point in time" : " points in time") +
+         (components.times_told_by.empty() ? "" : " (" + components.times_told_by + ")");
 }
 
 /// What can be given for a channel; nothing where there is only one.

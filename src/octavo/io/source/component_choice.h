@@ -17,6 +17,7 @@ struct SourceComponents {
   std::int64_t channels = 1;
   std::vector<std::string> channel_names;  ///< one for each channel, or none
   std::int64_t times = 1;
+  std::string times_told_by;  ///< what tells them apart, with its numbers; empty: their order
 };
 
 /// The one that is taken, counted from 0.

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
+#include <vector>
+
 #include "support/dicom_elements.h"
 #include "support/source_files.h"
 
@@ -36,7 +39,7 @@ std::string planes_of(std::initializer_list<char> values) {
 
 TEST(DicomTimes, AreChosenWhereEveryPlaceHasAll) {
   for (const auto& [tag, vr] : std::vector<std::pair<std::uint32_t, const char*>>{
-           {0x00200100, "IS"}, {0x00181060, "DS"}, {0x00200012, "IS"}}) {
+           {0x00200100, "IS"}, {0x00181060, "DS"}, {0x00541300, "DS"}, {0x00200012, "IS"}}) {
     const TempFolder folder;
     write_moments(folder, tag, vr,
                   {{"10", 0, 3}, {"9", 0, 1}, {"10", 2, 4}, {"9", 2, 2}, {"80", 2, 6},
@@ -56,15 +59,40 @@ TEST(DicomTimes, AreChosenWhereEveryPlaceHasAll) {
   }
 }
 
-TEST(DicomTimes, OfFramesAreTheirTemporalPositions) {
-  const TempFolder folder;
+/// Where a frame says when it was taken.
+struct FrameTime {
+  std::uint32_t sequence = 0;
+  std::uint32_t tag = 0;
+  const char* vr = "";
+  std::vector<std::string> numbers;  ///< of two moments
+  const char* told_by = "";
+};
+
+std::vector<FrameTime> frame_times() {
+  const auto float64 = [](double value) { return bytes_of<double>({value}); };
+  return {{0x00209111, 0x00209128, "UL",
+           {bytes_of<std::uint32_t>({1}), bytes_of<std::uint32_t>({2})},
+           "(Temporal Position Index (0020,9128): 1, 2)"},
+          {0x00189118, 0x00209153, "FD", {float64(0), float64(412.5)},
+           "(Nominal Cardiac Trigger Delay Time (0020,9153): 0, 412.5 ms)"},
+          {0x00209310, 0x0020930d, "FD", {float64(-0.25), float64(1.5)},
+           "(Temporal Position Time Offset (0020,930d): -0.25, 1.5 s)"},
+          {0x00209171, 0x00181060, "DS", {"9.5 ", "80"}, "(Trigger Time (0018,1060): 9.5, 80 ms)"},
+          {0x00209171, 0x00541300, "DS", {"30000 ", "120000"},
+           "(Frame Reference Time (0054,1300): 30000, 120000 ms)"}};
+}
+
+/// Frames of one value each, 1, 2, ..., that lie by twos 3 mm apart, each two of them of `moments`.
+void write_frames(const std::string& path, const FrameTime& time,
+                  const std::vector<std::size_t>& moments) {
   DicomElements elements = ct_elements(5, 3, 8);
-  elements.set(0x00280008, "IS", "4");
-  elements.set(kPixelData, "OB", planes_of({1, 2, 3, 4}));
+  elements.set(0x00280008, "IS", std::to_string(moments.size()));
+  std::string voxels;
   std::vector<DicomElements> frames;
-  for (const std::uint32_t i : {0U, 1U, 2U, 3U}) {
-    DicomElements content;
-    content.set(0x00209128, "UL", bytes_of<std::uint32_t>({2 - i % 2}));
+  for (std::size_t i = 0; i < moments.size(); ++i) {
+    voxels += std::string(15, static_cast<char>(i + 1));
+    DicomElements moment;
+    moment.set(time.tag, time.vr, time.numbers[moments[i]]);
     DicomElements place;
     place.set(0x00200032, "DS", "0\\0\\" + std::to_string(i / 2 * 3));
     DicomElements orientation;
@@ -72,17 +100,39 @@ TEST(DicomTimes, OfFramesAreTheirTemporalPositions) {
     DicomElements measures;
     measures.set(0x00280030, "DS", "1\\1");
     DicomElements& frame = frames.emplace_back();
-    frame.set_items(0x00209111, {content});
+    frame.set_items(time.sequence, {moment});
     frame.set_items(0x00209113, {place});
     frame.set_items(0x00209116, {orientation});
     frame.set_items(0x00289110, {measures});
   }
+  elements.set(kPixelData, "OB", voxels);
   elements.set_items(0x52009230, frames);
-  elements.write(folder.file("a.dcm"), kExplicitLittle);
-  EXPECT_TRUE(contains(source_error({folder.file("a.dcm")}), "2 points in time"));
-  SourceOptions options;
-  options.time = 0;
-  EXPECT_EQ(voxels_of(*open_source({folder.file("a.dcm")}, options)), planes_of({2, 4}));
+  elements.write(path, kExplicitLittle);
+}
+
+TEST(DicomTimes, OfFramesAreThoseOfTheirGroups) {
+  for (const FrameTime& time : frame_times()) {
+    const TempFolder folder;
+    const std::string path = folder.file("a.dcm");
+    write_frames(path, time, {1, 0, 1, 0});
+    const Error error = source_error({path});
+    EXPECT_TRUE(contains(error, std::string("2 points in time ") + time.told_by)) << error.what();
+    SourceOptions options;
+    options.time = 0;
+    EXPECT_EQ(voxels_of(*open_source({path}, options)), planes_of({2, 4})) << time.told_by;
+    options.time = 1;
+    EXPECT_EQ(voxels_of(*open_source({path}, options)), planes_of({1, 3})) << time.told_by;
+  }
+}
+
+TEST(DicomTimes, OfFramesThatDoNotShareTheirPlacesAreNamed) {
+  const TempFolder folder;
+  const std::string path = folder.file("a.dcm");
+  write_frames(path, frame_times()[1], {0, 1, 0});
+  const Error error = source_error({path});
+  EXPECT_TRUE(contains(error, "of several volumes: Nominal Cardiac Trigger Delay Time (0020,9153) "
+                              "is 0 ms and 412.5 ms; not all of them have the same places"))
+      << error.what();
 }
 
 TEST(DicomTimes, AreNotFoundInOneVolumeOrWhereSlicesAreMissing) {
