@@ -377,6 +377,25 @@ class Publishing(Serving):
         self.assertIn("worker.js", error.stderr)
         self.assertFalse((self.folder / "site").exists())
 
+    def test_a_damaged_volume_is_not_published(self):
+        damaged = bytearray(self.bytes)
+        damaged[600] ^= 1
+        (self.folder / "x.8vo").write_bytes(damaged)
+        error = self.publish(4, "a b.8vo", "x.8vo", "-o", "site")
+        self.assertRegex(error.stderr,
+                         r"x.8vo: model 0 at byte 512: .*\(one flipped bit, byte 600\)")
+        self.assertIn("repair", error.stderr)
+        self.assertFalse((self.folder / "site").exists())
+        self.publish(0, "a b.8vo", "-o", "site")
+        kept = {path.name: path.read_bytes() for path in (self.folder / "site").iterdir()}
+        damaged[600:700] = bytes(100)
+        (self.folder / "a b.8vo").write_bytes(damaged)
+        error = self.publish(4, "a b.8vo", "-o", "site", "--force")
+        self.assertIn("a b.8vo: model 0 at byte 512: ", error.stderr)
+        self.assertNotIn("repair", error.stderr)
+        self.assertEqual(
+            {path.name: path.read_bytes() for path in (self.folder / "site").iterdir()}, kept)
+
 
 if __name__ == "__main__":
     cli_test.OCTAVO = os.path.abspath(sys.argv.pop(1))

@@ -9,7 +9,10 @@
 #include "octavo/core/error.h"
 #include "octavo/core/url_text.h"
 #include "octavo/file/storage/storage.h"
+#include "octavo/file/storage/temporary.h"
+#include "octavo/file/verify.h"
 #include "octavo/io/serve/request_head.h"
+#include "octavo/tasks/files/verify_volume.h"
 #include "octavo/tasks/files/web_page.h"
 #include "octavo/tasks/inputs.h"
 #include "octavo/tasks/surfaces/part_folder.h"
@@ -38,6 +41,32 @@ PublishedFile copy_into(PartFolder& folder, const ByteSource& source, const std:
     }
   });
   return {name, bytes};
+}
+
+/// Proves every checksum of a volume that was copied, of which the bytes may have changed on their
+/// way as well.
+/// name  what the errors call it
+void require_sound(const std::shared_ptr<const ByteSource>& copy, const std::string& name,
+                   const TaskContext& context) {
+  VerifyOptions options = verify_options(context);
+  options.decode = false;
+  options.max_listed = 1;
+  const auto report = [&] {
+    try {
+      return verify_file(copy, options, context.watcher());
+    } catch (const Error& error) {
+      throw retold(error, error.kind(), error.detail(), name);
+    }
+  }();
+  if (report.is_sound()) return;
+  const Damage& first = report.damages.front();
+  const std::string others =
+      report.damage_count == 1
+          ? ""
+          : "; " + std::to_string(report.damage_count) + " places are damaged in all";
+  const Error failure(ErrorKind::corrupt, first.detail + others, name, first.offset);
+  throw report.repairable_count == report.damage_count ? failure.with_field("input.repair")
+                                                       : failure;
 }
 
 /// Whether the file of a row stands in a folder; true of what stands elsewhere.
@@ -95,9 +124,14 @@ PublishResult publish(const PublishOptions& options, const TaskContext& context)
 
   // Volumes, page, list.
   PublishResult result;
-  ProgressScope progress(context.watcher(), "publish", total, "bytes");
+  {
+    ProgressScope progress(context.watcher(), "publish", total, "bytes");
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      result.volumes.push_back(copy_into(folder, *volumes[i], names[i], context.watcher()));
+    }
+  }
   for (std::size_t i = 0; i < names.size(); ++i) {
-    result.volumes.push_back(copy_into(folder, *volumes[i], names[i], context.watcher()));
+    require_sound(folder.open(names[i]), volumes[i]->name(), context);
   }
   NoProgress uncounted;
   for (const std::string& name : page) {

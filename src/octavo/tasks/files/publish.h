@@ -27,12 +27,14 @@ struct PublishResult {
   std::vector<std::string> listed;  ///< titles of volumes that were listed before, and still are
 };
 
-/// Writes all files, or none. Every volume is opened before; its bytes are copied as they are.
+/// Writes all files, or none. Every volume is opened before; its bytes are copied as they are, and
+/// all their checksums are proven before any file has its name.
 /// Volumes that were published there before stay listed as long as their files are there, behind
 /// the new ones.
-/// Throws  as open_volume; Error{io} where the page is not there, a name is taken and not to be
-///         overwritten, and what writing throws; Error{cancelled}
-/// Memory  one part of a file
+/// Throws  as open_volume; Error{corrupt} for a damaged volume, about the field "input.repair"
+///         where repair turns the damage back; Error{io} where the page is not there, a name is
+///         taken and not to be overwritten, and what writing throws; Error{cancelled}
+/// Memory  as verify_file, without bricks
 PublishResult publish(const PublishOptions& options, const TaskContext& context);
 
 }  // namespace octavo

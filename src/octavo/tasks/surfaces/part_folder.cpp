@@ -127,6 +127,10 @@ std::uint64_t PartFolder::add(const std::string& name,
   });
 }
 
+std::shared_ptr<const ByteSource> PartFolder::open(const std::string& name) const {
+  return named([&] { return open_byte_source(storage_, hidden(name)); });
+}
+
 void PartFolder::publish() {
   if (hidden_.empty()) return;
   named([&] {

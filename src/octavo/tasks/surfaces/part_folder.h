@@ -36,6 +36,9 @@ class PartFolder {
   /// Returns its size
   std::uint64_t add(const std::string& name, const std::function<void(PendingFile&)>& write);
 
+  /// The bytes of a file that was added.
+  std::shared_ptr<const ByteSource> open(const std::string& name) const;
+
   /// Gives all files their names, durably.
   void publish();
 
