@@ -96,6 +96,7 @@ def range_rows(b):
         Row("404", told(b.busy, "404 Not Found"), 5, "no such file"),
         Row("403", told(b.busy, "403 Forbidden"), 5, "denies access"),
         Row("flipped byte", b.flipped_byte, 4, "one flipped bit, byte 600"),
+        Row("flipped byte, once", b.flipped_byte_once, 0, sound),
         Row("terminal escapes", b.escapes, 5, r"\\x1b\[2Jx"),
         Row("no head", b.no_head, 5, "cannot be read"),
         Row("closes at once", b.closes, 5, "cannot be read"),
@@ -118,7 +119,9 @@ def end_rows(b):
         Row("headers for an end", b.with_end(b.endless_headers), 0, sound),
         Row("a way elsewhere for its end", b.with_end(told(b.redirect, "file:///etc")), 0, sound),
         Row("silent about its end", b.with_end(b.silent), 0, sound),
-        Row("a damaged end", b.with_end(lambda x: b.part(x, 'ETag: "v1"', data=damaged)), 4,
+        Row("a damaged end, once", b.with_end(lambda x: b.part(x, 'ETag: "v1"', data=damaged)), 0,
+            sound),
+        Row("a damaged end", lambda x: b.part(x, 'ETag: "v1"', data=damaged), 4,
             "checksum|trailer"),
     ]
 

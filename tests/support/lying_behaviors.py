@@ -22,6 +22,7 @@ class Behaviors:
     def __init__(self, data):
         self.data = data
         self.other = data[:-70_000] + bytes(70_000)
+        self.has_flipped = False
 
     def part(self, x, *headers, data=None, first=None, last=None, total=None, **options):
         """A right answer, but for what is given."""
@@ -143,6 +144,11 @@ class Behaviors:
         data = bytearray(self.data)
         data[600] ^= 8
         return self.part(x, TAG, data=bytes(data))
+
+    def flipped_byte_once(self, x):
+        is_first = not self.has_flipped and x.first <= 600 <= x.last
+        self.has_flipped = self.has_flipped or is_first
+        return self.flipped_byte(x) if is_first else self.good(x)
 
     def escapes(self, x):
         return x.answer("206 \x1b]0;mine\x07", "Content-Range: bytes \x1b[31m0-9/10\x1b[0m",

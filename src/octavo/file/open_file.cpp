@@ -7,6 +7,7 @@
 #include "octavo/core/crc32c.h"
 #include "octavo/file/bit_flip.h"
 #include "octavo/file/layer_order.h"
+#include "octavo/file/storage/fetched_source.h"
 #include "octavo/octree/o_code.h"
 
 namespace octavo {
@@ -82,10 +83,17 @@ auto OpenFile::named(F read) const {
   }
 }
 
+// The same; bytes of `range` that are damaged are asked for once more.
+template <class F>
+auto OpenFile::named_twice(const ByteRange& range, F read) const {
+  return named([&] { return read_twice(*source_, {&range, 1}, read); });
+}
+
 OpenFile::OpenFile(std::shared_ptr<const ByteSource> source, const ReaderOptions& options)
     : source_(std::move(source)), page_cache_(kPageCacheBytes), codec_cache_(kCodecCacheCount) {
-  named([&] {
-    const std::uint64_t source_bytes = source_->size();
+  const std::uint64_t source_bytes = source_->size();
+  const ByteRange all{0, source_bytes};
+  named_twice(all, [&] {
     header_ = parse_header(read_bytes(0, std::min(kHeaderBytes, source_bytes)), source_bytes);
     levels_ = Levels(header_.description.size, header_.halvings);
     read_tail(options);
@@ -141,12 +149,13 @@ std::shared_ptr<const IndexPage> OpenFile::page(int tier, std::size_t number) co
   if (auto kept = page_cache_.find(key)) return kept;
   const PageRef& ref = root_.tiers[static_cast<std::size_t>(tier)].pages[number];
   const Section section{ref.offset, ref.length, ref.crc};
-  return named([&] {
-    const Bytes read = pages_.empty() ? read_bytes(section.offset, section.length) : Bytes{};
-    const ByteSpan bytes =
-        pages_.empty() ? ByteSpan(read)
-                       : ByteSpan(pages_).subspan(section.offset - header_.pages.offset,
-                                                  section.length);
+  bool is_first = true;
+  return named_twice({ref.offset, ref.length}, [&] {
+    const bool is_kept = std::exchange(is_first, false) && !pages_.empty();
+    const Bytes read = is_kept ? Bytes{} : read_bytes(section.offset, section.length);
+    const ByteSpan bytes = is_kept ? ByteSpan(pages_).subspan(section.offset - header_.pages.offset,
+                                                              section.length)
+                                   : ByteSpan(read);
     check_section(bytes, section, "index page");
     auto page = std::make_shared<const IndexPage>(
         parse_page(bytes, root_, levels_, tier, number, header_));
@@ -212,7 +221,7 @@ Bytes OpenFile::read_piece(const Piece& piece) const {
 }
 
 void OpenFile::read_piece(const Piece& piece, Bytes& bytes) const {
-  named([&] {
+  named_twice({piece.offset, piece.length}, [&] {
     read_arriving(*source_, piece.offset, piece.length, bytes);
     const std::uint32_t found = piece_crc(header_.build_id, piece.level, piece.code, bytes);
     if (!checksum_matches(found, piece.crc)) {
@@ -275,10 +284,11 @@ SlabTrailer OpenFile::parse_trailer_of(std::int64_t slab, ByteSpan bytes) const 
 SlabTrailer OpenFile::slab_trailer(std::int64_t slab) const {
   const std::uint64_t offset = root_.slab_trailer_offset(slab);
   const auto length = root_.slab_trailer_bytes[static_cast<std::size_t>(slab)];
-  const Bytes bytes = named([&] { return read_bytes(offset, length); });
   try {
-    return parse_trailer_of(slab, bytes);
+    return named_twice({offset, length},
+                       [&] { return parse_trailer_of(slab, read_bytes(offset, length)); });
   } catch (const Error& error) {
+    if (!error.detail().starts_with(kSlabTrailer)) throw;
     const std::string problem = error.detail().substr(std::string_view(kSlabTrailer).size());
     throw Error(error.kind(),
                 std::string(kSlabTrailer) + " " + std::to_string(slab) + " at byte " +
@@ -319,7 +329,7 @@ void OpenFile::copy_part(const PartEntry& part, const std::function<void(ByteSpa
 }
 
 Bytes OpenFile::read_section(const Section& section, const char* what) const {
-  return named([&] {
+  return named_twice({section.offset, section.length}, [&] {
     Bytes bytes = read_bytes(section.offset, section.length);
     check_section(bytes, section, what);
     return bytes;

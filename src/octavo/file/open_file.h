@@ -118,6 +118,8 @@ class OpenFile {
  private:
   template <class F>
   auto named(F read) const;
+  template <class F>
+  auto named_twice(const ByteRange& range, F read) const;
   void read_tail(const ReaderOptions& options);
   void fetch_pieces(const BrickEntry& entry, int first) const;
   Bytes read_bytes(std::uint64_t offset, std::uint64_t length) const;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "octavo/file/held_planes.h"
+#include "octavo/file/storage/fetched_source.h"
 
 namespace octavo {
 
@@ -248,7 +249,12 @@ void PartReader::read(std::span<const BrickEntry> entries, const Box& box,
       // Which of them is damaged is found below, and nothing of those behind it is read.
     }
   }
-  for (const BrickEntry& entry : entries) read_together(std::span(&entry, 1), box, how, out);
+  for (const BrickEntry& entry : entries) {
+    const Piece finest = file_.piece_of(entry, 0);
+    const ByteRange bytes{finest.offset, finest.length};
+    read_twice(file_.source(), {&bytes, 1},
+               [&] { read_together(std::span(&entry, 1), box, how, out); });
+  }
 }
 
 void PartReader::read_together(std::span<const BrickEntry> entries, const Box& box,

@@ -14,6 +14,7 @@
 #include "octavo/file/open_file.h"
 #include "octavo/file/plane_digests.h"
 #include "octavo/file/slab_trailer.h"
+#include "octavo/file/storage/fetched_source.h"
 #include "octavo/file/thumbnail_check.h"
 
 namespace octavo {
@@ -578,14 +579,19 @@ std::int64_t Verifier::check_page(int tier, std::size_t number) {
 
 VerifyReport verify_file(std::shared_ptr<const ByteSource> source, const VerifyOptions& options,
                          Progress& progress) {
-  const VerifiedPart whole = verify_part(std::move(source), {}, options, progress);
-  return joined_report({&whole, 1}, options.max_listed);
+  const auto verify = [&] {
+    const VerifiedPart whole = Verifier(source, {}, options, progress).run();
+    return joined_report({&whole, 1}, options.max_listed);
+  };
+  return found_twice(*source, verify, [](const VerifyReport& all) { return all.is_sound(); });
 }
 
 VerifiedPart verify_part(std::shared_ptr<const ByteSource> source, const WorkPart& part,
                          const VerifyOptions& options, Progress& progress) {
   require_part(part);
-  return Verifier(std::move(source), part, options, progress).run();
+  const auto verify = [&] { return Verifier(source, part, options, progress).run(); };
+  return found_twice(*source, verify,
+                     [](const VerifiedPart& own) { return own.report.is_sound(); });
 }
 
 }  // namespace octavo

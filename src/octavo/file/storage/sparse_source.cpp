@@ -73,6 +73,20 @@ std::shared_ptr<const void> SparseBytes::hold(std::span<const ByteRange> ranges)
   return held;
 }
 
+void SparseBytes::drop(std::span<const ByteRange> ranges) {
+  const std::vector<ByteRange> dropped = joined({ranges.begin(), ranges.end()}, kNoGaps);
+  for (auto run = runs_.begin(); run != runs_.end();) {
+    const ByteRange range{run->first, run->second.bytes.size()};
+    if (!overlaps_any(range, dropped)) {
+      ++run;
+      continue;
+    }
+    byte_count_ -= range.length;
+    offsets_.erase(run->second.number);
+    run = runs_.erase(run);
+  }
+}
+
 void SparseBytes::shrink_to(std::uint64_t most_bytes) {
   if (byte_count_ <= most_bytes) return;
   std::vector<std::shared_ptr<const Ranges>> holds;

@@ -38,6 +38,9 @@ class SparseBytes {
   /// As ByteSource::hold, for what is put in: a run of which some bytes are held stays whole.
   std::shared_ptr<const void> hold(std::span<const ByteRange> ranges);
 
+  /// Drops the runs that have bytes of `ranges`, held or not.
+  void drop(std::span<const ByteRange> ranges);
+
   /// Drops the runs that were put first until no more than `most_bytes` are left, or those alone
   /// that are held.
   void shrink_to(std::uint64_t most_bytes);

@@ -13,6 +13,7 @@
 #include "octavo/core/error.h"
 #include "octavo/core/url_text.h"
 #include "octavo/file/lru_cache.h"
+#include "octavo/file/storage/fetched_source.h"
 #include "octavo/file/storage/sparse_source.h"
 #include "octavo/file/storage/storage.h"
 #include "octavo/io/http/http_range.h"
@@ -66,7 +67,7 @@ class EndInProgress {
   std::jthread thread_;
 };
 
-class HttpSource final : public ByteSource {
+class HttpSource final : public FetchedSource {
  public:
   HttpSource(const std::string& url, const HttpOptions& options)
       : client_(url, options),
@@ -93,8 +94,8 @@ class HttpSource final : public ByteSource {
                   name(), offset);
     }
     // What begins in the head is at hand so far, and missing() leaves it out.
-    if (offset < head_->size()) {
-      const std::size_t count = std::min<std::size_t>(out.size(), head_->size() - offset);
+    if (const std::uint64_t head_bytes = kept_head_bytes(); offset < head_bytes) {
+      const std::size_t count = std::min<std::size_t>(out.size(), head_bytes - offset);
       std::copy_n(head_->begin() + static_cast<std::ptrdiff_t>(offset), count, out.begin());
       out = out.subspan(count);
       offset += count;
@@ -120,7 +121,7 @@ class HttpSource final : public ByteSource {
   std::vector<ByteRange> missing(std::span<const ByteRange> ranges) const override {
     std::vector<ByteRange> behind_head;
     for (ByteRange range : ranges) {
-      const std::uint64_t known = std::min(range.end(), head_->size());
+      const std::uint64_t known = std::min(range.end(), kept_head_bytes());
       if (known > range.offset) range = {known, range.end() - known};
       behind_head.push_back(range);
     }
@@ -131,6 +132,16 @@ class HttpSource final : public ByteSource {
   std::shared_ptr<const void> hold(std::span<const ByteRange> ranges) const override {
     const std::lock_guard lock(mutex_);
     return fetched_.hold(ranges);
+  }
+
+  void forget(std::span<const ByteRange> ranges) const override {
+    const std::lock_guard lock(mutex_);
+    fetched_.drop(ranges);
+    ++generation_;
+    const auto begins_in_head = [&](const ByteRange& range) {
+      return range.offset < head_->size();
+    };
+    if (std::ranges::any_of(ranges, begins_in_head)) has_head_ = false;
   }
 
   void fetch(std::span<const ByteRange> ranges) const override {
@@ -146,6 +157,8 @@ class HttpSource final : public ByteSource {
   }
 
  private:
+  std::uint64_t kept_head_bytes() const { return has_head_ ? head_->size() : 0; }
+
   void fetch_all(std::span<const ByteRange> ranges) const {
     on_own_threads(ranges.size(), most_requests_, [&](std::size_t i) {
       keep(ranges[i].offset, fetch(ranges[i].offset, ranges[i].length));
@@ -182,8 +195,8 @@ class HttpSource final : public ByteSource {
     }
   }
 
-  /// The block, if it was fetched before. Requires one behind the head
-  Block known(std::uint64_t number) const { return cache_.find({0, number}); }
+  /// The block, if it was fetched before.
+  Block known(std::uint64_t number) const { return cache_.find({generation_, number}); }
 
   Block block(std::uint64_t number) const {
     if (Block kept = known(number)) return kept;
@@ -194,13 +207,14 @@ class HttpSource final : public ByteSource {
   Block fetch_blocks(std::uint64_t first, std::uint64_t last) const {
     const std::uint64_t start = first * kBlockBytes;
     const std::uint64_t end = std::min((last + 1) * kBlockBytes, size_);
+    const std::uint64_t generation = generation_;
     const std::vector<std::uint8_t> bytes = fetch(start, end - start);
     Block fresh;
     for (std::uint64_t at = start; at < end; at += kBlockBytes) {
       const auto from = bytes.begin() + static_cast<std::ptrdiff_t>(at - start);
       const auto count = static_cast<std::ptrdiff_t>(std::min(kBlockBytes, end - at));
       fresh = std::make_shared<const BlockBytes>(from, from + count);
-      cache_.insert({0, at / kBlockBytes}, fresh, kBlockBytes);
+      cache_.insert({generation, at / kBlockBytes}, fresh, kBlockBytes);
     }
     return fresh;
   }
@@ -210,6 +224,8 @@ class HttpSource final : public ByteSource {
   std::uint64_t size_ = 0;
   std::string validator_;
   Block head_;
+  mutable std::atomic<bool> has_head_ = true;
+  mutable std::atomic<std::uint64_t> generation_ = 0;  ///< of blocks: those of earlier ones are out
   std::size_t most_requests_;
   mutable std::mutex mutex_;
   mutable SparseBytes fetched_;

@@ -90,6 +90,22 @@ TEST(SparseSource, BytesBeyondTheEndAreRejected) {
   EXPECT_EQ(failure_of_read(source, {20, 0}), std::nullopt);
 }
 
+TEST(SparseBytes, WhatIsDroppedIsMissingWithTheRunsAroundIt) {
+  const FileContent content = content_of(100);
+  SparseBytes bytes;
+  for (const std::uint64_t at : {0u, 20u, 60u}) bytes.put(at, part_of(content, {at, 20}));
+  const ByteRange held{25, 1};
+  const auto hold = bytes.hold({&held, 1});
+  const std::vector<ByteRange> dropped = {{30, 5}, {45, 10}};
+  bytes.drop(dropped);
+  const ByteRange all{0, 100};
+  EXPECT_EQ(bytes.missing({&all, 1}), (std::vector<ByteRange>{{20, 40}, {80, 20}}));
+  EXPECT_EQ(bytes.byte_count(), 40u);
+  bytes.put(20, part_of(content, {20, 20}));
+  bytes.shrink_to(0);
+  EXPECT_EQ(bytes.byte_count(), 20u);
+}
+
 TEST(SparseSource, WhatWasPutFirstGoesFirst) {
   const FileContent content = content_of(100);
   SparseSource source(100, "sparse");

@@ -19,6 +19,7 @@
 #include "octavo/file/parallel_read.h"
 #include "octavo/file/reader.h"
 #include "octavo/file/storage/sparse_source.h"
+#include "octavo/file/verify.h"
 #include "octavo/planes/memory_source.h"
 #include "support/memory_storage.h"
 
@@ -344,30 +345,33 @@ class RangeLog {
   const std::vector<std::uint8_t>& file_;
 };
 
-/// As large as a scan of a chest, and as noisy: bricks of 64^3 voxels take about 110 kB.
+/// A file of a volume as noisy as a scan: bricks of 64^3 voxels take about 110 kB.
+std::vector<std::uint8_t> noisy_file(const Size3& size, Access access) {
+  VolumeDescription description;
+  description.size = size;
+  description.type = VoxelType::uint8;
+  std::vector<std::byte> voxels(static_cast<std::size_t>(size.voxel_count()));
+  std::uint64_t state = 1;
+  for (std::size_t i = 0; i < voxels.size(); ++i) {
+    state = state * 6364136223846793005u + 1442695040888963407u;
+    const auto slope = static_cast<std::uint64_t>(i % 512 / 4);
+    voxels[i] = static_cast<std::byte>(slope + (state >> 61) + (state >> 58 & 7));
+  }
+  const auto source = make_memory_source(description, voxels);
+  testing::MemoryStorage storage;
+  NoProgress progress;
+  BuildOptions options;
+  options.preset = Preset::fast;
+  options.access = access;
+  build_file(*source, storage, "noise.8vo", options, progress);
+  return *storage.files.at("noise.8vo");
+}
+
+/// As large as a scan of a chest.
 const Size3 kChestSize{512, 512, 200};
 
 const std::vector<std::uint8_t>& chest_file() {
-  static const std::vector<std::uint8_t> kFile = [] {
-    VolumeDescription description;
-    description.size = kChestSize;
-    description.type = VoxelType::uint8;
-    std::vector<std::byte> voxels(static_cast<std::size_t>(kChestSize.voxel_count()));
-    std::uint64_t state = 1;
-    for (std::size_t i = 0; i < voxels.size(); ++i) {
-      state = state * 6364136223846793005u + 1442695040888963407u;
-      const auto slope = static_cast<std::uint64_t>(i % 512 / 4);
-      voxels[i] = static_cast<std::byte>(slope + (state >> 61) + (state >> 58 & 7));
-    }
-    const auto source = make_memory_source(description, voxels);
-    testing::MemoryStorage storage;
-    NoProgress progress;
-    BuildOptions options;
-    options.preset = Preset::fast;
-    options.access = Access::none;
-    build_file(*source, storage, "chest.8vo", options, progress);
-    return *storage.files.at("chest.8vo");
-  }();
+  static const std::vector<std::uint8_t> kFile = noisy_file(kChestSize, Access::none);
   return kFile;
 }
 
@@ -521,6 +525,65 @@ TEST(HttpBoxes, ARangeThatIsDeniedEndsTheReadingAndTheNextOneSucceeds) {
         << at;
     reader->read(slice, 0, found.data());
     EXPECT_EQ(found, expected);
+  }
+}
+
+/// A server of a file that flips a bit of one byte so many times on the way.
+struct FlippingServer {
+  explicit FlippingServer(const std::vector<std::uint8_t>& content)
+      : server([this, &content](const Request& q, Response& a) {
+          std::string file(content.begin(), content.end());
+          const auto [first, last] = q.ranges.at(0);
+          const bool is_sent = first <= flipped && flipped <= last;
+          if (is_sent && flips_left-- > 0) file[static_cast<std::size_t>(flipped)] ^= 16;
+          answer_range(q, a, file, "\"v1\"");
+        }) {}
+
+  std::atomic<std::int64_t> flipped = 0;
+  std::atomic<int> flips_left = 0;
+  TestServer server;
+};
+
+/// Calls check(offset) with bytes of every kind: header, model, bricks, trailers, index.
+void for_bytes_of(const std::vector<std::uint8_t>& file,
+                  const std::function<void(std::int64_t offset)>& check) {
+  const auto end = static_cast<std::int64_t>(file.size());
+  for (const std::int64_t offset : {std::int64_t{3}, std::int64_t{130}, std::int64_t{600}}) {
+    check(offset);
+  }
+  for (int step = 1; step < 12; ++step) check(end * step / 12);
+  for (const std::int64_t back : {2, 60, 300, 2000}) check(end - back);
+}
+
+TEST(HttpDamage, OfBytesOnTheirWayIsAskedForOnceMore) {
+  const Box corner{{3, 5, 7}, {70, 41, 66}};
+  for (const Access access : {Access::none, Access::boxes}) {
+    const std::vector<std::uint8_t> file = noisy_file({128, 96, 80}, access);
+    FlippingServer flipping(file);
+    const auto read_corner = [&](const std::shared_ptr<ByteSource>& source) {
+      Bytes voxels(static_cast<std::size_t>(corner.size().voxel_count()));
+      FileReader::open(source)->read(corner, 0, voxels.data());
+      return voxels;
+    };
+    const Bytes expected = read_corner(byte_source_of(file, "local"));
+    bool was_damaged = false;
+    for_bytes_of(file, [&](std::int64_t offset) {
+      flipping.flipped = offset;
+      flipping.flips_left = 1;
+      EXPECT_EQ(read_corner(open_url(flipping.server.url())), expected) << offset;
+      flipping.flips_left = 1;
+      NoProgress progress;
+      EXPECT_TRUE(verify_file(open_url(flipping.server.url()), {}, progress).is_sound()) << offset;
+      // What is damaged at every time is damaged.
+      flipping.flips_left = 1000;
+      try {
+        EXPECT_EQ(read_corner(open_url(flipping.server.url())), expected) << offset;
+      } catch (const Error& error) {
+        EXPECT_NE(error.kind(), ErrorKind::io) << error.what();
+        was_damaged = true;
+      }
+    });
+    EXPECT_TRUE(was_damaged);
   }
 }
 
