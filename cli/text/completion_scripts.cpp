@@ -4,6 +4,8 @@
 
 #include <vector>
 
+#include "text/offered_words.h"
+
 namespace octavo::cli {
 
 namespace {
@@ -48,18 +50,19 @@ std::string function_name(const ProgramEntry& program) {
   return name;
 }
 
-/// Sets `names`, `words` and `value_words` of one verb.
+/// Sets `names`, `words`, `values` and `files` of one verb.
 std::string bash_case(const ProgramEntry& program, const VerbEntry& verb) {
   std::vector<std::string> names;
   std::vector<std::string> positional_words;
   std::string values;
   for (const OptionEntry& option : all_options(program, verb)) {
     names.insert(names.end(), option.names.begin(), option.names.end());
-    if (option.choices.empty()) continue;
-    if (option.names.empty()) positional_words = option.choices;
+    const OfferedWords offered = offered_words(option);
+    if (offered.words.empty()) continue;
+    if (option.names.empty()) positional_words = offered.words;
     else if (!option.is_value_optional) {
-      values += fmt::format("        {}) values='{}' ;;\n", joined(option.names, "|"),
-                            joined(option.choices, " "));
+      values += fmt::format("        {}) values='{}'{} ;;\n", joined(option.names, "|"),
+                            joined(offered.words, " "), offered.has_files ? " files=1" : "");
     }
   }
   std::string text = fmt::format("    {})\n      names='{}'\n", verb.name, joined(names, " "));
@@ -70,12 +73,18 @@ std::string bash_case(const ProgramEntry& program, const VerbEntry& verb) {
   return text + "      ;;\n";
 }
 
+std::string zsh_action(const OfferedWords& offered) {
+  if (offered.words.empty()) return "_files";
+  const std::string words = "(" + joined(offered.words, " ") + ")";
+  if (!offered.has_files) return words;
+  return R"({_alternative "words\:word\:)" + words + R"(" "files\:file\:_files"})";
+}
+
 std::string zsh_spec(const OptionEntry& option, const std::string& name) {
   std::string value;
   if (!option.value.empty()) {
     const std::string what = escaped_with(option.value, ":\\");
-    const std::string action =
-        option.choices.empty() ? std::string("_files") : "(" + joined(option.choices, " ") + ")";
+    const std::string action = zsh_action(offered_words(option));
     value = fmt::format("{}{}:{}", option.is_value_optional ? "::" : ":", what, action);
   }
   if (option.names.empty()) return quoted((option.is_repeatable ? "*" : "") + value);
@@ -106,9 +115,10 @@ std::string fish_line(const ProgramEntry& program, const std::string& condition,
     text += is_long ? " -l " + name.substr(2) : " -s " + name.substr(1);
   }
   const bool needs_value = !option.value.empty() && !option.is_value_optional;
-  if (!option.choices.empty()) {
-    text += fmt::format(" {} -a {}", needs_value ? "-x" : "-f",
-                        fish_quoted(joined(option.choices, " ")));
+  const OfferedWords offered = offered_words(option);
+  if (!offered.words.empty()) {
+    const char* files = offered.has_files ? "-r -F" : needs_value ? "-x" : "-f";
+    text += fmt::format(" {} -a {}", files, fish_quoted(joined(offered.words, " ")));
   } else if (needs_value) {
     text += option.names.empty() ? " -F" : " -r -F";
   }
@@ -124,7 +134,8 @@ std::string bash_completion(const ProgramEntry& program) {
   return fmt::format(R"(# bash completion for {0}
 {1}() {{
   local current=${{COMP_WORDS[COMP_CWORD]}} previous=${{COMP_WORDS[COMP_CWORD-1]}}
-  local verb='' names='' words='' values='' word
+  local verb='' names='' words='' values='' files='' word
+  COMPREPLY=()
   # bash takes "--option=value" apart at the sign.
   if [[ $current == '=' ]]; then current=''
   elif [[ $previous == '=' ]]; then previous=${{COMP_WORDS[COMP_CWORD-2]}}
@@ -142,9 +153,10 @@ std::string bash_completion(const ProgramEntry& program) {
   fi
   if [[ -n $words ]]; then
     COMPREPLY=($(compgen -W "$words" -- "$current"))
-  else
+  fi
+  if [[ -z $words || -n $files ]]; then
     compopt -o filenames 2>/dev/null
-    mapfile -t COMPREPLY < <(compgen -f -- "$current")
+    mapfile -t -O ${{#COMPREPLY[@]}} COMPREPLY < <(compgen -f -- "$current")
   fi
 }}
 complete -F {1} {0}

@@ -15,6 +15,9 @@ import sys
 
 import cli_test
 
+# An option of the help that takes one of some words.
+CHOICE = r"^ +(?:-\w,)?(--[\w-]+)(?:,--[\w-]+)* [^\s\[]+:\{(.+?)\}"
+
 COMPLETE = """
 source ./script
 COMP_WORDS=("$@")
@@ -79,6 +82,38 @@ class Completion(WithVerbs):
             with self.subTest(words):
                 self.assertEqual(self.offered(*words), values)
 
+    def test_every_choice_of_the_help_is_offered(self):
+        found = 0
+        for verb in self.verbs():
+            text = self.expect(0, verb, "--help").stdout
+            for name, words in re.findall(CHOICE, text, re.MULTILINE):
+                with self.subTest(f"{verb} {name}"):
+                    self.assertEqual(self.offered(verb, name, ""), sorted(words.split(",")))
+                found += 1
+        self.assertGreater(found, 60)
+
+    def test_words_that_stand_for_values_are_those_that_parsers_take(self):
+        self.expect(0, "phantom", "--size", "8", "-o", "p.8vo")
+        # What parsers say of a word that they do not know names all others.
+        for words, said in [
+            (["slice", "p.8vo", "-o", "p.png", "--window"], "CENTER,WIDTH or one of (.*)"),
+            (["slice", "p.8vo", "-o", "p.png", "--overlay-color"], "#rrggbb or one of (.*)"),
+            (["render", "p.8vo", "-o", "p.png", "--background"], "#rrggbb or one of (.*)"),
+            (["render", "p.8vo", "-o", "p.png", "--mode", "volume", "--transfer"],
+             "presets are (.*)"),
+            (["phantom", "-o", "q.8vo", "--type"], "expected (.*)"),
+        ]:
+            with self.subTest(words):
+                error = self.octavo(*words, "nonsense").stderr
+                known = re.split(r", | or ", re.search(said, error)[1])
+                files = ["p.8vo", "script"] if words[-1] == "--transfer" else []
+                self.assertEqual(self.offered(*words, ""), sorted(known + files))
+        sides = self.offered("render", "--direction", "")
+        self.assertEqual(len(sides), 26)
+        for side in sides:
+            self.expect(0, "render", "p.8vo", "--mode", "mip", "--direction", side, "--size", "4",
+                        "-o", "p.png", "-f")
+
     def test_bash_reads_the_script(self):
         subprocess.run(["bash", "-n", self.script("bash")], check=True)
 
@@ -99,6 +134,9 @@ class Completion(WithVerbs):
             ("octavo combine --un", ["--union"]),
             ("octavo build --preset ", ["fast", "small"]),
             ("octavo completion ", ["bash", "fish", "zsh"]),
+            ("octavo slice --window bo", ["bone"]),
+            ("octavo render --transfer sc", ["script"]),
+            ("octavo render --transfer ski", ["skin"]),
         ]:
             with self.subTest(line):
                 asked = f"source ./script; complete -C {json.dumps(line)}"
