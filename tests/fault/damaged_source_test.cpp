@@ -79,6 +79,11 @@ std::vector<Sample> write_samples(const TempFolder& folder) {
   const std::string nrrd = "NRRD0004\ntype: short\ndimension: 3\nsizes: 17 13 9\nendian: little\n";
   write_file(folder.file("e.nrrd"), nrrd + "encoding: raw\n\n" + raw);
   write_file(folder.file("f.nrrd"), nrrd + "encoding: gzip\n\n" + gzip(raw));
+  write_file(folder.file("o.nhdr"), nrrd + "encoding: gzip\ndata file: LIST 3\no.1\no.2\no.3");
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::size_t part = raw.size() / 3;
+    write_file(folder.file("o." + std::to_string(i + 1)), gzip(raw.substr(i * part, part)));
+  }
   write_file(folder.file("g.vtk"),
              "# vtk DataFile Version 3.0\nx\nBINARY\nDATASET STRUCTURED_POINTS\n"
              "DIMENSIONS 17 13 9\nSPACING 1 1 1\nORIGIN 1 2 3\nPOINT_DATA 1989\n"
@@ -123,6 +128,7 @@ std::vector<Sample> write_samples(const TempFolder& folder) {
           {"n.zarr", "n.zarr/c/0/0/0"},
           {"m.zarr", "m.zarr/zarr.json"},
           {"a.nii", ""},      {"b.nii.gz", ""}, {"c.mha", ""},  {"d.mhd", ""},   {"d.mhd", "d.raw"},
+          {"o.nhdr", ""},     {"o.nhdr", "o.2"},
           {"e.nrrd", ""},     {"f.nrrd", ""},   {"g.vtk", ""},  {"h.tif", ""},   {"i.dcm", ""},
           {"j.vtk", ""},      {"k.gipl", ""},   {"l.gipl.gz", ""}};
 }

@@ -21,11 +21,13 @@ constexpr std::size_t kChunkBytes = std::size_t{1} << 16;
 class StoredNumbers {
  public:
   StoredNumbers(const VoxelRun& run, std::size_t value_bytes)
-      : run_(run), value_bytes_(value_bytes), stream_(run.path, run.start_offset, run.coding) {
+      : run_(run),
+        value_bytes_(value_bytes),
+        stream_(run.files(), run.piece_bytes, run.coding) {
     stream_.skip(run.skip_bytes);
   }
 
-  VoxelStream& stream() { return stream_; }
+  PiecedStream& stream() { return stream_; }
 
   /// Fills `numbers` with the next ones.
   void read(std::span<std::byte> numbers) {
@@ -53,7 +55,7 @@ class StoredNumbers {
 
   VoxelRun run_;
   std::size_t value_bytes_;
-  VoxelStream stream_;
+  PiecedStream stream_;
 };
 
 class StreamedSource final : public DescribedSource {
@@ -112,7 +114,7 @@ class StreamedSource final : public DescribedSource {
   }
 
   void prove_end() {
-    VoxelStream& stream = numbers_.stream();
+    PiecedStream& stream = numbers_.stream();
     stream.skip(run_.bytes_behind);
     if (const std::uint64_t left = stream.finish(); left > 0) {
       warn(std::to_string(left) + " bytes behind the voxels were left out: " +
@@ -131,25 +133,67 @@ std::string_view stored_name(const SourceFacts& facts) {
                                      : StoredType(facts.description.type));
 }
 
-/// Proves that a plain file holds all voxels.
-void check_plain_length(SourceFacts& facts, const VoxelRun& run, std::uint64_t voxel_bytes) {
-  const SourceFile file(run.path);
-  const std::uint64_t start = checked_add(run.start_offset, run.skip_bytes, "voxel offset");
-  const std::uint64_t needed = checked_add(start, voxel_bytes, "file length");
+/// What a file holds, for messages: "4 x 3 x 2 voxels of int16".
+std::string content_text(const SourceFacts& facts, const VoxelRun& run) {
+  const std::string part =
+      run.pieces.empty() ? "" : "one of " + std::to_string(run.pieces.size()) + " parts of ";
   const std::string channels =
       run.values_per_voxel == 1 ? "" : std::to_string(run.values_per_voxel) + " channels of ";
-  if (file.size() < needed) {
-    throw Error(ErrorKind::source_rejected,
-                "the file is too short: " + std::to_string(needed) + " bytes needed for " +
-                    size_text(facts.description.size) + " voxels of " + channels +
-                    std::string(stored_name(facts)) + ", " +
-                    std::to_string(file.size()) + " found; it is cut or its header is wrong",
-                run.path, file.size());
+  return part + size_text(facts.description.size) + " voxels of " + channels +
+         std::string(stored_name(facts));
+}
+
+/// Proves that a plain file holds so many bytes of voxels; returns how many stand behind them.
+std::uint64_t check_plain_length(const SourceFacts& facts, const VoxelRun& run,
+                                 const StreamPiece& piece, std::uint64_t voxel_bytes) {
+  const SourceFile file(piece.path);
+  const std::uint64_t start =
+      checked_add(piece.start.offset, piece.start.skip_bytes, "voxel offset");
+  const std::uint64_t needed = checked_add(start, voxel_bytes, "file length");
+  if (file.size() >= needed) return file.size() - needed;
+  throw Error(ErrorKind::source_rejected,
+              "the file is too short: " + std::to_string(needed) + " bytes needed for " +
+                  content_text(facts, run) + ", " + std::to_string(file.size()) +
+                  " found; it is cut or its header is wrong",
+              piece.path, file.size());
+}
+
+/// The same for all files of a run, with a warning of what stands behind voxels.
+void check_plain_lengths(SourceFacts& facts, const VoxelRun& run, std::uint64_t voxel_bytes) {
+  const bool is_one = run.pieces.empty();
+  const std::uint64_t bytes =
+      is_one ? checked_add(run.skip_bytes, voxel_bytes, "voxel offset") : run.piece_bytes;
+  std::uint64_t behind = 0;
+  std::string example;
+  for (const StreamPiece& piece : run.files()) {
+    const std::uint64_t own = check_plain_length(facts, run, piece, bytes);
+    if (own > 0 && example.empty()) example = piece.path;
+    behind += own;
   }
-  if (file.size() > needed) {
-    facts.warnings.push_back(std::to_string(file.size() - needed) +
-                             " bytes behind the voxels were left out: " + escaped(run.path));
+  if (behind == 0) return;
+  facts.warnings.push_back(std::to_string(behind) + " bytes behind the voxels were left out: " +
+                           escaped(example) + (is_one ? "" : " and the like"));
+}
+
+/// Proves that deflated files can hold their voxels.
+void check_deflated_lengths(const VoxelRun& run, std::uint64_t voxel_bytes) {
+  const std::uint64_t bytes = run.pieces.empty()
+                                  ? checked_add(run.skip_bytes, voxel_bytes, "stream length")
+                                  : run.piece_bytes;
+  for (const StreamPiece& piece : run.files()) {
+    const std::uint64_t stream_bytes = checked_add(piece.start.skip_bytes, bytes, "stream length");
+    require_holdable(piece.path, SourceFile(piece.path).size(), stream_bytes, kDeflateRatio);
+    if (piece.start.offset == 0 && is_gzip_file(piece.path)) {
+      check_gzip_length(piece.path, stream_bytes);
+    }
   }
+}
+
+/// The header and what has voxels.
+std::vector<std::string> paths_of(const SourceFacts& facts, const VoxelRun& run) {
+  std::vector<std::string> paths = {facts.path};
+  for (const StreamPiece& piece : run.files()) paths.push_back(piece.path);
+  return paths;
 }
 
 }  // namespace
@@ -162,20 +206,20 @@ void VoxelRun::take_volume(std::int64_t index, std::int64_t count, std::uint64_t
   bytes_behind = checked_mul(one, static_cast<std::uint64_t>(count - 1 - index), "volumes");
 }
 
+std::vector<StreamPiece> VoxelRun::files() const {
+  if (pieces.empty()) return {{path, {start_offset, 0}}};
+  return pieces;
+}
+
 std::unique_ptr<PlaneSource> make_streamed_source(SourceFacts facts, const VoxelRun& run) {
   const std::uint64_t volume_bytes = checked_mul(
       checked_mul(stored_plane_bytes(facts),
                   static_cast<std::uint64_t>(facts.description.size.z), "volume"),
       static_cast<std::uint64_t>(run.values_per_voxel), "volume");
   const std::uint64_t voxel_bytes = checked_add(volume_bytes, run.bytes_behind, "volumes");
-  if (run.coding == StreamCoding::plain) {
-    check_plain_length(facts, run, voxel_bytes);
-  } else {
-    const std::uint64_t stream_bytes = checked_add(run.skip_bytes, voxel_bytes, "stream length");
-    require_holdable(run.path, SourceFile(run.path).size(), stream_bytes, kDeflateRatio);
-    if (run.start_offset == 0 && is_gzip_file(run.path)) check_gzip_length(run.path, stream_bytes);
-  }
-  facts.files = files_of_volume({facts.path, run.path});
+  if (run.coding == StreamCoding::plain) check_plain_lengths(facts, run, voxel_bytes);
+  else check_deflated_lengths(run, voxel_bytes);
+  facts.files = files_of_volume(paths_of(facts, run));
   if (facts.wide) {
     StoredNumbers first_planes(run, bytes_per_value(*facts.wide));
     settle_narrowing(facts, [&](std::int64_t, std::span<std::byte> plane) {

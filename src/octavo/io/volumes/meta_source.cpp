@@ -12,6 +12,7 @@
 #include "octavo/core/levels.h"
 #include "octavo/core/text.h"
 #include "octavo/io/source/axis_check.h"
+#include "octavo/io/source/data_files.h"
 #include "octavo/io/source/header_text.h"
 #include "octavo/io/source/length_unit.h"
 #include "octavo/io/source/source_file.h"
@@ -22,6 +23,7 @@ namespace octavo {
 namespace {
 
 constexpr std::size_t kMaxMetaHeaderBytes = std::size_t{1} << 16;
+constexpr std::size_t kMaxListBytes = std::size_t{1} << 20;
 
 /// The fields of a header up to ElementDataFile, and where the bytes behind it start.
 class MetaHeader {
@@ -51,6 +53,15 @@ class MetaHeader {
 
   const std::string& path() const { return path_; }
   std::uint64_t data_offset() const { return data_offset_; }
+
+  /// The names behind "ElementDataFile = LIST".
+  DataFileNames file_list() const {
+    const std::vector<std::byte> head = file_head(path_, kMaxListBytes);
+    if (head.size() == kMaxListBytes) reject(path_, "the list of data files exceeds 1 MiB");
+    const std::string_view text(reinterpret_cast<const char*>(head.data()), head.size());
+    return DataFileNames::of_list(text.substr(std::min(data_offset_, text.size())));
+  }
+
   bool has(const std::string& name) const { return fields_.contains(name); }
 
   /// The first of several spellings that is there, as a field; an empty value when none is.
@@ -231,33 +242,66 @@ void reject_unreadable(const MetaHeader& header) {
   }
 }
 
+/// "LIST" or a pattern, with numbers behind it; none where one file has all voxels.
+std::vector<std::string> several_files_words(const MetaHeader& header) {
+  std::vector<std::string> data = words(header.text("ElementDataFile"));
+  const bool is_list = !data.empty() && data.size() <= 2 && data[0] == "LIST";
+  const bool is_pattern = !data.empty() && data.size() <= 4 && has_number_pattern(data[0]);
+  return is_list || is_pattern ? data : std::vector<std::string>{};
+}
+
+/// The files that such a header names; without a dimension each holds one index of the last axis.
+/// Of a pattern the numbers are 1 to the size of that, in steps of 1, where it gives no others.
+std::vector<std::string> several_files(const MetaHeader& header,
+                                       const std::vector<std::string>& data) {
+  const std::vector<std::int64_t> sizes = header.field({"DimSize"}).integers();
+  const auto all = static_cast<std::int64_t>(sizes.size());
+  const auto number = [&](std::size_t i, std::int64_t otherwise) {
+    if (i >= data.size()) return otherwise;
+    return FieldText{header.path(), "ElementDataFile", data[i]}.integer();
+  };
+  if (data[0] == "LIST") {
+    const std::int64_t asked = number(1, 0);
+    const std::int64_t dimension = asked < 1 || asked > all ? all - 1 : asked;
+    return find_data_files(header.path(), header.file_list(), sizes, dimension);
+  }
+  const NumberedNames names{data[0], number(1, 1), number(2, sizes.back()), number(3, 1)};
+  return find_data_files(header.path(), DataFileNames::of_pattern(names), sizes, all - 1);
+}
+
+/// HeaderSize: where the voxels start in each file; nothing where it is -1, which says that a plain
+/// file ends with them.
+std::optional<std::uint64_t> header_size(const MetaHeader& header, StreamCoding coding) {
+  const FieldText field = header.field({"HeaderSize"});
+  const std::int64_t bytes = field.value.empty() ? 0 : field.integer();
+  if (bytes >= 0) return static_cast<std::uint64_t>(bytes);
+  if (bytes == -1 && coding == StreamCoding::plain) return std::nullopt;
+  reject(header.path(), "HeaderSize " + std::to_string(bytes) + " is not usable");
+}
+
+/// voxel_bytes  of all volumes of the file
 VoxelRun locate_voxels(const MetaHeader& header, std::uint64_t voxel_bytes) {
   VoxelRun run;
-  const std::string data = header.text("ElementDataFile");
-  const std::string lower = lower_case(data);
-  if (lower == "local") {
-    run.path = header.path();
-    run.start_offset = header.data_offset();
-  } else if (lower.starts_with("list") || data.find('%') != std::string::npos) {
-    throw Error(ErrorKind::source_rejected, "a MetaImage that lists one file per plane is not read",
-                header.path())
-        .with_field("raw");
-  } else {
-    run.path = sibling_path(header.path(), data);
-  }
   run.big_endian = header.is_true({"ElementByteOrderMSB", "BinaryDataByteOrderMSB"});
   if (header.is_true({"CompressedData"})) run.coding = StreamCoding::deflated;
-  const FieldText header_size = header.field({"HeaderSize"});
-  if (header_size.value.empty()) return run;
-  const std::int64_t bytes = header_size.integer();
-  if (bytes == -1 && run.coding == StreamCoding::plain) {
+  const std::optional<std::uint64_t> start = header_size(header, run.coding);
+  if (const std::vector<std::string> data = several_files_words(header); !data.empty()) {
+    const auto files = several_files(header, data);
+    take_files(header.path(), files, voxel_bytes,
+               start ? std::optional(PieceStart{*start, 0}) : std::nullopt, run);
+    return run;
+  }
+  const std::string data = header.text("ElementDataFile");
+  const bool is_local = lower_case(data) == "local";
+  run.path = is_local ? header.path() : sibling_path(header.path(), data);
+  if (!start) {
     const std::uint64_t length = SourceFile(run.path).size();
     if (length < voxel_bytes) reject(run.path, "the file is shorter than its voxels: it is cut");
     run.start_offset = length - voxel_bytes;
-  } else if (bytes > 0) {
-    run.start_offset = static_cast<std::uint64_t>(bytes);
-  } else if (bytes < 0) {
-    reject(header.path(), "HeaderSize " + std::to_string(bytes) + " is not usable");
+  } else if (*start > 0) {
+    run.start_offset = *start;
+  } else if (is_local) {
+    run.start_offset = header.data_offset();
   }
   return run;
 }
@@ -296,7 +340,7 @@ std::unique_ptr<PlaneSource> open_meta_source(const std::string& path,
   run.values_per_voxel = facts.components.channels;
   run.value_index = facts.choice.channel;
   run.take_volume(facts.choice.time, facts.components.times, volume_bytes);
-  if (run.path != path) facts.file_count = 2;
+  if (run.path != path) facts.file_count = 1 + static_cast<std::int64_t>(run.files().size());
   settle(facts, options, path);
   return make_streamed_source(std::move(facts), run);
 }

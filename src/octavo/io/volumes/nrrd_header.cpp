@@ -51,6 +51,11 @@ NrrdHeader::NrrdHeader(const std::string& path) : path_(path) {
       return;
     }
     take_line(line);
+    if (names_list()) {
+      if (head.size() == kMaxNrrdHeaderBytes) reject(path, "the list of data files exceeds 1 MiB");
+      file_list_ = text.substr(at);
+      return;
+    }
   }
   data_offset_ = text.size();
   if (!has("data file")) reject(path, "the NRRD header has no end: the file is cut");
@@ -60,6 +65,11 @@ FieldText NrrdHeader::field(const std::string& name) const {
   const auto found = fields_.find(name);
   if (found == fields_.end()) return {path_, "", {}};
   return {path_, found->first, found->second};
+}
+
+bool NrrdHeader::names_list() const {
+  const std::vector<std::string> data = words(field("data file").value);
+  return !data.empty() && data.size() <= 2 && data.front() == "LIST";
 }
 
 void NrrdHeader::take_line(std::string_view line) {

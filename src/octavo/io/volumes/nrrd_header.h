@@ -24,7 +24,11 @@ class NrrdHeader {
   bool has(const std::string& name) const { return fields_.contains(name); }
   /// A field; an empty value when there is none of this name.
   FieldText field(const std::string& name) const;
+  /// Whether "data file" is LIST, and names stand behind it.
+  bool names_list() const;
   std::string text(const std::string& name) const { return std::string(field(name).value); }
+  /// The lines behind "data file: LIST", which end the header.
+  std::string_view file_list() const { return file_list_; }
   /// What says nothing of the voxels.
   const SourceIdentity& identity() const { return identity_; }
 
@@ -34,6 +38,7 @@ class NrrdHeader {
   std::string path_;
   SourceIdentity identity_;
   std::map<std::string, std::string> fields_;
+  std::string file_list_;
   std::uint64_t data_offset_ = 0;
 };
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "octavo/core/checked.h"
+#include "octavo/io/source/data_files.h"
 #include "octavo/io/source/header_text.h"
 #include "octavo/io/source/source_file.h"
 #include "octavo/io/source/streamed_source.h"
@@ -215,21 +216,45 @@ bool is_big_endian(const NrrdHeader& header) {
   return endian == "big";
 }
 
+/// The words of "data file" where it is a pattern: "a%03d.raw 1 20 1", with the dimension of a file
+/// behind them or not; else none.
+std::vector<std::string> pattern_words(const NrrdHeader& header) {
+  std::vector<std::string> data = words(header.text("data file"));
+  const bool is_pattern = (data.size() == 4 || data.size() == 5) && has_number_pattern(data[0]);
+  return is_pattern ? data : std::vector<std::string>{};
+}
+
+bool has_several_files(const NrrdHeader& header) {
+  return header.names_list() || !pattern_words(header).empty();
+}
+
+/// The files that such a header names; without a dimension each holds one index of the last axis.
+std::vector<std::string> data_files(const NrrdHeader& header, const NrrdAxes& axes) {
+  const std::vector<std::string> data =
+      header.names_list() ? words(header.text("data file")) : pattern_words(header);
+  const auto number = [&](std::size_t i) {
+    return FieldText{header.path(), "data file", data[i]}.integer();
+  };
+  const std::size_t dimension_at = header.names_list() ? 1 : 4;
+  const auto all = static_cast<std::int64_t>(axes.sizes.size());
+  const std::int64_t dimension = data.size() > dimension_at ? number(dimension_at) : all - 1;
+  return find_data_files(
+      header.path(),
+      header.names_list()
+          ? DataFileNames::of_list(header.file_list())
+          : DataFileNames::of_pattern({data[0], number(1), number(2), number(3)}),
+      axes.sizes, dimension);
+}
+
 VoxelRun locate_voxels(const NrrdHeader& header) {
   VoxelRun run;
   run.path = header.path();
   run.start_offset = header.data_offset();
   if (header.has("data file")) {
-    const std::string data = header.text("data file");
-    if (lower_case(data).starts_with("list") || data.find('%') != std::string::npos) {
-      throw Error(ErrorKind::source_rejected,
-                  "a NRRD that lists several data files is not read; join them into one first, as "
-                  "unu save does",
-                  header.path())
-          .with_field("raw");
-    }
-    run.path = sibling_path(header.path(), data);
     run.start_offset = 0;
+    if (!has_several_files(header)) {
+      run.path = sibling_path(header.path(), header.text("data file"));
+    }
   }
   const std::string encoding = lower_case(header.text("encoding"));
   if (encoding == "gzip" || encoding == "gz") {
@@ -244,18 +269,25 @@ VoxelRun locate_voxels(const NrrdHeader& header) {
   return run;
 }
 
-/// "byte skip": before the first voxel, behind decompression; -1 says that the file ends with the
-/// `voxel_bytes` of all voxels.
-void apply_byte_skip(const NrrdHeader& header, std::uint64_t voxel_bytes, VoxelRun& run) {
-  if (!header.has("byte skip")) return;
+/// "byte skip": before the first voxel of each file, behind decompression; nothing where it is -1,
+/// which says that a plain file ends with its voxels.
+std::optional<std::uint64_t> byte_skip(const NrrdHeader& header, StreamCoding coding) {
+  if (!header.has("byte skip")) return 0;
   const std::int64_t skip = header.field("byte skip").integer();
-  if (skip >= 0) {
-    run.skip_bytes = checked_add(run.skip_bytes, static_cast<std::uint64_t>(skip), "byte skip");
+  if (skip >= 0) return static_cast<std::uint64_t>(skip);
+  if (skip == -1 && coding == StreamCoding::plain) return std::nullopt;
+  reject(header.path(), "\"byte skip\" " + std::to_string(skip) + " does not fit its data file");
+}
+
+/// voxel_bytes  of all volumes of the file
+void apply_byte_skip(const NrrdHeader& header, std::uint64_t voxel_bytes, VoxelRun& run) {
+  if (const std::optional<std::uint64_t> skip = byte_skip(header, run.coding)) {
+    run.skip_bytes = checked_add(run.skip_bytes, *skip, "byte skip");
     return;
   }
   const std::uint64_t length = SourceFile(run.path).size();
-  if (skip != -1 || run.coding != StreamCoding::plain || length < voxel_bytes) {
-    reject(header.path(), "\"byte skip\" " + std::to_string(skip) + " does not fit its data file");
+  if (length < voxel_bytes) {
+    reject(header.path(), "\"byte skip\" -1 does not fit its data file");
   }
   run.start_offset = length - voxel_bytes;
 }
@@ -285,22 +317,28 @@ std::unique_ptr<PlaneSource> open_nrrd_source(const std::string& path,
   description.rescale = read_rescale(header);
   read_nrrd_geometry(header, {axes.space, axes.sizes.size()}, options, facts);
   VoxelRun run = locate_voxels(header);
-  if (run.path != path) facts.file_count = 2;
   if (bytes_per_voxel(description.type) > 1 && !header.has("endian")) {
     reject(path, "the header does not say the byte order (endian)");
   }
+  std::vector<std::string> files;
+  if (has_several_files(header)) files = data_files(header, axes);
+  else if (run.path != path) files = {run.path};
+  facts.file_count = 1 + static_cast<std::int64_t>(files.size());
   settle(facts, options, path);
   const std::uint64_t volume_bytes =
       stored_plane_bytes(facts) * static_cast<std::uint64_t>(description.size.z);
   take_component(axes, facts.choice, volume_bytes, run);
-  const std::uint64_t bytes_before = run.skip_bytes;
-  apply_byte_skip(header,
-                  checked_add(checked_add(bytes_before, run.bytes_behind, "volumes"),
-                              checked_mul(volume_bytes,
-                                          static_cast<std::uint64_t>(run.values_per_voxel),
-                                          "volume"),
-                              "volumes"),
-                  run);
+  const std::uint64_t all_bytes = checked_add(
+      checked_add(run.skip_bytes, run.bytes_behind, "volumes"),
+      checked_mul(volume_bytes, static_cast<std::uint64_t>(run.values_per_voxel), "volume"),
+      "volumes");
+  if (has_several_files(header)) {
+    std::optional<PieceStart> start;
+    if (const auto skip = byte_skip(header, run.coding)) start = PieceStart{0, *skip};
+    take_files(path, files, all_bytes, start, run);
+  } else {
+    apply_byte_skip(header, all_bytes, run);
+  }
   return make_streamed_source(std::move(facts), run);
 }
 

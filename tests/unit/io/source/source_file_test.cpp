@@ -91,7 +91,8 @@ TEST(SourcePaths, InMetaImagesStayBeneathTheirFolder) {
     expect_rejected(trap.file("a.mhd"));
   }
   for (const std::string& list : std::vector<std::string>{
-           "LIST\n../secret.raw\n", "LIST 2\nlink.raw\nlink.raw\n", "../secret%01d.raw 1 2 1\n"}) {
+           "LIST\n../secret.raw\n../secret.raw\n", "LIST 2\nlink.raw\nlink.raw\n",
+           "../secret%01d.raw 1 2 1\n"}) {
     SCOPED_TRACE(list);
     write_file(trap.file("a.mhd"), header + "ElementDataFile = " + list);
     expect_rejected(trap.file("a.mhd"));
@@ -108,7 +109,8 @@ TEST(SourcePaths, InNrrdHeadersStayBeneathTheirFolder) {
     expect_rejected(trap.file("a.nhdr"));
   }
   for (const std::string& list : std::vector<std::string>{
-           "LIST\n../secret.raw\n", "LIST 3\nlink.raw\n", "../secret%01d.raw 1 2 1\n"}) {
+           "LIST\n../secret.raw\n../secret.raw\n", "LIST 3\nlink.raw\n",
+           "../secret%01d.raw 1 2 1\n"}) {
     SCOPED_TRACE(list);
     write_file(trap.file("a.nhdr"), header + "data file: " + list);
     expect_rejected(trap.file("a.nhdr"));

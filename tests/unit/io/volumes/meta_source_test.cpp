@@ -51,6 +51,43 @@ TEST(MetaSource, WhatIsNoScalarVolumeIsRejected) {
   }
 }
 
+TEST(MetaSource, VoxelsMayStandInSeveralFiles) {
+  struct Case {
+    std::size_t files;
+    std::string fields;
+    bool is_zlib = false;
+    std::string front = {};
+  };
+  const std::string all = bytes_of(kStoredValues);
+  for (const Case& one : std::vector<Case>{
+           {2, "ElementDataFile = LIST\np1.raw\np2.raw\n"},
+           {2, "ElementDataFile = LIST 2\r\np1.raw\r\np2.raw"},
+           {2, "ElementDataFile = LIST 7\np1.raw\np2.raw\n"},
+           {6, "ElementDataFile = LIST 1\np1.raw\np2.raw\np3.raw\np4.raw\np5.raw\np6.raw\n"},
+           {1, "ElementDataFile = LIST 3\np1.raw\n"},
+           {2, "ElementDataFile = p%d.raw\n"},
+           {2, "ElementDataFile = p%01d.raw 1\n"},
+           {2, "ElementDataFile = p%d.raw 1 2\n"},
+           {2, "ElementDataFile = p%d.raw 1 2 1\n"},
+           {2, "CompressedData = True\nElementDataFile = p%d.raw 1 2 1\n", true},
+           {2, "HeaderSize = 3\nElementDataFile = p%d.raw 1 2 1\n", false, "abc"},
+           {2, "HeaderSize = -1\nElementDataFile = LIST\np1.raw\np2.raw\n", false, "ab"}}) {
+    const TempFolder folder;
+    const std::size_t part = all.size() / one.files;
+    for (std::size_t i = 0; i < one.files; ++i) {
+      const std::string bytes = all.substr(i * part, part);
+      write_file(folder.file("p" + std::to_string(i + 1) + ".raw"),
+                 one.front + (one.is_zlib ? zlib_of(bytes) : bytes));
+    }
+    write_file(folder.file("a.mhd"), "NDims = 3\nDimSize = 4 3 2\nElementSpacing = 1 1 1\n"
+                                     "ElementType = MET_SHORT\n" + one.fields);
+    const auto source = open_source({folder.file("a.mhd")}, {});
+    EXPECT_EQ(voxels_of(*source), all) << one.fields;
+    EXPECT_EQ(source->files().paths.size(), one.files + 1);
+    EXPECT_TRUE(source->warnings().empty()) << with_hints(source->warnings());
+  }
+}
+
 TEST(MetaSource, EveryTruncationIsRejected) {
   const TempFolder folder;
   expect_every_truncation_rejected(

@@ -54,6 +54,106 @@ TEST(NrrdSource, BytesStandInOneOfTwoOrders) {
   }
 }
 
+/// Files of `count` parts of the stored values, "p1.raw" and so on.
+void write_parts(const TempFolder& folder, std::size_t count, bool is_gzip,
+                 const std::string& front = "") {
+  const std::string all = bytes_of(kStoredValues);
+  const std::size_t part = all.size() / count;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::string bytes = front + all.substr(i * part, part);
+    write_file(folder.file("p" + std::to_string(i + 1) + ".raw"), is_gzip ? gzip(bytes) : bytes);
+  }
+}
+
+const std::string kSeveralFiles =
+    "NRRD0004\ntype: short\ndimension: 3\nsizes: 4 3 2\nspacings: 1 1 1\nendian: little\n";
+
+TEST(NrrdSource, VoxelsMayStandInSeveralFiles) {
+  struct Case {
+    std::size_t files;
+    std::string fields;
+    bool is_gzip = false;
+    std::string front = {};
+  };
+  for (const Case& one : std::vector<Case>{
+           {2, "encoding: raw\ndata file: LIST\np1.raw\np2.raw\n"},
+           {2, "encoding: raw\ndata file: LIST 2\r\np1.raw\r\np2.raw"},
+           {6, "encoding: raw\ndata file: LIST 1\np1.raw\np2.raw\np3.raw\np4.raw\np5.raw\n"
+               "p6.raw\n"},
+           {1, "encoding: raw\ndata file: LIST 3\np1.raw\n"},
+           {2, "encoding: raw\ndata file: LIST 3\np1.raw\np2.raw\n"},
+           {2, "encoding: raw\ndata file: p%d.raw 1 2 1\n"},
+           {2, "data file: p%01d.raw 1 2 1 2\nencoding: raw\n"},
+           {6, "encoding: raw\ndatafile: p%d.raw 1 6 1 1\n"},
+           {2, "encoding: gzip\ndata file: p%d.raw 1 2 1\n", true},
+           {2, "encoding: gzip\nbyte skip: 3\ndata file: p%d.raw 1 2 1\n", true, "abc"},
+           {2, "encoding: raw\nbyte skip: 3\ndata file: p%d.raw 1 2 1\n", false, "abc"},
+           {2, "encoding: raw\nbyte skip: -1\ndata file: LIST\np1.raw\np2.raw\n", false, "ab"}}) {
+    const TempFolder folder;
+    write_parts(folder, one.files, one.is_gzip, one.front);
+    write_file(folder.file("a.nhdr"), kSeveralFiles + one.fields);
+    const auto source = open_source({folder.file("a.nhdr")}, {});
+    EXPECT_EQ(voxels_of(*source), bytes_of(kStoredValues)) << one.fields;
+    EXPECT_EQ(source->files().paths.size(), one.files + 1);
+    EXPECT_TRUE(contains(source->description().metadata.text(),
+                         "\"files\":" + std::to_string(one.files + 1)))
+        << source->description().metadata.text();
+    EXPECT_TRUE(source->warnings().empty()) << with_hints(source->warnings());
+  }
+}
+
+TEST(NrrdSource, AListFallsInReverseWhereItsNumbersDo) {
+  const TempFolder folder;
+  write_parts(folder, 2, false);
+  write_file(folder.file("a.nhdr"), kSeveralFiles + "encoding: raw\ndata file: p%d.raw 2 1 -1\n");
+  const std::string all = bytes_of(kStoredValues);
+  EXPECT_EQ(voxels_of(*open_source({folder.file("a.nhdr")}, {})),
+            all.substr(24) + all.substr(0, 24));
+}
+
+TEST(NrrdSource, TimesAndChannelsMayStandInSeveralFiles) {
+  const TempFolder folder;
+  write_parts(folder, 2, false);
+  const std::string path = folder.file("a.nhdr");
+  write_file(path, "NRRD0004\ntype: short\ndimension: 4\nsizes: 4 3 1 2\nendian: little\n"
+                   "kinds: domain domain domain time\nspacings: 1 1 1 nan\nencoding: raw\n"
+                   "data file: LIST\np1.raw\np2.raw\n");
+  SourceOptions options;
+  for (const std::int64_t time : {0, 1}) {
+    options.time = time;
+    EXPECT_EQ(voxels_of(*open_source({path}, options)),
+              bytes_of(kStoredValues).substr(static_cast<std::size_t>(time) * 24, 24));
+  }
+}
+
+TEST(NrrdSource, FilesThatDoNotFitTheirHeaderAreNamed) {
+  const TempFolder folder;
+  write_parts(folder, 2, false);
+  const std::string path = folder.file("a.nhdr");
+  const auto expect = [&](const std::string& fields, const std::string& words) {
+    write_file(path, kSeveralFiles + fields);
+    expect_rejected(path, {words});
+  };
+  const std::string raw = "encoding: raw\n";
+  expect(raw + "data file: LIST\np1.raw\n", "names 1 data files, 2 expected");
+  expect(raw + "data file: LIST\np1.raw\np2.raw\np2.raw\n", "names 3 data files, 2 expected");
+  expect(raw + "data file: LIST\np1.raw\np3.raw\n", "\"p3.raw\" is missing");
+  expect(raw + "data file: LIST\np1.raw\n../p2.raw\n", "\"../p2.raw\" is not beneath");
+  expect(raw + "data file: LIST\np1.raw\n/etc/passwd\n", "\"/etc/passwd\" is not beneath");
+  expect(raw + "data file: LIST 9\np1.raw\np2.raw\n", "9 dimensions, 1 to 3 expected");
+  expect(raw + "data file: p%d.raw 1 3 1\n", "names 3 data files, 2 expected");
+  expect(raw + "data file: p%d.raw 0 1 1\n", "\"p0.raw\" is missing");
+  expect(raw + "data file: p%d.raw 1 2 0\n", "names 0 data files");
+  expect(raw + "data file: p%d.raw 1 x 1\n", "x");
+  expect(raw + "data file: p%s.raw 1 2 1\n", "is missing");
+  write_file(folder.file("p2.raw"), std::string(23, 'x'));
+  expect(raw + "data file: p%d.raw 1 2 1\n", "24 bytes needed for one of 2 parts");
+  expect(raw + "byte skip: -1\ndata file: p%d.raw 1 2 1\n", "24 bytes of voxels expected");
+  write_file(folder.file("p2.raw"), std::string(30, 'x'));
+  write_file(path, kSeveralFiles + raw + "data file: p%d.raw 1 2 1\n");
+  EXPECT_TRUE(contains(first_warning(*open_source({path}, {})), "6 bytes behind the voxels"));
+}
+
 TEST(NrrdSource, EveryTruncationIsRejected) {
   const TempFolder folder;
   const std::string header =

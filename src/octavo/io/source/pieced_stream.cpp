@@ -1,0 +1,59 @@
+#include "octavo/io/source/pieced_stream.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+namespace octavo {
+
+PiecedStream::PiecedStream(std::vector<StreamPiece> pieces, std::uint64_t piece_bytes,
+                           StreamCoding coding)
+    : pieces_(std::move(pieces)),
+      piece_bytes_(pieces_.size() == 1 ? std::numeric_limits<std::uint64_t>::max() : piece_bytes),
+      coding_(coding) {
+  stream();
+}
+
+VoxelStream& PiecedStream::stream() {
+  if (!stream_) {
+    const StreamPiece& piece = pieces_[number_];
+    stream_.emplace(piece.path, piece.start.offset, coding_);
+    stream_->skip(piece.start.skip_bytes);
+    stream_->skip(at_);
+  }
+  return *stream_;
+}
+
+/// Goes on to the next piece; of a deflated one the checksums are proven before.
+void PiecedStream::next() {
+  if (coding_ != StreamCoding::plain) bytes_behind_ += stream().finish();
+  stream_.reset();
+  at_ = 0;
+  ++number_;
+}
+
+void PiecedStream::read(std::span<std::byte> bytes) {
+  while (!bytes.empty()) {
+    if (left() == 0 && has_next()) next();
+    const std::size_t count =
+        has_next() ? std::min<std::uint64_t>(bytes.size(), left()) : bytes.size();
+    stream().read(bytes.first(count));
+    at_ += count;
+    bytes = bytes.subspan(count);
+  }
+}
+
+void PiecedStream::skip(std::uint64_t count) {
+  while (has_next() && count >= left()) {
+    count -= left();
+    if (coding_ != StreamCoding::plain) stream().skip(left());
+    next();
+  }
+  if (count == 0) return;
+  if (stream_ || coding_ != StreamCoding::plain || !has_next()) stream().skip(count);
+  at_ += count;
+}
+
+std::uint64_t PiecedStream::finish() { return bytes_behind_ + stream().finish(); }
+
+}  // namespace octavo

@@ -1,0 +1,59 @@
+// Bytes that stand in several files one after the other, as one stream.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "octavo/io/source/voxel_stream.h"
+
+namespace octavo {
+
+struct PieceStart {
+  std::uint64_t offset = 0;      ///< in the file; where the deflated stream starts, or the bytes
+  std::uint64_t skip_bytes = 0;  ///< before the bytes, counted behind decompression
+};
+
+struct StreamPiece {
+  std::string path;
+  PieceStart start;
+};
+
+/// As VoxelStream, over pieces of equal length. One file is open at a time, from the first on.
+class PiecedStream {
+ public:
+  /// piece_bytes  of each piece, behind decompression; of a single one nobody needs to know them
+  /// Requires a piece
+  PiecedStream(std::vector<StreamPiece> pieces, std::uint64_t piece_bytes, StreamCoding coding);
+
+  /// The file that is read.
+  const std::string& path() const { return pieces_[number_].path; }
+
+  /// As VoxelStream::read
+  void read(std::span<std::byte> bytes);
+
+  /// As VoxelStream::skip; plain pieces that are passed are not read.
+  void skip(std::uint64_t count);
+
+  /// As VoxelStream::finish, with what was left of earlier pieces.
+  std::uint64_t finish();
+
+ private:
+  VoxelStream& stream();
+  std::uint64_t left() const { return piece_bytes_ - at_; }
+  bool has_next() const { return number_ + 1 < pieces_.size(); }
+  void next();
+
+  std::vector<StreamPiece> pieces_;
+  std::uint64_t piece_bytes_;
+  StreamCoding coding_;
+  std::size_t number_ = 0;             ///< of the piece that is read
+  std::uint64_t at_ = 0;               ///< in it
+  std::optional<VoxelStream> stream_;  ///< of it, once it is opened
+  std::uint64_t bytes_behind_ = 0;     ///< of earlier pieces
+};
+
+}  // namespace octavo
