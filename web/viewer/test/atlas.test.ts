@@ -7,6 +7,7 @@ import {
   SlotTable,
   atlasShape,
   cellOfPage,
+  nanWithin,
   pageGrid,
   pageKey,
   pageVoxels,
@@ -88,11 +89,15 @@ test("without the cell beside it a page goes on as it ends", async () => {
   );
 });
 
-test("what is not finite counts as the ends of the range, NaN as the lowest", () => {
+test("infinities count as the ends of the range, NaN lies as far below as it is wide", () => {
   const level = { size: [4, 1, 1] as Vec3, factor: [1, 1, 1] as Vec3 };
   const own = Float32Array.of(NaN, Infinity, 3, -Infinity);
   const found = pageVoxels(level, { level: 0, at: [0, 0, 0] }, [-2, 5], () => own)!;
   const row = SLOT_SIDE * (SLOT_SIDE + 1) + 1;
-  assert.deepEqual([...found.voxels.subarray(row, row + 4)], [-2, 5, 3, -2]);
+  assert.deepEqual([...found.voxels.subarray(row, row + 4)], [-9, 5, 3, -2]);
+  // To modes that have no empty space NaN is the lowest value.
   assert.deepEqual([found.min, found.max], [-2, 5]);
+  assert.equal(nanWithin([2, 2]), 0);
+  assert.equal(nanWithin([0, 0]), -1);
+  assert.ok(nanWithin([-3e38, 3e38]) > -3.5e38);
 });

@@ -106,15 +106,24 @@ export interface PageVoxels {
   readonly max: number;
 }
 
+/** What NaN is in pages: as far below all values as these are apart, so that half of the way to it
+ *  or less is seen. */
+export function nanWithin([lowest, highest]: readonly [number, number]): number {
+  const width = highest - lowest || Math.abs(lowest) || 1;
+  return Math.max(-3.4e38, lowest - width);
+}
+
 /** Fills the slot of a page from cells; undefined without the page's own cell. Beyond the level,
- *  and where a cell beside it is not here, the outermost samples go on. Samples that are not
- *  finite count as the lowest or highest of `range`, NaN as the lowest, as `octavo render` does. */
+ *  and where a cell beside it is not here, the outermost samples go on. Infinities count as the
+ *  lowest or highest of `range`, NaN as nanWithin() has it, and to min and max as the lowest. */
 export function pageVoxels(
   level: Level,
   page: Page,
-  [lowest, highest]: readonly [number, number],
+  range: readonly [number, number],
   peek: (cell: Cell) => Voxels | undefined,
 ): PageVoxels | undefined {
+  const [lowest, highest] = range;
+  const nan = nanWithin(range);
   const own = cellOfPage(page);
   const ownVoxels = peek(own);
   if (!ownVoxels) return undefined;
@@ -137,12 +146,13 @@ export function pageVoxels(
   for (let z = -1; z <= PAGE_SIDE; ++z) {
     for (let y = -1; y <= PAGE_SIDE; ++y) {
       for (let x = -1; x <= PAGE_SIDE; ++x) {
-        const sample = [x, y, z].map((v, a) =>
+        const at = [x, y, z].map((v, a) =>
           Math.min(level.size[a as 0]! - 1, Math.max(0, page.at[a as 0]! * PAGE_SIDE + v)),
         );
-        let value = sampleNear(near, own.at, ownBox.lo, ownBox.hi, sample as unknown as Vec3);
+        const sample = sampleNear(near, own.at, ownBox.lo, ownBox.hi, at as unknown as Vec3);
+        let value = sample;
         if (!Number.isFinite(value)) value = value > 0 ? highest : lowest;
-        out[to++] = value;
+        out[to++] = Number.isNaN(sample) ? nan : value;
         if (value < min) min = value;
         if (value > max) max = value;
       }

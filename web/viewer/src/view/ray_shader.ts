@@ -139,6 +139,10 @@ uniform float layerMm, iso;
 uniform vec2 real;               // slope, intercept; values are in the unit of the pages
 uniform vec2 window;             // black, and 1 / width
 uniform vec2 span;               // values of the colors: first, and 1 / length
+uniform float lowest;            // stored value: what is below counts as it
+uniform float nothing;           // stored value: what is below is empty space
+
+float greyIn(ivec3 at) { return max(greyTexel(at), lowest); }
 
 // The stored value at a position, interpolated within the page that the position lies in.
 float valueIn(Place place, vec3 at) {
@@ -148,10 +152,10 @@ float valueIn(Place place, vec3 at) {
   ivec3 low = ivec3(floor(local));
   vec3 share = local - vec3(low);
   ivec3 c = corner + low;
-  float a = mix(greyTexel(c), greyTexel(c + ivec3(1, 0, 0)), share.x);
-  float b = mix(greyTexel(c + ivec3(0, 1, 0)), greyTexel(c + ivec3(1, 1, 0)), share.x);
-  float d = mix(greyTexel(c + ivec3(0, 0, 1)), greyTexel(c + ivec3(1, 0, 1)), share.x);
-  float e = mix(greyTexel(c + ivec3(0, 1, 1)), greyTexel(c + ivec3(1, 1, 1)), share.x);
+  float a = mix(greyIn(c), greyIn(c + ivec3(1, 0, 0)), share.x);
+  float b = mix(greyIn(c + ivec3(0, 1, 0)), greyIn(c + ivec3(1, 1, 0)), share.x);
+  float d = mix(greyIn(c + ivec3(0, 0, 1)), greyIn(c + ivec3(1, 0, 1)), share.x);
+  float e = mix(greyIn(c + ivec3(0, 1, 1)), greyIn(c + ivec3(1, 1, 1)), share.x);
   return mix(mix(a, b, share.y), mix(d, e, share.y), share.z);
 }
 
@@ -236,6 +240,7 @@ const GREY = `
     } else {
       float share = clamp((value - span.x) * span.y, 0.0, 1.0);
       vec4 look = texelFetch(greyColors, ivec2(int(share * ${GREY_COLORS - 1}.0 + 0.5), 0), 0);
+      if (stored < nothing) look.a = 0.0;
       float alpha = 1.0 - pow(1.0 - min(look.a, 0.9999), stepMm / layerMm);
       if (alpha > 0.002) {
         vec3 slope = slopeAt(at, place.scale, stored) * real.x;
