@@ -105,7 +105,7 @@ nb::dict compare_files(const OpenFile& a, const OpenFile& b, double max_error,
     FilePlanes planes_a(a.shared_reader(), 0, work.context().thread_count());
     FilePlanes planes_b(b.shared_reader(), 0, work.context().thread_count());
     const double tolerance =
-        compared_tolerance(planes_a.description(), planes_b.description(), max_error);
+        tolerance_in_compared_units(planes_a.description(), planes_b.description(), max_error);
     work.context().require_memory(compare_memory_bytes(planes_a, planes_b), "the planes");
     return compare_planes(planes_a, planes_b, tolerance, work.context().watcher());
   });
@@ -117,6 +117,7 @@ nb::dict compare_files(const OpenFile& a, const OpenFile& b, double max_error,
   row["same_place"] = found.is_same_place;
   row["shift_mm"] = found.shift_mm;
   row["different_voxels"] = found.different;
+  row["nan_in_one"] = found.nan_in_one;
   row["max_difference"] = found.max_real_difference;
   if (found.different > 0) {
     row["first_different"] = nb::make_tuple(found.first.z, found.first.y, found.first.x);

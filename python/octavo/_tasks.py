@@ -72,7 +72,8 @@ class FileTasks(StructureTasks, PictureTasks, SurfaceTasks):
         -------
         dict
             equal, same_stored, same_shape, same_dtype, same_place, shift_mm, different_voxels,
-            max_difference (in real units), first_different (z, y, x or None).
+            nan_in_one (how many of these are NaN in one alone), max_difference (of the others, in
+            real units), first_different (z, y, x or None).
         """
         other = opened_file(other, "other")[1]
         largest = number_of(max_error, "max_error")

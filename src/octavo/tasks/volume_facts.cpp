@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <charconv>
 #include <cmath>
-#include <cstdlib>
 #include <limits>
 
 #include "octavo/core/error.h"
@@ -89,7 +89,8 @@ std::string real_text(const VolumeDescription& volume, double stored) {
   std::string digits = is_whole ? exact_text(real) : float_digits(real);
   // Integers may be closer to one another than the real values that float32 has.
   if (is_integer(volume.type) && !is_whole && volume.rescale.slope != 0) {
-    const double read = std::strtod(digits.c_str(), nullptr);
+    double read = 0;
+    std::from_chars(digits.data(), digits.data() + digits.size(), read);
     if (!stored_window({read, read}, volume, false).contains(stored)) digits = exact_text(real);
   }
   return with_unit(digits, unit_of(volume));

@@ -202,6 +202,18 @@ def test_compare_tells_what_differs(volume, tmp_path):
     assert not found["equal"] and found["different_voxels"] == 1
     assert found["first_different"] == (5, 6, 7) and found["max_difference"] == 6
     assert volume.compare(other, max_error=6)["equal"]
+    assert found["nan_in_one"] == 0
+
+
+def test_compare_counts_what_is_nan_in_one_alone(tmp_path):
+    voxels = np.zeros((4, 4, 4), np.float32)
+    plain = octavo.build(voxels, tmp_path / "plain.8vo", spacing=SPACING)
+    voxels[1, 2, 3] = np.nan
+    voxels[2, 2, 2] = 5
+    other = octavo.build(voxels, tmp_path / "other.8vo", spacing=SPACING)
+    found = plain.compare(other)
+    assert found["different_voxels"] == 2 and found["nan_in_one"] == 1
+    assert found["max_difference"] == 5 and found["first_different"] == (1, 2, 3)
 
 
 def test_a_surface_encloses_the_mask(mask):

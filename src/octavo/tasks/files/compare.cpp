@@ -51,7 +51,7 @@ CompareResult compare_volumes(const CompareOptions& options, const TaskContext& 
   const auto b = open_planes({options.b}, options.scan, context, OptionsOf::any_source);
   context.require_memory(compare_memory_bytes(*a, *b), "comparing layers of planes");
   CompareResult result{a->description(), b->description(), {}};
-  const double tolerance = compared_tolerance(result.a, result.b, options.max_error);
+  const double tolerance = tolerance_in_compared_units(result.a, result.b, options.max_error);
   result.comparison = compare_planes(*a, *b, tolerance, context.watcher());
   return result;
 }

@@ -105,7 +105,8 @@ Comparison compare_grids(const VolumeDescription& a, const VolumeDescription& b)
   return result;
 }
 
-double compared_tolerance(const VolumeDescription& a, const VolumeDescription& b, double real) {
+double tolerance_in_compared_units(const VolumeDescription& a, const VolumeDescription& b,
+                                   double real) {
   // A slope of 0.1 is 1.5e-8 more as a float, and so is every difference of values that it scales.
   constexpr double kSlopeRounding = 1.2e-7;
   const double forgiving = is_whole(a.rescale) && is_whole(b.rescale) ? 0 : kSlopeRounding;

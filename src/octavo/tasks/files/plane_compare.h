@@ -42,7 +42,8 @@ Comparison compare_grids(const VolumeDescription& a, const VolumeDescription& b)
 
 /// A tolerance in real units as compare_planes takes it for these two volumes. It forgives what
 /// the float32 of a slope that is not whole adds to a difference.
-double compared_tolerance(const VolumeDescription& a, const VolumeDescription& b, double real);
+double tolerance_in_compared_units(const VolumeDescription& a, const VolumeDescription& b,
+                                   double real);
 
 /// What compare_planes takes, with what the sources hold.
 std::uint64_t compare_memory_bytes(const PlaneSource& a, const PlaneSource& b);

@@ -275,8 +275,10 @@ std::vector<ScenePart> label_parts(const FileReader& reader, const RenderOptions
   };
   std::vector<ScenePart> parts;
   for (LabelMask& mask : masks) {
-    parts.push_back(
-        {std::move(mask.tree), color_of(mask.label), label_text(names, mask.label), {}});
+    parts.push_back({.tree = std::move(mask.tree),
+                     .color = color_of(mask.label),
+                     .name = label_text(names, mask.label),
+                     .range = {}});
   }
   return parts;
 }
@@ -291,7 +293,10 @@ std::vector<ScenePart> range_parts(const FileReader& reader, const RenderOptions
     context.on_threads([&] {
       for (const ScenePart& part : parts) tree = combine(tree, part.tree, SetOperation::subtract);
     });
-    parts.push_back({std::move(tree), color, name, {window.lowest, window.highest}});
+    parts.push_back({.tree = std::move(tree),
+                     .color = color,
+                     .name = name,
+                     .range = {window.lowest, window.highest}});
   };
   const bool is_one = options.ranges.size() + options.tissues.size() == 1;
   for (const std::string& name : options.tissues) {
