@@ -292,9 +292,20 @@ class ReliefScene {
             static_cast<std::int64_t>(key >> 42) - 1};
   }
 
+  static std::size_t seen_count(const PixelRows& rows) {
+    std::size_t count = 0;
+    for (std::int64_t y = rows.begin(); y < rows.end(); ++y) {
+      const std::uint32_t* const row = rows.row(y);
+      const auto is_seen = [](std::uint32_t number) { return number != kNoFace; };
+      count += static_cast<std::size_t>(std::count_if(row, row + rows.width(), is_seen));
+    }
+    return count;
+  }
+
   std::vector<Point> points_of(const PixelRows& rows, const std::vector<SeenFace>& faces,
                                const std::vector<SpineMiddle>& middles) const {
     std::vector<Point> points;
+    points.reserve(seen_count(rows));
     const std::int64_t unit = std::int64_t{1} << view_.fraction_bits;
     for (std::int64_t y = rows.begin(); y < rows.end(); ++y) {
       const std::uint32_t* const row = rows.row(y);
@@ -418,7 +429,8 @@ void copy_mean(const std::vector<float>& colors, std::int64_t side, std::int64_t
 }  // namespace
 
 std::uint64_t relief_memory_bytes(std::int64_t width, std::int64_t height, int threads) {
-  constexpr std::int64_t kBytesPerPixel = 160;  // of a band: its points and their colors
+  // Of a band where every point shows a cube of its own: faces, spines, points and their colors
+  constexpr std::int64_t kBytesPerPixel = 200;
   const std::int64_t bands = (height + kBandRows - 1) / kBandRows;
   const std::int64_t at_once = std::min<std::int64_t>(bands, threads);
   return static_cast<std::uint64_t>(at_once) * static_cast<std::uint64_t>(kBandRows * width) *
