@@ -67,6 +67,16 @@ std::string gzip(const std::string& bytes) { return deflated(bytes, 15 + 16); }
 std::string zlib_stream(const std::string& bytes) { return deflated(bytes, 15); }
 std::string bare_deflate_stream(const std::string& bytes) { return deflated(bytes, -15); }
 
+std::string uneven_bytes(std::size_t count) {
+  std::string bytes;
+  std::uint32_t state = 7;
+  for (std::size_t i = 0; i < count; ++i) {
+    state = state * 1664525 + 1013904223;
+    bytes += static_cast<char>(state >> 24);
+  }
+  return bytes;
+}
+
 std::string counted(std::size_t bytes, int start) {
   std::string text;
   for (std::size_t i = 0; i < bytes; ++i)

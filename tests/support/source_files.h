@@ -63,6 +63,9 @@ inline const std::vector<std::int16_t> kStoredValues = {
     0,  1,  -2, 300, -32768, 32767, 6,  7,  8,  9,  10, 11,
     12, 13, 14, 15,  16,     17,    18, 19, 20, 21, 22, 23};
 
+/// Values that hardly shrink.
+std::string uneven_bytes(std::size_t count);
+
 /// Bytes that grow by 7 from `start` on.
 std::string counted(std::size_t bytes, int start);
 

@@ -6,7 +6,9 @@
 #include <string_view>
 
 #include "octavo/core/error.h"
+#include "octavo/io/images/tiff_code_lengths.h"
 #include "octavo/io/images/tiff_deflate.h"
+#include "octavo/io/images/tiff_zstd.h"
 #include "octavo/io/source/byte_order.h"
 #include "octavo/io/source/jpeg_completeness.h"
 
@@ -19,33 +21,29 @@ std::uint16_t tag_of(TIFF* handle, std::uint32_t tag, std::uint16_t absent) {
   return TIFFGetFieldDefaulted(handle, tag, &value) == 1 ? value : absent;
 }
 
-/// What is wrong with a stream of Deflate; empty where it makes whole rows, those wanted at least.
-std::string damage_of(const MadeBytes& made, std::size_t wanted, std::uint64_t most,
-                      std::size_t row_bytes) {
-  if (made.count > most) {
-    return "its stream makes more than its " + std::to_string(most) + " bytes";
+/// What is wrong with what codes make; empty where these are whole rows.
+std::string damage_of(const MadeBytes& made, const WantedRows& wanted) {
+  if (made.count > wanted.most) {
+    return "its codes make more than its " + std::to_string(wanted.most) + " bytes";
   }
   if (!made.damage.empty()) return made.damage;
-  const std::string found = "its stream makes " + std::to_string(made.count);
-  if (made.count < wanted) return found + " of " + std::to_string(wanted) + " bytes";
-  if ((made.count - wanted) % row_bytes == 0) return {};
-  return found + " bytes, and each row has " + std::to_string(row_bytes);
+  const std::string found = "its codes make " + std::to_string(made.count);
+  if (made.count < wanted.bytes) {
+    return found + " of " + std::to_string(wanted.bytes) + " bytes";
+  }
+  if (wanted.may_end(made.count)) return {};
+  return found + " bytes, and each row has " + std::to_string(wanted.row_bytes);
 }
 
 }  // namespace
 
-std::string told_damage(std::uint16_t compression, std::string_view warnings) {
-  const auto has = [](std::string_view line, const char* words) {
-    return line.find(words) != std::string_view::npos;
-  };
+std::string told_damage(std::string_view warnings) {
   for (; !warnings.empty(); warnings.remove_prefix(warnings.find('\n') + 1)) {
     const std::string_view line = warnings.substr(0, warnings.find('\n'));
-    // libjpeg also tells of bytes that nothing needs, and of a missing mark behind a whole picture.
-    const bool is_of_jpeg = compression == COMPRESSION_JPEG && has(line, "Corrupt JPEG data") &&
-                            !has(line, "extraneous bytes");
-    const bool is_of_packbits = compression == COMPRESSION_PACKBITS &&
-                                (has(line, "Discarding") || has(line, "lack of data"));
-    if (is_of_jpeg || is_of_packbits) return std::string(line);
+    if (line.find("Corrupt JPEG data") != std::string_view::npos &&
+        line.find("extraneous bytes") == std::string_view::npos) {
+      return std::string(line);
+    }
   }
   return {};
 }
@@ -65,20 +63,36 @@ void TiffBlockDecoder::decode(std::uint32_t number, std::span<std::byte> rows,
                               std::uint64_t most) {
   messages_ = {};
   if (is_deflate(compression_)) return decode_deflated(number, rows, most);
+  if (compression_ == COMPRESSION_ZSTD) return decode_zstd(number, rows, most);
   const std::size_t found = decode_by_libtiff(number, rows);
   if (!messages_.error.empty()) reject_block(number, escaped(messages_.error));
   if (found != rows.size()) {
     reject_block(number, std::to_string(rows.size()) + " bytes expected, " +
                              std::to_string(found) + " found");
   }
-  // Rows that PackBits make behind the page count for nothing.
-  const bool may_go_on = compression_ == COMPRESSION_PACKBITS && most > rows.size();
-  const std::string damage = may_go_on ? "" : told_damage(compression_, messages_.warnings);
-  if (!damage.empty()) reject_block(number, escaped(damage));
-  if (compression_ == COMPRESSION_JPEG && !is_whole_picture(coded_block(number, most))) {
-    reject_block(number, "its picture ends before its last value");
-  }
+  const std::string damage = damage_behind(number, rows.size(), most);
+  if (!damage.empty()) reject_block(number, damage);
   undo_prediction(prediction_, layout_, rows);
+}
+
+std::string TiffBlockDecoder::damage_behind(std::uint32_t number, std::size_t wanted,
+                                            std::uint64_t most) {
+  const WantedRows rows = {wanted, most, row_bytes()};
+  switch (compression_) {
+    case COMPRESSION_LZW: {
+      const auto made = lzw_bytes(read_coded(coded_block(number, most)), rows);
+      return made ? damage_of(*made, rows) : "";
+    }
+    case COMPRESSION_PACKBITS:
+      return damage_of(packbits_bytes(read_coded(coded_block(number, most)), rows), rows);
+    case COMPRESSION_JPEG: {
+      const std::string told = told_damage(messages_.warnings);
+      if (!told.empty()) return escaped(told);
+      const bool is_whole = is_whole_picture(read_coded(coded_block(number, most)));
+      return is_whole ? "" : "its picture ends before its last value";
+    }
+    default: return {};
+  }
 }
 
 void TiffBlockDecoder::reject_block(std::uint32_t number, const std::string& damage) const {
@@ -119,22 +133,38 @@ void TiffBlockDecoder::decode_deflated(std::uint32_t number, std::span<std::byte
       ends_with_checksum_of(file_, block, prediction_, layout_, rows)) {
     return;
   }
-  const MadeBytes made = inflate_rows(file_, block, rows, most);
-  const std::string damage =
-      damage_of(made, rows.size(), most, layout_.row_values * layout_.value_bytes);
+  take_stored(number, inflate_rows(file_, block, rows, most), rows, most);
+}
+
+void TiffBlockDecoder::decode_zstd(std::uint32_t number, std::span<std::byte> rows,
+                                   std::uint64_t most) {
+  take_stored(number, unpack_zstd_rows(file_, coded_block(number, most), rows, most), rows, most);
+}
+
+void TiffBlockDecoder::take_stored(std::uint32_t number, const MadeBytes& made,
+                                   std::span<std::byte> rows, std::uint64_t most) {
+  const std::string damage = damage_of(made, {rows.size(), most, row_bytes()});
   if (!damage.empty()) reject_block(number, damage);
   if (layout_.are_swapped) swap_values(rows, layout_.value_bytes);
   undo_prediction(prediction_, layout_, rows);
 }
 
-bool TiffBlockDecoder::is_whole_picture(const CodedBlock& block) {
+std::span<std::byte> TiffBlockDecoder::read_coded(const CodedBlock& block) {
   coded_.resize(static_cast<std::size_t>(block.length));
   file_.read_exactly(block.offset, coded_);
+  if (block.is_mirrored && compression_ != COMPRESSION_JPEG) {
+    TIFFReverseBits(reinterpret_cast<std::uint8_t*>(coded_.data()),
+                    static_cast<tmsize_t>(coded_.size()));
+  }
+  return coded_;
+}
+
+bool TiffBlockDecoder::is_whole_picture(std::span<const std::byte> picture) const {
   std::uint32_t table_bytes = 0;
   const std::byte* tables = nullptr;
   const bool has_tables =
       TIFFGetField(handle_, TIFFTAG_JPEGTABLES, &table_bytes, &tables) == 1 && tables != nullptr;
-  return is_whole_jpeg({tables, has_tables ? table_bytes : 0}, coded_);
+  return is_whole_jpeg({tables, has_tables ? table_bytes : 0}, picture);
 }
 
 }  // namespace octavo

@@ -54,12 +54,13 @@ void gather_bytes(const PredictedRows& layout, std::vector<std::byte>& apart,
 
 std::optional<TiffPrediction> prediction_left(std::uint16_t compression, std::uint64_t predictor,
                                               const StoredType& type) {
-  const bool is_left = compression == COMPRESSION_PACKBITS || compression == COMPRESSION_LERC ||
-                       is_deflate(compression);
+  const bool is_own = is_deflate(compression) || compression == COMPRESSION_ZSTD;
+  const bool is_left =
+      compression == COMPRESSION_PACKBITS || compression == COMPRESSION_LERC || is_own;
   if (!is_left || predictor == PREDICTOR_NONE) return TiffPrediction::none;
   const bool is_float = type == StoredType(VoxelType::float32) || type == WideType::float64;
   // libtiff takes floats for integers there.
-  if (predictor == PREDICTOR_HORIZONTAL && (!is_float || is_deflate(compression))) {
+  if (predictor == PREDICTOR_HORIZONTAL && (!is_float || is_own)) {
     return TiffPrediction::differences;
   }
   // LERC takes what it is given for numbers, of which it need not keep all bits.

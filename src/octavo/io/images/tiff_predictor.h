@@ -17,10 +17,10 @@ enum class TiffPrediction {
   float_bytes,  ///< floats: first bytes of all values, then all second ones; of these the steps
 };
 
-/// What libtiff leaves in the rows of a page: it undoes a predictor for LZW, ZSTD and LZMA, while
-/// others write one with PackBits and LERC as well. For Deflate, which is decoded without libtiff
-/// too, what stands in the stream. That of an uncompressed page or of a picture codec (JPEG, WebP)
-/// is a tag that nobody heeds.
+/// What libtiff leaves in the rows of a page: it undoes a predictor for LZW and LZMA, while others
+/// write one with PackBits and LERC as well. For ZSTD, which is decoded without libtiff, and for
+/// Deflate, which may be, what stands in the stream. That of an uncompressed page or of a picture
+/// codec (JPEG, WebP) is a tag that nobody heeds.
 /// predictor  the tag; 1: none
 /// Returns    nothing for a predictor that such values cannot have
 /// Source     TIFF 6.0, section 14; Adobe Photoshop TIFF Technical Note 3

@@ -11,17 +11,6 @@
 namespace octavo::testing {
 namespace {
 
-/// Values that hardly shrink.
-std::string uneven_bytes(std::size_t count) {
-  std::string bytes;
-  std::uint32_t state = 7;
-  for (std::size_t i = 0; i < count; ++i) {
-    state = state * 1664525 + 1013904223;
-    bytes += static_cast<char>(state >> 24);
-  }
-  return bytes;
-}
-
 struct Inflated {
   MadeBytes made;
   std::string rows;

@@ -78,7 +78,8 @@ TEST(TiffPage, OfPackBitsThatMakeMoreThanABlockIsRejected) {
     write_file(folder.file("a.tif"), bytes);
   };
   damaged('\x81', row);  // the first value 128 times
-  expect_rejected(folder.file("a.tif"), {"strip 0 of page 0 is damaged (Discarding "});
+  expect_rejected(folder.file("a.tif"),
+                  {"strip 0 of page 0 is damaged (its codes make more than its 12 bytes)"});
   // The last strip may go on behind the page.
   for (const std::uint32_t rows : {2U, 4U, 100U}) {
     sample.rows_per_strip = rows;
@@ -292,7 +293,38 @@ TEST(TiffPage, OfDeflateMayHaveRowsBehindItInItsLastStrip) {
   EXPECT_EQ(voxels_of(*open_source({folder.file("a.tif")}, {})), rows.substr(0, 240));
 }
 
-TEST(TiffPage, OfDeflateIsReadWithPredictorsInBothByteOrders) {
+TEST(TiffPage, OfCodesThatMakeAnotherNumberOfBytesIsRejected) {
+  const TempFolder folder;
+  const std::string rows = uneven_bytes(16 * 21);
+  for (const int compression : {COMPRESSION_LZW, COMPRESSION_PACKBITS, COMPRESSION_ZSTD}) {
+    // Blocks of more and fewer rows, in place of those of the picture.
+    const auto error_of_rows = [&](std::size_t count, std::uint32_t claimed_rows) {
+      TiffSample sample = deflated_picture(0);
+      sample.compression = static_cast<std::uint16_t>(compression);
+      sample.height = static_cast<std::uint32_t>(count);
+      sample.pages = {rows.substr(0, count * 16)};
+      write_tiff(folder.file("a.tif"), sample);
+      std::string bytes = read_file(folder.file("a.tif"));
+      set_number(bytes, TIFFTAG_IMAGELENGTH, 16);
+      set_number(bytes, TIFFTAG_ROWSPERSTRIP, claimed_rows);
+      write_file(folder.file("a.tif"), bytes);
+      try {
+        EXPECT_EQ(voxels_of(*open_source({folder.file("a.tif")}, {})), rows.substr(0, 256));
+      } catch (const Error& error) {
+        return with_hints(error);
+      }
+      return std::string();
+    };
+    const std::string damaged = "strip 0 of page 0 is damaged";
+    EXPECT_EQ(error_of_rows(16, 16), "") << compression;
+    EXPECT_TRUE(contains(error_of_rows(15, 16), damaged)) << compression;
+    EXPECT_TRUE(contains(error_of_rows(17, 16), "more than its 256 bytes")) << compression;
+    EXPECT_EQ(error_of_rows(19, 20), "") << compression;
+    EXPECT_TRUE(contains(error_of_rows(21, 20), "more than its 320 bytes")) << compression;
+  }
+}
+
+TEST(TiffPage, OfDeflateAndZstdIsReadWithPredictorsInBothByteOrders) {
   const TempFolder folder;
   std::vector<std::uint32_t> values;
   for (std::uint32_t i = 0; i < 19 * 21; ++i) values.push_back(0x3f800000 + i * i * 4099);
@@ -308,15 +340,18 @@ TEST(TiffPage, OfDeflateIsReadWithPredictorsInBothByteOrders) {
           sample.height = 21;
           sample.bits = bits;
           sample.format = predictor == 3 ? 3 : 1;
-          sample.compression = COMPRESSION_ADOBE_DEFLATE;
           sample.predictor = predictor;
           sample.big_endian = big_endian;
           sample.rows_per_strip = 4;
           sample.tile = tile;
           sample.pages = {bytes.substr(0, values.size() * bits / 8)};
-          write_tiff(folder.file("a.tif"), sample);
-          EXPECT_EQ(voxels_of(*open_source({folder.file("a.tif")}, {})), sample.pages[0])
-              << big_endian << " " << tile << " " << predictor << " " << bits;
+          for (const int compression : {COMPRESSION_ADOBE_DEFLATE, COMPRESSION_ZSTD}) {
+            sample.compression = static_cast<std::uint16_t>(compression);
+            write_tiff(folder.file("a.tif"), sample);
+            EXPECT_EQ(voxels_of(*open_source({folder.file("a.tif")}, {})), sample.pages[0])
+                << big_endian << " " << tile << " " << predictor << " " << bits << " "
+                << compression;
+          }
         }
       }
     }

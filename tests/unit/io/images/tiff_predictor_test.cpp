@@ -33,15 +33,15 @@ TEST(TiffPredictor, IsLeftByCodecsThatDoNotUndoIt) {
     EXPECT_FALSE(prediction_left(COMPRESSION_LERC, 3, type));
   }
   for (const int kind :
-       {COMPRESSION_NONE, COMPRESSION_LZW, COMPRESSION_ZSTD, COMPRESSION_LZMA, COMPRESSION_JPEG,
+       {COMPRESSION_NONE, COMPRESSION_LZW, COMPRESSION_LZMA, COMPRESSION_JPEG,
         COMPRESSION_WEBP}) {
     const auto codec = static_cast<std::uint16_t>(kind);
     EXPECT_EQ(prediction_left(codec, 2, VoxelType::int16), TiffPrediction::none) << codec;
   }
 }
 
-TEST(TiffPredictor, OfDeflateStandsInItsStream) {
-  for (const int kind : {COMPRESSION_ADOBE_DEFLATE, COMPRESSION_DEFLATE}) {
+TEST(TiffPredictor, OfDeflateAndZstdStandsInTheStream) {
+  for (const int kind : {COMPRESSION_ADOBE_DEFLATE, COMPRESSION_DEFLATE, COMPRESSION_ZSTD}) {
     const auto codec = static_cast<std::uint16_t>(kind);
     for (const StoredType type :
          {StoredType(VoxelType::uint8), StoredType(VoxelType::float32)}) {
