@@ -36,12 +36,14 @@ bool is_pooled_wide(VoxelType type) { return bytes_per_voxel(type) > 2; }
 /// So far below the values that of the way from NaN to one of them at least half shows nothing.
 constexpr double kNanPooled = -1;
 
-PooledScale scale_of(VoxelType type, const SampleRange& range, bool is_nan_empty) {
+PooledScale scale_of(VoxelType type, const SampleRange& range, NanPlace nan) {
   if (type == VoxelType::uint16) return {range.highest > 32767 ? 32768.0 : 0.0, 1};
   if (!is_pooled_wide(type)) return {};
   const double width = range.highest - range.lowest;
-  return {range.lowest, width > 0 ? 1 / width : 1, width > 0 ? 1.0 : 0.0,
-          is_nan_empty && !is_integer(type) ? kNanPooled : 0};
+  PooledScale scale{range.lowest, width > 0 ? 1 / width : 1, width > 0 ? 1.0 : 0.0};
+  if (nan == NanPlace::highest) scale.of_nan = scale.highest;
+  if (nan == NanPlace::nothing && !is_integer(type)) scale.of_nan = kNanPooled;
+  return scale;
 }
 
 /// Bounds as rays find values between samples: as far off as roundings go.
@@ -103,7 +105,7 @@ RayBricks::RayBricks(const SampleSource& source, const Options& options)
       cubes_(std::size_t{1} << 3 * (options.brick_shift - kSkipShift)),
       groups_(std::size_t{1} << 3 * (options.brick_shift - kGroupShift)),
       is_wide_(is_pooled_wide(source.type())),
-      scale_(scale_of(source.type(), source.range(), options.is_nan_empty)),
+      scale_(scale_of(source.type(), source.range(), options.nan)),
       look_source_(options.looks) {
   for (int axis = 0; axis < 3; ++axis) {
     grid_[axis] = (size_[axis] + (std::int64_t{1} << shift_) - 1) >> shift_;

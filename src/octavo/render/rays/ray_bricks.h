@@ -8,7 +8,7 @@
 // that neighbor where it is in memory; one that is not is read once for all of them.
 //
 // Samples of up to 16 bits are kept as int16, others as floats between 0 and 1: pooled values. NaN
-// is the lowest of them or, where it is empty space, lies below.
+// is the lowest or the highest of them or, where it is empty space, lies below.
 #pragma once
 
 #include <cstdint>
@@ -37,6 +37,9 @@ struct PooledScale {
   double stored(double pooled) const { return pooled / scale + offset; }
 };
 
+/// What NaN is to rays: the lowest or the highest of all values, or empty space below them.
+enum class NanPlace { lowest, highest, nothing };
+
 /// The bound of a brick or cube whose pooled values are lowest .. highest: what gives nothing is
 /// not above what a ray holds.
 using BoundOf = std::function<float(float lowest, float highest)>;
@@ -49,7 +52,7 @@ class RayBricks {
     int brick_shift = 6;                                 ///< their side is 1 << it, at least 8
     std::uint64_t memory_bytes = std::uint64_t{1} << 30;  ///< for bricks, at most
     const LookSource* looks = nullptr;  ///< on the same grid; none: all voxels look alike
-    bool is_nan_empty = false;  ///< NaN lies below all values; otherwise it is the lowest of them
+    NanPlace nan = NanPlace::lowest;
   };
 
   /// `source` and looks must outlive this.

@@ -17,6 +17,7 @@
 #include "octavo/render/rays/ray_refine.h"
 #include "octavo/render/rays/transfer_fit.h"
 #include "octavo/tasks/files/finite_voxels.h"
+#include "octavo/tasks/pictures/ray_mode.h"
 #include "octavo/tasks/pictures/render_scene.h"
 #include "octavo/tasks/pictures/scene_light.h"
 #include "octavo/tasks/pictures/scene_looks.h"
@@ -34,16 +35,6 @@ constexpr double kSoftShare = 0.02;
 /// Means along rays that differ by no larger share of the values are one: they are rounded sums.
 constexpr double kRoundedShare = 1e-4;
 
-RayMode ray_mode_of(RenderMode mode) {
-  switch (mode) {
-    case RenderMode::mip:
-    case RenderMode::minip: return RayMode::extreme;
-    case RenderMode::mean: return RayMode::mean;
-    case RenderMode::iso: return RayMode::iso;
-    default: return RayMode::volume;
-  }
-}
-
 /// Meshes cut steps into parts that give less each, but together as much.
 constexpr float kUnlitBesideMeshes = 1.0f / 8192;
 
@@ -58,11 +49,12 @@ std::unique_ptr<SceneLooks> make_looks(const RenderOptions& asked, const FileRea
 }
 
 /// Half of the memory limit is the reader's, the rest that of rays, meshes and bricks.
-RayBricks::Options brick_options(const RenderOptions& asked, const SceneMeshes& meshes,
-                                 const LookSource* looks, const TaskContext& context) {
+RayBricks::Options brick_options(const RenderOptions& asked, const FileReader& reader,
+                                 const SceneMeshes& meshes, const LookSource* looks,
+                                 const TaskContext& context) {
   RayBricks::Options options;
   options.looks = looks;
-  options.is_nan_empty = asked.mode == RenderMode::volume;
+  options.nan = nan_place(asked.mode, reader.description().rescale);
   if (context.max_memory_bytes != 0) {
     const std::uint64_t left = context.max_memory_bytes / 2;
     std::uint64_t taken = field_bytes(asked) + meshes.memory_bytes();
@@ -115,7 +107,7 @@ class RayScene final : public RenderScene {
         meshes_(options, reader->description().geometry, fitted(), context),
         looks_(make_looks(options, *reader, level_, context)),
         source_(reader, level_),
-        bricks_(source_, brick_options(options, meshes_, looks_.get(), context)) {
+        bricks_(source_, brick_options(options, *reader, meshes_, looks_.get(), context)) {
     const VolumeDescription& volume = reader_->description();
     if (without_boxes(shown_, removed_).empty()) {
       throw Error(ErrorKind::invalid_argument, "the cuts leave no voxel of the volume")
@@ -129,8 +121,7 @@ class RayScene final : public RenderScene {
                   options.input);
     }
     step_mm_ = ray_step_mm(geometry_.spacing_mm, reader_->levels().size(level_));
-    const bool is_lowest = asked_.mode == RenderMode::minip;
-    sign_ = (rescale_.slope < 0) != is_lowest ? -1.0f : 1.0f;
+    sign_ = seeks_lowest(asked_.mode, rescale_) ? -1.0f : 1.0f;
     if (asked_.transfer || mode_ == RayMode::volume) choose_transfer();
     if (mode_ == RayMode::iso) choose_isovalue();
     set_bounds();
