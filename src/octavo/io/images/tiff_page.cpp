@@ -17,6 +17,7 @@
 #include "octavo/io/images/tiff_deflate.h"
 #include "octavo/io/images/tiff_directory.h"
 #include "octavo/io/images/tiff_loss.h"
+#include "octavo/io/images/tiff_packed.h"
 #include "octavo/io/source/alternating_values.h"
 #include "octavo/io/source/byte_order.h"
 #include "octavo/io/source/claimed_bytes.h"
@@ -66,6 +67,9 @@ std::optional<StoredType> stored_type_of(std::uint16_t bits, std::uint16_t forma
     case 16: return is_signed ? VoxelType::int16 : VoxelType::uint16;
     case 32: return is_signed ? VoxelType::int32 : VoxelType::uint32;
     case 64: return is_signed ? StoredType(WideType::int64) : WideType::uint64;
+    case 10:
+    case 12:
+    case 14: return is_signed ? std::nullopt : std::optional<StoredType>(VoxelType::uint16);
     default: return std::nullopt;
   }
 }
@@ -105,8 +109,22 @@ std::size_t at_voxel(const TiffPage& page, std::int64_t x, std::int64_t y) {
   return static_cast<std::size_t>(y * page.width + x) * bytes_per_value(page.type);
 }
 
-Alternation one_of(const TiffPage& page, std::int64_t sample) {
-  return {bytes_per_value(page.type), page.samples, sample};
+/// Samples that take turns in a row of a strip or tile.
+std::int64_t alternating(const TiffPage& page) { return page.is_separate ? 1 : page.samples; }
+
+/// One sample of a row as it is stored, in values of page.type.
+void take_sample(const TiffPage& page, std::int64_t sample, std::span<const std::byte> row,
+                 std::span<std::byte> values) {
+  const std::int64_t step = alternating(page);
+  if (page.packed_bits > 0) {
+    const std::int64_t first = page.is_separate ? 0 : sample;
+    unpack_row({page.packed_bits, static_cast<std::size_t>(step), static_cast<std::size_t>(first)},
+               row, values);
+  } else if (step == 1) {
+    std::memcpy(values.data(), row.data(), values.size());
+  } else {
+    take_alternating({bytes_per_value(page.type), page.samples, sample}, row, values);
+  }
 }
 
 }  // namespace
@@ -181,29 +199,38 @@ TiffPage TiffFile::page() {
   const std::optional<StoredType> type = stored_type_of(bits, format);
   if (!type) {
     reject(std::to_string(bits) + " bits per sample of format " + std::to_string(format) +
-           " are not read; integers of 8, 16, 32 or 64 bits and float of 32 or 64 bits are");
+           " are not read; integers of 8, 16, 32 or 64 bits, those of 10, 12 or 14 bits without a "
+           "sign, and float of 32 or 64 bits are");
   }
   page.type = *type;
+  if (is_packed_width(bits)) page.packed_bits = bits;
   const auto compression = tag_or<std::uint16_t>(handle_, TIFFTAG_COMPRESSION, COMPRESSION_NONE);
   if (TIFFIsCODECConfigured(compression) == 0) {
     reject("compression of " + compression_name(compression) + " (" + std::to_string(compression) +
            ") is not read here; save it with Deflate or LZW, or uncompressed");
   }
+  if (page.packed_bits > 0 && !ratio_of(compression)) {
+    reject("values of " + std::to_string(bits) + " bits with compression of " +
+           compression_name(compression) +
+           " are not read; save it with Deflate or LZW, or uncompressed");
+  }
   page.is_lossy = is_lossy(*type, compression);
   const std::uint64_t predictor = whole.number(TIFFTAG_PREDICTOR).value_or(PREDICTOR_NONE);
   const auto prediction = prediction_left(compression, predictor, *type);
-  if (!prediction) {
+  const bool is_predicted = predictor != PREDICTOR_NONE && compression != COMPRESSION_NONE;
+  if (!prediction || (page.packed_bits > 0 && is_predicted)) {
     reject("predictor " + std::to_string(predictor) + " of " +
-           std::string(stored_type_name(*type)) + " with compression of " +
-           compression_name(compression) +
+           (page.packed_bits > 0 ? std::to_string(bits) + " bits"
+                                 : std::string(stored_type_name(*type))) +
+           " with compression of " + compression_name(compression) +
            " is not read; save it with Deflate or LZW, or uncompressed");
   }
   page.prediction = *prediction;
   if (const auto ratio = ratio_of(compression)) {
     const std::uint64_t pixels =
         static_cast<std::uint64_t>(page.width) * static_cast<std::uint64_t>(page.height);
-    const auto pixel_bytes = static_cast<std::uint64_t>(page.samples) * (bits / 8U);
-    require_holdable(path_, file_.size(), checked_mul(pixels, pixel_bytes, "bytes of a page"),
+    const auto pixel_bits = static_cast<std::uint64_t>(page.samples) * bits;
+    require_holdable(path_, file_.size(), checked_mul(pixels, pixel_bits, "bits of a page") / 8,
                      *ratio);
   }
   const auto subfile = tag_or<std::uint32_t>(handle_, TIFFTAG_SUBFILETYPE, 0);
@@ -218,8 +245,8 @@ TiffPage TiffFile::page() {
 std::optional<std::uint64_t> TiffFile::plain_run(const TiffPage& page) const {
   const auto compression = tag_or<std::uint16_t>(handle_, TIFFTAG_COMPRESSION, COMPRESSION_NONE);
   const auto bit_order = tag_or<std::uint16_t>(handle_, TIFFTAG_FILLORDER, FILLORDER_MSB2LSB);
-  if (page.samples != 1 || compression != COMPRESSION_NONE || TIFFIsTiled(handle_) != 0 ||
-      bit_order != FILLORDER_MSB2LSB) {
+  if (page.samples != 1 || page.packed_bits > 0 || compression != COMPRESSION_NONE ||
+      TIFFIsTiled(handle_) != 0 || bit_order != FILLORDER_MSB2LSB) {
     return std::nullopt;
   }
   const std::uint32_t strips = TIFFNumberOfStrips(handle_);
@@ -256,8 +283,11 @@ void TiffFile::go_to(std::uint64_t directory_offset, std::int64_t number) {
 
 PredictedRows TiffFile::predicted_rows(const TiffPage& page, std::int64_t row_pixels) {
   PredictedRows layout;
-  layout.step = static_cast<std::size_t>(page.is_separate ? 1 : page.samples);
+  layout.step = static_cast<std::size_t>(alternating(page));
   layout.row_values = static_cast<std::size_t>(row_pixels) * layout.step;
+  if (page.packed_bits > 0) {
+    return {static_cast<std::size_t>(packed_row_bytes(page.packed_bits, layout.row_values))};
+  }
   layout.value_bytes = bytes_per_value(page.type);
   layout.are_swapped = needs_swap(is_big_endian());
   return layout;
@@ -281,7 +311,7 @@ void TiffFile::read_strips(const TiffPage& page, std::int64_t sample,
   const auto stated_rows = tag_or<std::uint32_t>(handle_, TIFFTAG_ROWSPERSTRIP, 1);
   const std::int64_t claimed_rows = stated_rows == kAllRows ? page.height : stated_rows;
   const std::int64_t rows_per_strip = std::clamp<std::int64_t>(claimed_rows, 1, page.height);
-  const bool alternates = page.samples > 1 && !page.is_separate;
+  const bool is_as_stored = alternating(page) == 1 && page.packed_bits == 0;
   const std::int64_t strips_per_plane = (page.height + rows_per_strip - 1) / rows_per_strip;
   auto strip = static_cast<std::uint32_t>(page.is_separate ? sample * strips_per_plane : 0);
   const PredictedRows layout = predicted_rows(page, page.width);
@@ -290,21 +320,25 @@ void TiffFile::read_strips(const TiffPage& page, std::int64_t sample,
   const std::uint64_t most_rows = std::min<std::uint64_t>(
       static_cast<std::uint64_t>(claimed_rows), kMaxBlockBytes / row_bytes);
   TiffBlockDecoder decoder = block_decoder(page, layout);
-  std::vector<std::byte> several;
+  std::vector<std::byte> stored;
   for (std::int64_t y = 0; y < page.height; y += rows_per_strip, ++strip) {
     const std::int64_t row_count = std::min(rows_per_strip, page.height - y);
     const std::span<std::byte> taken =
         plane.subspan(at_voxel(page, 0, y), at_voxel(page, 0, row_count));
     std::span<std::byte> rows = taken;
-    if (alternates) {
+    if (!is_as_stored) {
       const std::uint64_t strip_bytes =
-          checked_mul(taken.size(), static_cast<std::uint64_t>(page.samples), "strip");
+          checked_mul(row_bytes, static_cast<std::uint64_t>(row_count), "strip");
       if (strip_bytes > kMaxBlockBytes) reject("strips of more than 1 GiB are not read");
-      several.resize(static_cast<std::size_t>(strip_bytes));
-      rows = several;
+      stored.resize(static_cast<std::size_t>(strip_bytes));
+      rows = stored;
     }
     decoder.decode(strip, rows, std::max<std::uint64_t>(most_rows * row_bytes, rows.size()));
-    if (alternates) take_alternating(one_of(page, sample), several, taken);
+    for (std::int64_t row = 0; row < row_count && !is_as_stored; ++row) {
+      const std::size_t at = static_cast<std::size_t>(row) * row_bytes;
+      take_sample(page, sample, rows.subspan(at, row_bytes),
+                  taken.subspan(at_voxel(page, 0, row), at_voxel(page, 0, 1)));
+    }
   }
 }
 
@@ -312,37 +346,29 @@ void TiffFile::read_tiles(const TiffPage& page, std::int64_t sample, std::span<s
   const std::int64_t tile_width = tag_or<std::uint32_t>(handle_, TIFFTAG_TILEWIDTH, 0);
   const std::int64_t tile_height = tag_or<std::uint32_t>(handle_, TIFFTAG_TILELENGTH, 0);
   if (tile_width <= 0 || tile_height <= 0) reject("tiles without width or height");
-  const std::size_t value_bytes = bytes_per_value(page.type);
-  const std::int64_t alternating = page.is_separate ? 1 : page.samples;
+  const PredictedRows layout = predicted_rows(page, tile_width);
+  const std::uint64_t tile_row_bytes =
+      checked_mul(layout.row_values, layout.value_bytes, "row of a tile");
   const std::uint64_t tile_bytes =
-      checked_mul(checked_mul(static_cast<std::uint64_t>(tile_width),
-                              static_cast<std::uint64_t>(tile_height), "tile"),
-                  value_bytes * static_cast<std::size_t>(alternating), "tile");
+      checked_mul(tile_row_bytes, static_cast<std::uint64_t>(tile_height), "tile");
   if (tile_bytes > kMaxBlockBytes) {
     reject("tiles of " + std::to_string(tile_bytes) + " bytes are not read");
   }
   std::vector<std::byte> tile(tile_bytes);
-  const std::size_t tile_row_bytes = static_cast<std::size_t>(tile_width * alternating) *
-                                     value_bytes;
   const std::int64_t tiles_per_plane = ((page.width + tile_width - 1) / tile_width) *
                                        ((page.height + tile_height - 1) / tile_height);
   auto number = static_cast<std::uint32_t>(page.is_separate ? sample * tiles_per_plane : 0);
-  TiffBlockDecoder decoder = block_decoder(page, predicted_rows(page, tile_width));
+  TiffBlockDecoder decoder = block_decoder(page, layout);
   for (std::int64_t y = 0; y < page.height; y += tile_height) {
     for (std::int64_t x = 0; x < page.width; x += tile_width, ++number) {
       decoder.decode(number, tile, tile.size());
-      const std::size_t bytes =
-          static_cast<std::size_t>(std::min(tile_width, page.width - x)) * value_bytes;
-      const auto rows = static_cast<std::size_t>(std::min(tile_height, page.height - y));
-      for (std::size_t row = 0; row < rows; ++row) {
-        const std::size_t at = at_voxel(page, x, y + static_cast<std::int64_t>(row));
-        const std::span<const std::byte> tile_row =
-            std::span<const std::byte>(tile).subspan(row * tile_row_bytes);
-        if (alternating == 1) {
-          std::memcpy(plane.data() + at, tile_row.data(), bytes);
-        } else {
-          take_alternating(one_of(page, sample), tile_row, plane.subspan(at, bytes));
-        }
+      const std::size_t bytes = static_cast<std::size_t>(std::min(tile_width, page.width - x)) *
+                                bytes_per_value(page.type);
+      const std::int64_t rows = std::min(tile_height, page.height - y);
+      for (std::int64_t row = 0; row < rows; ++row) {
+        const std::size_t at = static_cast<std::size_t>(row) * tile_row_bytes;
+        take_sample(page, sample, std::span<const std::byte>(tile).subspan(at, tile_row_bytes),
+                    plane.subspan(at_voxel(page, x, y + row), bytes));
       }
     }
   }
