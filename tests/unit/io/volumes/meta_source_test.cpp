@@ -77,7 +77,7 @@ TEST(MetaSource, VoxelsMayStandInSeveralFiles) {
     for (std::size_t i = 0; i < one.files; ++i) {
       const std::string bytes = all.substr(i * part, part);
       write_file(folder.file("p" + std::to_string(i + 1) + ".raw"),
-                 one.front + (one.is_zlib ? zlib_of(bytes) : bytes));
+                 one.front + (one.is_zlib ? zlib_stream(bytes) : bytes));
     }
     write_file(folder.file("a.mhd"), "NDims = 3\nDimSize = 4 3 2\nElementSpacing = 1 1 1\n"
                                      "ElementType = MET_SHORT\n" + one.fields);
