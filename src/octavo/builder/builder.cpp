@@ -224,6 +224,7 @@ BuildResult build(PlaneSource& source, Storage& storage, const std::string& path
   WriterOptions writing = outline.writing;
   writing.is_resuming = options.interrupted == Interrupted::resume;
   writing.discards_interrupted = options.interrupted == Interrupted::discard;
+  writing.is_cancelled = [&progress] { return progress.is_cancelled(); };
   const bool is_one_group =
       group_planes(outline.levels, description.coded_type()) == description.size.z;
   writing.has_journal = writing.is_resuming || (options.is_resumable && !is_one_group);

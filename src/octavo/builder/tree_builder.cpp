@@ -300,6 +300,7 @@ BuildResult build(const Volume& volume, Storage& storage, const std::string& pat
   WriterOptions writing;
   writing.overwrite = options.overwrite;
   writing.discards_interrupted = options.interrupted == Interrupted::discard;
+  writing.is_cancelled = [&progress] { return progress.is_cancelled(); };
   writing.has_thumbnail = options.has_thumbnail;
   TreeBuild work(*bricks, description, levels, result.threads, progress);
   result.file_bytes = work.run(storage, path, writing);

@@ -88,10 +88,14 @@ class FileWriterImpl final : public FileWriter {
       if (!run_->is_complete()) misused("finished before the last brick");
       FileSealer sealer(*out_, header_, levels_, run_->root());
       sealer.append_streams(
-          [&](std::size_t stream, const auto& sink) { spool_.copy(stream, sink); },
+          [&](std::size_t stream, const auto& sink) {
+            stop_if_cancelled();
+            spool_.copy(stream, sink);
+          },
           place_streams());
       append_sections(sealer);
       sealer.seal(run_->voxel_digest());
+      stop_if_cancelled();
       publish();
     });
   }
@@ -125,6 +129,12 @@ class FileWriterImpl final : public FileWriter {
     if (!failed_source_.empty()) return retold(error, error.kind(), detail, failed_source_);
     const ErrorKind kind = error.kind() == ErrorKind::truncated ? ErrorKind::io : error.kind();
     return retold(error, kind, detail, path_);
+  }
+
+  void stop_if_cancelled() const {
+    if (options_.is_cancelled && options_.is_cancelled()) {
+      throw Error(ErrorKind::cancelled, "stopped while sealing the file");
+    }
   }
 
   // What goes wrong in here is not reported: the failure that led here is the one to report.

@@ -59,6 +59,8 @@ struct WriterOptions {
   /// Takes note of where streams of runs belong; then they are not copied, and their places hold
   /// nothing when the file is sealed. Empty: they are copied.
   std::function<void(const PlacedStream&)> leave_out = {};
+  /// Asked until the file takes its name: true ends finish() with Error{cancelled}.
+  std::function<bool()> is_cancelled = {};
   /// How the bricks are made, lines "NAME: VALUE": writers of other settings do not continue.
   std::string settings = {};
 };

@@ -100,6 +100,31 @@ TEST_F(WriterOnDisk, AFileThatAppearsMeanwhileIsKept) {
   EXPECT_EQ(file_count(), 1u);
 }
 
+TEST_F(WriterOnDisk, AWriterThatIsStoppedWhileSealingLeavesWhatWasThere) {
+  write_text("a.8vo", "old");
+  // The first question comes before anything is sealed, the last one with all of it on disk.
+  int questions = 0;
+  const auto finish = [&](int answered) {
+    questions = 0;
+    WriterOptions options;
+    options.overwrite = true;
+    options.is_cancelled = [&questions, answered] { return questions++ >= answered; };
+    const auto writer = FileWriter::create(local_storage(), path("a.8vo"), volume_.description,
+                                           volume_.levels, 1, options);
+    encode_sample(*writer, volume_);
+    writer->finish();
+  };
+  const int asked = volume_.levels.count() + 1;
+  for (const int answered : {0, 1, asked - 1}) {
+    EXPECT_EQ(kind_of_failure([&] { finish(answered); }), ErrorKind::cancelled) << answered;
+    EXPECT_EQ(text_of("a.8vo"), "old");
+    EXPECT_EQ(file_count(), 1u);
+  }
+  finish(asked);
+  EXPECT_EQ(questions, asked);
+  EXPECT_NE(text_of("a.8vo"), "old");
+}
+
 TEST_F(WriterOnDisk, ADestroyedWriterLeavesNothing) {
   {
     const auto writer = FileWriter::create(local_storage(), path("a.8vo"), volume_.description,
