@@ -1,9 +1,12 @@
 #include "building.h"
 
+#include <unistd.h>
+
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
 
 #include <atomic>
 #include <chrono>
@@ -12,6 +15,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -23,6 +27,7 @@
 #include "octavo/file/write/writer.h"
 #include "octavo/io/zarr/zarr_source.h"
 #include "octavo/planes/plane_cursor.h"
+#include "octavo/tasks/outputs.h"
 
 namespace octavo::python {
 
@@ -101,12 +106,33 @@ BuildOptions options_of(const nb::dict& given) {
   return options;
 }
 
-nb::dict outcome_of(const BuildResult& result) {
+/// The texts of what a build warns of in passing.
+class BuildWarnings {
+ public:
+  BuildWarnings() {
+    context_.on_warning = [this](const Warning& one) { texts_.push_back(one.text); };
+  }
+  BuildWarnings(const BuildWarnings&) = delete;
+  BuildWarnings& operator=(const BuildWarnings&) = delete;
+
+  /// Must not outlive this.
+  ClippedListener listener(const std::string& path) const {
+    return clipped_listener(path, context_);
+  }
+  const std::vector<std::string>& texts() const { return texts_; }
+
+ private:
+  TaskContext context_;
+  std::vector<std::string> texts_;
+};
+
+nb::dict outcome_of(const BuildResult& result, const BuildWarnings& warnings) {
   nb::dict outcome;
   outcome["file_bytes"] = result.file_bytes;
   outcome["raw_bytes"] = result.raw_bytes;
   outcome["resumed_planes"] = result.resumed_planes;
   outcome["clipped"] = result.clipped.count;
+  outcome["warnings"] = warnings.texts();
   return outcome;
 }
 
@@ -114,13 +140,15 @@ nb::dict build(const std::string& path, const Zyx& shape, const nb::dict& facts,
                nb::object plane_at, const nb::dict& given, nb::object on_progress) {
   Call call(std::move(on_progress));
   PythonPlanes planes(description_of(shape, facts), std::move(plane_at), true, call);
-  const BuildOptions options = options_of(given);
+  BuildOptions options = options_of(given);
+  const BuildWarnings warnings;
+  options.on_clipped = warnings.listener(path);
   BuildResult result;
   call.run_apart([&] { result = build_file(planes, local_storage(), path, options, call); });
-  return outcome_of(result);
+  return outcome_of(result, warnings);
 }
 
-/// Builds what open_zarr_source reads. (kind of the file, its warnings)
+/// Builds what open_zarr_source reads. (kind of the file, warnings of the source, of the build)
 nb::tuple build_zarr(const std::string& source, const std::string& path, const nb::dict& asked,
                      const nb::dict& given, nb::object on_progress) {
   Call call(std::move(on_progress));
@@ -136,6 +164,8 @@ nb::tuple build_zarr(const std::string& source, const std::string& path, const n
   const auto kind = asked_for<std::optional<std::string>>(asked, "kind");
   const int level = asked_for<int>(asked, "level");
   BuildOptions options = options_of(given);
+  const BuildWarnings of_build;
+  options.on_clipped = of_build.listener(path);
   std::vector<Warning> warnings;
   call.run_apart([&] {
     const auto planes = open_zarr_source(source, how, level);
@@ -144,7 +174,8 @@ nb::tuple build_zarr(const std::string& source, const std::string& path, const n
     warnings = planes->warnings();
   });
   return nb::make_tuple(kind_name(options.kind),
-                        list_of(warnings, [](const Warning& one) { return one.text; }));
+                        list_of(warnings, [](const Warning& one) { return one.text; }),
+                        of_build.texts());
 }
 
 /// Planes that one thread hands over and another one, the builder's, takes: one waits at a time.
@@ -178,7 +209,6 @@ class HandedPlanes final : public PlaneSource {
   /// Waits until there is room. False when the builder takes no more.
   /// Throws Error{cancelled} when `call` is to end
   bool hand_over(std::span<const std::byte> plane, const Call& call) {
-    constexpr std::chrono::milliseconds kPause{50};
     std::unique_lock guard(lock_);
     while (!changed_.wait_for(guard, kPause, [&] { return !is_full_ || is_over_; })) {
       if (call.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
@@ -190,6 +220,12 @@ class HandedPlanes final : public PlaneSource {
     return true;
   }
 
+  /// Waits until nobody takes any more. False when that lasts longer than a look for signals may.
+  bool wait_for_end() {
+    std::unique_lock guard(lock_);
+    return changed_.wait_for(guard, kPause, [&] { return is_over_; });
+  }
+
   /// Nobody gives or takes any more.
   void end() {
     const std::lock_guard guard(lock_);
@@ -198,6 +234,8 @@ class HandedPlanes final : public PlaneSource {
   }
 
  private:
+  static constexpr std::chrono::milliseconds kPause{50};  // between two looks for signals
+
   void pass_until(std::int64_t first) {
     std::vector<std::byte> passed(plane_bytes(description_));
     while (taken_ < first) read_plane(passed);
@@ -230,6 +268,7 @@ class PlaneWriter {
               const nb::dict& given)
       : planes_(description_of(shape, facts)), options_(options_of(given)), path_(path) {
     check_target(local_storage(), path, options_.overwrite);
+    options_.on_clipped = warnings_.listener(path);
     thread_ = std::thread([this] { work(); });
   }
 
@@ -270,12 +309,9 @@ class PlaneWriter {
                   std::to_string(wanted) + " planes were added; nothing was written", path_);
     }
     hand_over(last_);
-    {
-      const nb::gil_scoped_release release;
-      join();
-    }
+    wait();
     if (failure_) std::rethrow_exception(failure_);
-    return outcome_of(result_);
+    return outcome_of(result_, warnings_);
   }
 
   /// Leaves nothing under the name; what can be resumed is kept where that was asked for.
@@ -308,6 +344,20 @@ class PlaneWriter {
     if (failure_) std::rethrow_exception(failure_);
   }
 
+  /// Until the file is sealed. Throws what a signal handler raised meanwhile, which ends the build.
+  void wait() {
+    Call call;
+    call.run([&] {
+      while (!planes_.wait_for_end()) {
+        if (!call.is_cancelled()) continue;
+        stop_.is_stopped = true;
+        break;
+      }
+      join();
+    });
+    call.throw_kept();
+  }
+
   void work() {
     try {
       result_ = build_file(planes_, local_storage(), path_, options_, stop_);
@@ -332,11 +382,48 @@ class PlaneWriter {
   std::string path_;
   std::vector<std::byte> last_;  // plane of all
   Stop stop_;
-  BuildResult result_;           // these two are read once the thread has ended
+  BuildWarnings warnings_;       // these three are read once the thread has ended
+  BuildResult result_;
   std::exception_ptr failure_;
   std::mutex turn_;
   std::atomic<std::int64_t> added_ = 0;
   std::thread thread_;
+};
+
+/// A writer of the process that opened it. In forked ones, where its threads are not, it is left as
+/// it is: nothing waits for them, and the file stays with that process.
+class OwnedWriter {
+ public:
+  OwnedWriter(const std::string& path, const Zyx& shape, const nb::dict& facts,
+              const nb::dict& given)
+      : writer_(std::make_unique<PlaneWriter>(path, shape, facts, given)), path_(path) {}
+
+  ~OwnedWriter() {
+    // Of another process, its locks may be held by threads that are not here.
+    if (!is_own()) static_cast<void>(writer_.release());
+  }
+
+  void add(const Plane& plane) { own().add(plane); }
+  nb::dict finish() { return own().finish(); }
+  void abandon() {
+    if (is_own()) writer_->abandon();
+  }
+  std::int64_t added() const { return writer_->added(); }
+
+ private:
+  bool is_own() const { return process_ == getpid(); }
+
+  PlaneWriter& own() {
+    if (is_own()) return *writer_;
+    throw Error(ErrorKind::invalid_argument,
+                "the writer was opened by another process, which alone adds planes and seals the "
+                "file",
+                path_);
+  }
+
+  std::unique_ptr<PlaneWriter> writer_;
+  std::string path_;
+  pid_t process_ = getpid();
 };
 
 }  // namespace
@@ -347,13 +434,13 @@ void bind_building(nb::module_& module) {
   module.def("build_zarr", &build_zarr, "source"_a, "path"_a, "asked"_a, "options"_a,
              "on_progress"_a.none());
   module.def("is_zarr", &is_zarr_source, "path"_a);
-  nb::class_<PlaneWriter>(module, "PlaneWriter")
+  nb::class_<OwnedWriter>(module, "PlaneWriter")
       .def(nb::init<const std::string&, const Zyx&, const nb::dict&, const nb::dict&>(), "path"_a,
            "shape"_a, "facts"_a, "options"_a)
-      .def("add", &PlaneWriter::add, "plane"_a)
-      .def("finish", &PlaneWriter::finish)
-      .def("abandon", &PlaneWriter::abandon)
-      .def_prop_ro("added", &PlaneWriter::added);
+      .def("add", &OwnedWriter::add, "plane"_a)
+      .def("finish", &OwnedWriter::finish)
+      .def("abandon", &OwnedWriter::abandon)
+      .def_prop_ro("added", &OwnedWriter::added);
 }
 
 }  // namespace octavo::python

@@ -88,6 +88,7 @@ void Call::run_apart(const std::function<void()>& work) {
     apart.join();
     if (thrown) std::rethrow_exception(thrown);
   });
+  throw_kept();
 }
 
 void Call::begin(std::string_view what, std::int64_t total, std::string_view) {

@@ -30,14 +30,14 @@ def build(source, path, *, kind=None, spacing=None, origin=None, direction=None,
 
     Parameters
     ----------
-    source : array, Volume or View, path
+    source : array, Volume or View, LabelMap, path
         Anything of three dimensions [z, y, x] with `shape`, `dtype` and slices: a numpy, dask, zarr
         or h5py array. It is read some planes at a time, never as a whole, and may have any strides
         and byte order. Or a path that the program `octavo` reads: a folder of DICOM or TIFF
         slices, NIfTI, NRRD, MetaImage and others; the program has to be on PATH. OME-Zarr images
         and arrays of zarr, a folder or an .ozx file, are read without it. Of a volume or one of its
-        levels, what is not given below stays as it is. Or an iterator of planes [y, x], with
-        `shape`.
+        levels, what is not given below stays as it is. Of a LabelMap, what `LabelMap.save`
+        writes. Or an iterator of planes [y, x], with `shape`.
     path : str or os.PathLike
         Ends in .8vo. Nothing stands there before the file is whole.
     kind : {"grey", "labels"}, optional
@@ -100,13 +100,16 @@ def build(source, path, *, kind=None, spacing=None, origin=None, direction=None,
             return build_zarr(source, path, said, given, progress, channel=channel, time=time)
         if progress is not None:
             raise ArgumentError("progress is told of arrays; files are read by another program")
-        _build_by_program(source, path, said, {**given, "channel": channel, "time": time,
-                                                "series": series})
+        _warn_of(_build_by_program(source, path, said, {**given, "channel": channel, "time": time,
+                                                         "series": series}))
         return Volume(path)
     if channel is not None or time is not None or series is not None:
         raise ArgumentError("channel, time and series are of paths; index an array")
     if shape is not None:
         return _build_of_planes(source, path, shape, said, given, progress)
+    from ._label_map import LabelMap
+    if isinstance(source, LabelMap):
+        return _saved(source, path, said, given, progress)
     if isinstance(source, View):
         _require_not_own_source(source, path)
         shape, dtype = source.shape, source.dtype
@@ -124,7 +127,8 @@ def build(source, path, *, kind=None, spacing=None, origin=None, direction=None,
     planes = _Planes(read, shape, np.dtype(facts["dtype"]), dtype, getattr(source, "chunks", None))
     given["kind"] = facts["kind"]
     with _reporter(progress) as report:
-        _octavo.build(path, shape, facts, planes.plane, given, report)
+        made = _octavo.build(path, shape, facts, planes.plane, given, report)
+    _warn_of(made["warnings"])
     return Volume(path)
 
 
@@ -146,10 +150,29 @@ def build_zarr(source, path, said, given, progress, *, level=0, channel=None, ti
                  spacing=None if said["spacing"] is None else _three(said["spacing"], "spacing"))
     given["kind"] = said["kind"] or "grey"
     with _reporter(progress) as report:
-        _, texts = _octavo.build_zarr(source, path, asked, given, report)
-    for text in texts:
-        warnings.warn(f"{source}: {text}", stacklevel=3)
+        _, of_source, of_build = _octavo.build_zarr(source, path, asked, given, report)
+    for text in (*(f"{source}: {text}" for text in of_source), *of_build):
+        warnings.warn(text, stacklevel=3)
     return Volume(path)
+
+
+def _saved(labels, path, said, given, progress):
+    """`build` of a LabelMap: what its `save` writes."""
+    kept = {name: given.pop(name) for name in ("overwrite", "thumbnail", "threads", "max_memory")}
+    asked = {name for name, value in said.items() if value is not None}
+    asked |= {name for name, value in given.items() if value != BUILD_OPTIONS[name]}
+    if said["kind"] == "labels":
+        asked.remove("kind")
+    if asked:
+        raise ArgumentError(f"a LabelMap is written as it is, so {sorted(asked)[0]} cannot be "
+                            "given; .to_numpy() makes an array of it")
+    return labels.save(path, **kept, progress=progress)
+
+
+def _warn_of(texts):
+    """Warns the caller of who calls this."""
+    for text in texts:
+        warnings.warn(text, stacklevel=3)
 
 
 def _build_of_planes(planes, path, shape, said, given, progress):
@@ -249,7 +272,7 @@ class Writer:
         if self._writer is None:
             return
         writer, self._writer = self._writer, None
-        writer.finish()
+        _warn_of(writer.finish()["warnings"])
 
     def abandon(self):
         """Give up: nothing is left under the name."""
@@ -463,6 +486,7 @@ def _program():
 
 
 def _build_by_program(source, path, options, given):
+    """Returns what the program warns of."""
     program = _program()
     if not os.path.exists(source) and "://" not in source:
         raise StorageError(f"{source}: is not there", path=source)
@@ -477,6 +501,7 @@ def _build_by_program(source, path, options, given):
     done = subprocess.run(command, capture_output=True, text=True)
     if done.returncode != 0:
         raise _error_of_program(done)
+    return json.loads(done.stdout).get("warnings", ())
 
 
 def _words_of(options, given):

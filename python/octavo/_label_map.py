@@ -4,6 +4,7 @@ import functools
 import json
 import math
 import os
+import shutil
 import tempfile
 import weakref
 
@@ -315,13 +316,19 @@ class LabelMap(FileTasks):
         """The map as a Volume with levels, in a file that goes when the map does."""
         # Tasks on files take it from there.
         if self._saved is None:
-            folder = tempfile.TemporaryDirectory(prefix="octavo-")
-            self._saved = self.save(os.path.join(folder.name, "labels.8vo"))
-            weakref.finalize(self, folder.cleanup)
+            folder = tempfile.mkdtemp(prefix="octavo-")
+            weakref.finalize(self, _remove_folder, folder, os.getpid())
+            self._saved = self.save(os.path.join(folder, "labels.8vo"))
         return self._saved
 
     def _opened_file(self):
         return "the label map", self.saved()._file._opened()
+
+
+def _remove_folder(folder, process):
+    # Of the process that made it: forked ones end while that one still reads there.
+    if os.getpid() == process:
+        shutil.rmtree(folder, ignore_errors=True)
 
 
 def _steps_of(chosen):

@@ -4,6 +4,7 @@ import os
 import signal
 import threading
 import time
+import warnings
 
 import numpy as np
 import pytest
@@ -215,6 +216,55 @@ def test_an_interrupt_ends_a_build(tmp_path, with_interrupts):
     with pytest.raises(KeyboardInterrupt):
         octavo.build(array, tmp_path / "a.8vo")
     assert not list(tmp_path.iterdir())
+
+
+def sealed_by_a_block(array, path):
+    with octavo.Writer(path, array.shape, array.dtype, threads=1) as w:
+        w.add(array)
+
+
+def built_of_planes(array, path):
+    octavo.build(iter(array), path, shape=array.shape, threads=1)
+
+
+@pytest.mark.parametrize("make", [sealed_by_a_block, built_of_planes])
+def test_an_interrupt_ends_the_sealing(tmp_path, with_interrupts, make):
+    # All of it is encoded where it is sealed.
+    array = np.random.default_rng(1).integers(0, 4000, (100, 400, 400)).astype(np.uint16)
+    threading.Timer(0.4, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+    with pytest.raises(KeyboardInterrupt):
+        make(array, tmp_path / "a.8vo")
+    assert not list(tmp_path.iterdir())
+
+
+def warnings_of(make):
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        make()
+    return [(str(one.message), os.path.basename(one.filename)) for one in caught]
+
+
+def test_what_coarse_levels_do_not_hold_is_a_warning(tmp_path):
+    array = np.random.default_rng(1).random((20, 20, 20)).astype(np.float32)
+    array[5, 5, 5] = 3e38
+    [(text, file)] = warnings_of(lambda: octavo.build(array, tmp_path / "a.8vo"))
+    assert "1 voxel lies beyond what coarse levels hold, at 3e+38" in text
+    assert file == os.path.basename(__file__)
+    w = octavo.Writer(tmp_path / "b.8vo", array.shape, array.dtype)
+    w.add(array)
+    [(text, file)] = warnings_of(w.close)
+    assert "1 voxel lies beyond" in text and file == os.path.basename(__file__)
+
+
+def test_what_the_program_warns_of_is_a_warning(tmp_path, monkeypatch):
+    monkeypatch.setenv("PATH", os.path.dirname(os.environ["OCTAVO"]), prepend=os.pathsep)
+    steps((5, 6, 7), np.float64).tofile(tmp_path / "a.raw")
+    (tmp_path / "a.nhdr").write_text(
+        "NRRD0004\ntype: double\ndimension: 3\nsizes: 7 6 5\nendian: little\n"
+        "encoding: raw\ndata file: a.raw\n")
+    said = warnings_of(lambda: octavo.build(tmp_path / "a.nhdr", tmp_path / "a.8vo"))
+    assert any("spacing" in text for text, _ in said)
+    assert {file for _, file in said} == {os.path.basename(__file__)}
 
 
 def test_a_writer_makes_the_file_of_the_array(tmp_path, voxels):

@@ -433,3 +433,17 @@ def test_metadata_say_how_a_mask_was_made(mask):
 
 def test_a_volume_still_pickles(volume):
     assert pickle.loads(pickle.dumps(volume)).threshold(0) == volume.threshold(0)
+
+
+def test_build_of_a_label_map_is_its_save(mask, tmp_path):
+    saved, built = mask.save(tmp_path / "a.8vo"), octavo.build(mask, tmp_path / "b.8vo")
+    assert (tmp_path / "a.8vo").read_bytes() == (tmp_path / "b.8vo").read_bytes()
+    assert (built.kind, built.spacing, built.origin) == ("labels", mask.spacing, mask.origin)
+    with pytest.raises(octavo.StorageError, match="overwrite=True"):
+        octavo.build(mask, tmp_path / "b.8vo")
+    again = octavo.build(mask, tmp_path / "b.8vo", kind="labels", overwrite=True, thumbnail=True)
+    assert again.voxels_sha256 == saved.voxels_sha256
+    for option in ({"spacing": (1, 1, 1)}, {"kind": "grey"}, {"preset": "fast"}, {"resume": True}):
+        with pytest.raises(octavo.ArgumentError, match=f"{[*option][0]} cannot be given"):
+            octavo.build(mask, tmp_path / "c.8vo", **option)
+    assert not (tmp_path / "c.8vo").exists()
