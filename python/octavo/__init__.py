@@ -14,8 +14,8 @@ Arrays, spacings and origins are in the order z, y, x; mm and LPS.
 from . import _octavo
 from ._building import Writer, build
 from ._errors import (ArgumentError, Cancelled, CorruptError, Error, FormatError, InternalError,
-                      LimitError, OutOfMemoryError, SourceError, StorageError, TruncatedError,
-                      VersionError)
+                      LimitError, MissingError, OutOfMemoryError, SourceError, StorageError,
+                      TruncatedError, VersionError)
 from ._label_map import LabelMap
 from ._surfaces import Surface
 from ._notebook import viewer
@@ -26,9 +26,9 @@ __version__ = _octavo.version
 
 __all__ = [
     "ArgumentError", "Cancelled", "CorruptError", "Error", "FormatError", "InternalError",
-    "LabelMap", "LimitError", "OutOfMemoryError", "RealView", "SourceError", "StorageError",
-    "Surface", "TruncatedError", "VersionError", "View", "Volume", "Writer", "as_dask", "as_zarr",
-    "build", "export", "from_ome_zarr", "open", "viewer",
+    "LabelMap", "LimitError", "MissingError", "OutOfMemoryError", "RealView", "SourceError",
+    "StorageError", "Surface", "TruncatedError", "VersionError", "View", "Volume", "Writer",
+    "as_dask", "as_zarr", "build", "export", "from_ome_zarr", "open", "viewer",
 ]
 
 

@@ -12,7 +12,7 @@ import warnings
 import numpy as np
 
 from . import _octavo
-from ._errors import ArgumentError, Error, SourceError, StorageError
+from ._errors import ArgumentError, Error, SourceError, missing_error
 from ._sources import written_path
 from ._volume import RealView, View, Volume
 from ._work import MOST_THREADS, _reporter, if_given, number_of, whole_number
@@ -340,7 +340,8 @@ def _shape_and_type(source):
         raise ArgumentError("give an array, a path or an open volume; planes one after another go "
                             f"into octavo.Writer, not {type(source).__name__}")
     _require_no_mask(source)
-    return _volume_shape(shape), np.dtype(dtype)
+    # Arrays of tensorstore name the type of numpy that theirs is.
+    return _volume_shape(shape), _dtype_of(getattr(dtype, "numpy_dtype", dtype))
 
 
 def _volume_shape(shape):
@@ -361,7 +362,7 @@ def _require_no_mask(array):
 def _dtype_of(given):
     try:
         return np.dtype(given)
-    except TypeError:
+    except (TypeError, ValueError):
         raise ArgumentError(f"dtype is a type of numpy, not {given!r}") from None
 
 
@@ -371,7 +372,7 @@ def _stored_type(dtype):
                             ".astype())")
     if dtype == np.bool_:
         return "uint8"
-    if dtype == np.float16:
+    if dtype.name == "float16":  # in either byte order
         return "float32"
     return dtype.name
 
@@ -489,7 +490,7 @@ def _build_by_program(source, path, options, given):
     """Returns what the program warns of."""
     program = _program()
     if not os.path.exists(source) and "://" not in source:
-        raise StorageError(f"{source}: is not there", path=source)
+        raise missing_error(f"{source}: is not there", "is not there", source)
     command = [program, "build", _no_option(source), "-o", _no_option(path), "--json",
                *_words_of(options, given)]
     for name, flag in (("threads", "--threads"), ("max_memory", "--max-memory")):

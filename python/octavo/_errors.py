@@ -1,5 +1,8 @@
 """What goes wrong, as exceptions."""
 
+import errno
+import os
+
 
 class Error(ValueError):
     """A failure of Octavo.
@@ -70,6 +73,10 @@ class StorageError(Error, OSError):
     kind = "io"
 
 
+class MissingError(StorageError, FileNotFoundError):
+    """There is no such file; `errno` and `filename` are those of a FileNotFoundError."""
+
+
 class OutOfMemoryError(Error, MemoryError):
     """Memory ran out."""
     kind = "out_of_memory"
@@ -103,6 +110,7 @@ _ADVICE = (
     (None, "spacing_mm", None, "give spacing=(z, y, x) in mm"),
     (None, "interrupted", "resume", "resume=True goes on behind them"),
     (None, "interrupted", "discard", "overwrite=True starts anew"),
+    ("io", "interrupted", "", "resume=True goes on with it, overwrite=True starts anew"),
 )
 
 
@@ -117,10 +125,20 @@ def _advice_of(kind, hints):
     return ""
 
 
+def missing_error(text, detail="", path=""):
+    """A MissingError with all that a FileNotFoundError has."""
+    error = MissingError(text, detail, path)
+    error.errno, error.filename = errno.ENOENT, path
+    error.strerror = os.strerror(errno.ENOENT)
+    return error
+
+
 def make_error(kind, detail, path="", offset=None, hints=()):
     """The exception for a failure of the library: its words and what would help in Python."""
     text = f"{path}: {detail}" if path else detail
     advice = _advice_of(kind, hints)
     if advice:
         text = f"{text} ({advice})"
+    if kind == "io" and path and detail.endswith(os.strerror(errno.ENOENT)):
+        return missing_error(text, detail, path)
     return _CLASSES.get(kind, InternalError)(text, detail, path, offset)

@@ -24,6 +24,11 @@ class View:
     returns a new ``numpy.ndarray``, or a scalar. Whatever cannot be read raises; nothing is
     filled in.
 
+    Coarse levels of float32 volumes hold means in steps. In lossless files these follow the noise
+    of the voxels: of noise of deviation 1 they are 1/8 wide, so that level 3 has three values.
+    Files built with a `max_error` have steps of twice that, so that coarse levels are as fine as it
+    is small. Take means of level 0 where neither will do.
+
     Attributes
     ----------
     level : int

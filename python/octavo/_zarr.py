@@ -1,6 +1,7 @@
 """OME-Zarr: a volume as a zarr store and as dask arrays, images written and read."""
 
 import asyncio
+import itertools
 import os
 import re
 import warnings
@@ -9,7 +10,7 @@ import numpy as np
 
 from . import _octavo
 from ._building import BUILD_OPTIONS, _given, _output, build, build_zarr, is_zarr
-from ._errors import ArgumentError
+from ._errors import ArgumentError, missing_error
 from ._sources import written_path
 from ._tasks import FileTasks, opened_file
 from ._volume import RealView, View, Volume
@@ -35,9 +36,34 @@ class ZarrFiles:
         """That the files are of."""
         return self._volume
 
-    def keys(self):
-        """The keys of all texts; those of chunks are left out."""
-        return ["zarr.json", *(f"{view.level}/zarr.json" for view in self._volume.levels)]
+    def keys(self, prefix=""):
+        """The keys of all files that begin so, without making any."""
+        yield from self._begun(["zarr.json"], prefix)
+        for view in self._volume.levels:
+            folder = f"{view.level}/"
+            if not folder.startswith(prefix[:len(folder)]):
+                continue
+            yield from self._begun([folder + "zarr.json"], prefix)
+            places = itertools.product(*map(range, _chunk_counts(view)))
+            yield from self._begun((f"{folder}c/{z}/{y}/{x}" for z, y, x in places), prefix)
+
+    def folder(self, path):
+        """The names in a folder."""
+        levels = self._volume.levels
+        first, *rest = path.strip("/").split("/")
+        if not first:
+            return ["zarr.json", *(str(view.level) for view in levels)]
+        if not first.isdigit() or int(first) >= len(levels):
+            return []
+        if not rest:
+            return ["zarr.json", "c"]
+        if rest[0] != "c" or len(rest) > 3:
+            return []
+        return map(str, range(_chunk_counts(levels[int(first)])[len(rest) - 1]))
+
+    @staticmethod
+    def _begun(keys, prefix):
+        return (key for key in keys if key.startswith(prefix))
 
     def get(self, key):
         """The bytes of a file; None where there is none."""
@@ -64,6 +90,10 @@ class ZarrFiles:
         part = tuple(slice(0, b - a) for a, b in zip(start, stop))
         view.read((start, stop), out=chunk[part])
         return chunk.tobytes()
+
+
+def _chunk_counts(view):
+    return [-(-n // _CHUNK) for n in view.shape]
 
 
 def as_zarr(volume):
@@ -140,25 +170,19 @@ def as_zarr(volume):
             raise NotImplementedError("an .8vo file is read only")
 
         async def list(self):
-            """The keys of all texts."""
+            """The keys of all files."""
             for key in self._files.keys():
                 yield key
 
         async def list_prefix(self, prefix):
             """Those that begin so."""
-            for key in self._files.keys():
-                if key.startswith(prefix):
-                    yield key
+            for key in self._files.keys(prefix):
+                yield key
 
         async def list_dir(self, prefix):
             """What stands in a folder."""
-            folder = prefix.strip("/")
-            if folder == "":
-                yield "zarr.json"
-                for view in self._files.volume.levels:
-                    yield str(view.level)
-            elif folder.isdigit():
-                yield "zarr.json"
+            for name in self._files.folder(prefix):
+                yield name
 
     volume = _with_levels(volume)
     return OctavoStore(ZarrFiles(volume))
@@ -277,6 +301,8 @@ def from_ome_zarr(source, path, *, level=0, channel=None, time=None, **options):
     """
     if isinstance(source, (str, os.PathLike)) and is_zarr(os.fspath(source)):
         return _build_of_path(os.fspath(source), path, level, channel, time, options)
+    if isinstance(source, (str, os.PathLike)):
+        _require_there(os.fspath(source))
     try:
         import zarr
     except ImportError:
@@ -305,6 +331,11 @@ def from_ome_zarr(source, path, *, level=0, channel=None, time=None, **options):
         warnings.warn(f"{source}: its axes have no unit of length that is known here: its scale "
                       "and place are left out; 1 mm assumed", stacklevel=2)
     return build(chosen, path, **facts)
+
+
+def _require_there(source):
+    if "://" not in source and not os.path.exists(source):
+        raise missing_error(f"{source}: is not there", "is not there", source)
 
 
 def _build_of_path(source, path, level, channel, time, options):

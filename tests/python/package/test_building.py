@@ -11,6 +11,7 @@ import pytest
 
 import octavo
 from conftest import steps
+from octavo._errors import make_error
 
 
 @pytest.mark.parametrize("dtype", ["int8", "uint8", "int16", "uint16", "int32", "uint32",
@@ -55,8 +56,32 @@ def test_bool_becomes_a_mask_and_half_becomes_float(tmp_path):
     assert (built.kind, built.dtype, built.label_names) == ("labels", np.uint8, {1: "bone"})
     assert np.array_equal(built[...], mask)
     half = steps((9, 9, 9), np.float16) / 8
-    built = octavo.build(half, tmp_path / "h.8vo")
-    assert built.dtype == np.float32 and np.array_equal(built[...], half.astype(np.float32))
+    for given in half, half.astype(half.dtype.newbyteorder()):
+        built = octavo.build(given, tmp_path / "h.8vo", overwrite=True)
+        assert built.dtype == np.float32 and np.array_equal(built[...], half.astype(np.float32))
+
+
+class OfOtherType:
+    """An array with a type of its own, as those of torch and of tensorstore."""
+
+    def __init__(self, array, dtype):
+        self._array = array
+        self.shape = array.shape
+        self.dtype = dtype
+
+    def __getitem__(self, key):
+        return self._array[key]
+
+
+def test_types_of_other_libraries_are_known_or_rejected(tmp_path, voxels):
+    class NamingNumpys:
+        numpy_dtype = voxels.dtype
+
+    built = octavo.build(OfOtherType(voxels[:9], NamingNumpys()), tmp_path / "a.8vo")
+    assert np.array_equal(built[...], voxels[:9])
+    for dtype in "torch.int16", "|S3,", object():
+        with pytest.raises(octavo.ArgumentError):
+            octavo.build(OfOtherType(voxels[:9], dtype), tmp_path / "b.8vo")
 
 
 def test_floats_come_back_bit_by_bit(tmp_path):
@@ -216,6 +241,13 @@ def test_an_interrupt_ends_a_build(tmp_path, with_interrupts):
     with pytest.raises(KeyboardInterrupt):
         octavo.build(array, tmp_path / "a.8vo")
     assert not list(tmp_path.iterdir())
+
+
+def test_an_interrupted_build_says_how_to_go_on():
+    said = make_error("io", "an interrupted build of it is here", "a.8vo", None,
+                      [("interrupted", "")])
+    assert str(said).endswith("(resume=True goes on with it, overwrite=True starts anew)")
+    assert "(" not in str(make_error("corrupt", "not sealed", "a.8vo", 8, [("interrupted", "")]))
 
 
 def sealed_by_a_block(array, path):

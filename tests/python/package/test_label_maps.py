@@ -3,6 +3,7 @@
 import json
 import pickle
 import threading
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -433,6 +434,22 @@ def test_metadata_say_how_a_mask_was_made(mask):
 
 def test_a_volume_still_pickles(volume):
     assert pickle.loads(pickle.dumps(volume)).threshold(0) == volume.threshold(0)
+
+
+def test_maps_that_lie_elsewhere_are_not_equal(mask, inside, tmp_path):
+    elsewhere = octavo.build(inside, tmp_path / "a.8vo", spacing=(9, 2, 1)).mask()
+    there = octavo.build(inside, tmp_path / "b.8vo", spacing=(9, 2, 1)).mask()
+    assert elsewhere == there and mask != elsewhere and mask not in [elsewhere]
+
+
+def test_steps_through_a_map_hold_what_they_choose(mask, inside):
+    for key in np.s_[::30, ::-20, 3::40], np.s_[60:2:-7, 5, ::3], np.s_[::69], np.s_[:, 1:2:5]:
+        assert np.array_equal(mask[key], inside[key])
+    tracemalloc.start()
+    mask[::69]
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < mask.size / 4
 
 
 def test_build_of_a_label_map_is_its_save(mask, tmp_path):

@@ -1,6 +1,7 @@
 """Where files come from: bytes, URLs; damage; processes and threads that share a volume."""
 
 import concurrent.futures
+import errno
 import gc
 import http.server
 import multiprocessing
@@ -14,6 +15,19 @@ import numpy as np
 import pytest
 
 import octavo
+
+
+def test_what_is_not_there_is_a_missing_file(tmp_path, voxels):
+    absent = str(tmp_path / "a.8vo")
+    for make in (lambda: octavo.open(absent), lambda: octavo.from_ome_zarr(absent, "b.8vo")):
+        with pytest.raises(FileNotFoundError) as raised:
+            make()
+        assert isinstance(raised.value, octavo.StorageError)
+        assert (raised.value.errno, raised.value.filename) == (errno.ENOENT, absent)
+        assert str(raised.value).startswith(f"{absent}: ") and raised.value.kind == "io"
+    with pytest.raises(octavo.StorageError) as raised:
+        octavo.open(tmp_path)
+    assert not isinstance(raised.value, FileNotFoundError)
 
 
 def test_bytes_are_a_file(path, voxels):

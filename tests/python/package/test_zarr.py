@@ -219,6 +219,20 @@ def test_channels_and_times_are_chosen(zarr3, tmp_path):
     assert made.spacing == pytest.approx((0.004, 0.002, 0.001))
 
 
+def test_all_files_of_a_store_are_listed(volume):
+    files = ZarrFiles(volume)
+    keys = list(files.keys())
+    assert len(keys) == len(set(keys)) and all(files.get(key) is not None for key in keys)
+    # 130 x 97 x 150 voxels in chunks of 64^3
+    assert len([key for key in keys if key.startswith("0/c/")]) == 3 * 2 * 3
+    for prefix in ("", "0/", "0/c/1", "1", "zarr", "99"):
+        assert list(files.keys(prefix)) == [key for key in keys if key.startswith(prefix)]
+    for folder in ("", "0", "0/c", "0/c/2/", "0/c/2/1", "99", "zarr.json"):
+        start = folder.strip("/") + "/" if folder else ""
+        inside = {key[len(start):].partition("/")[0] for key in keys if key.startswith(start)}
+        assert set(files.folder(folder)) == inside, folder
+
+
 def test_dask_reads_levels(volume, voxels):
     pytest.importorskip("dask.array")
     array = octavo.as_dask(volume)
