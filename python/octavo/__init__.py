@@ -32,16 +32,20 @@ __all__ = [
 ]
 
 
-def open(source, *, cache_bytes=DEFAULT_CACHE_BYTES):
+def open(source, *, cache_bytes=DEFAULT_CACHE_BYTES, storage_options=None):
     """Open an .8vo file.
 
     Parameters
     ----------
-    source : str, os.PathLike or bytes
+    source : str, os.PathLike, bytes or file object
         A path, the bytes of a file, or a URL that fsspec reads (https://, s3://, ...): of that,
-        only the ranges that are needed are fetched.
+        only the ranges that are needed are fetched. Also an OpenFile of fsspec, or a file object
+        of bytes that seeks, which nobody else may move while the volume is in use.
     cache_bytes : int
         Of decoded bricks to keep for reads that follow.
+    storage_options : dict, optional
+        Of the file system of fsspec that reads a URL: credentials, endpoints, headers. They go into
+        pickles of the volume.
 
     Returns
     -------
@@ -51,4 +55,4 @@ def open(source, *, cache_bytes=DEFAULT_CACHE_BYTES):
     ------
     octavo.FormatError, octavo.VersionError, octavo.CorruptError, octavo.StorageError
     """
-    return Volume(source, cache_bytes)
+    return Volume(source, cache_bytes, storage_options)

@@ -1,7 +1,7 @@
 # The types of the package, for editors and checkers of types; test_types.py holds them beside it.
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Any, Literal, NamedTuple, overload
+from typing import Any, BinaryIO, Literal, NamedTuple, Protocol, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
@@ -16,6 +16,14 @@ _Overlay = Volume | LabelMap
 _Look = str | os.PathLike[str] | tuple[str, float] | None
 
 __version__: str
+
+class _FileOfFsspec(Protocol):
+    fs: Any
+    path: str
+    @property
+    def full_name(self) -> str: ...
+
+_Source = _Path | bytes | bytearray | memoryview | BinaryIO | _FileOfFsspec
 
 class Error(ValueError):
     kind: str
@@ -215,7 +223,8 @@ class Volume(_FileTasks, View):
     label_names: dict[int, str]
     voxels_sha256: str
     is_spacing_known: bool
-    def __init__(self, source: _Path | bytes, cache_bytes: int = ...) -> None: ...
+    def __init__(self, source: _Source, cache_bytes: int = ...,
+                 storage_options: dict[str, Any] | None = None) -> None: ...
     @property
     def name(self) -> str: ...
     @property
@@ -335,7 +344,8 @@ class Writer:
     def __enter__(self) -> Writer: ...
     def __exit__(self, kind: type[BaseException] | None, *_: object) -> None: ...
 
-def open(source: _Path | bytes, *, cache_bytes: int = ...) -> Volume: ...
+def open(source: _Source, *, cache_bytes: int = ...,
+         storage_options: dict[str, Any] | None = None) -> Volume: ...
 def build(source: Any, path: _Path, *, kind: Literal["grey", "labels"] | None = None,
           spacing: _Point | None = None, origin: _Point | None = None,
           direction: ArrayLike | None = None, unit: str | None = None, slope: float | None = None,

@@ -11,17 +11,49 @@ from . import _octavo
 from ._errors import ArgumentError, StorageError
 
 
-def source_of(place):
-    """What opens `place`: a path, bytes, https:// or another URL of fsspec."""
-    if isinstance(place, (bytes, bytearray, memoryview)):
-        return _Bytes(bytes(place))
+def lasting(place):
+    """What a file is opened from, in a form that holds in other folders and pickles."""
+    if isinstance(place, (bytearray, memoryview)):
+        return bytes(place)
+    if _is_of_fsspec(place):
+        return place
     if isinstance(place, os.PathLike):
         place = os.fspath(place)
-    if not isinstance(place, str):
-        raise ArgumentError("give a path, a URL or the bytes of a file, not "
-                            f"{type(place).__name__}")
-    require_name(place)
-    return _Url(place) if "://" in place else _Path(place)
+    if isinstance(place, str) and "://" not in place:
+        place = os.path.abspath(place)
+    return place
+
+
+def source_of(place, options=None):
+    """What opens `place`: a path, bytes, https:// or another URL of fsspec, a file object.
+
+    Parameters
+    ----------
+    options : dict, optional
+        Of the file system of fsspec, for URLs alone.
+    """
+    if options is not None and not (isinstance(place, str) and "://" in place):
+        raise ArgumentError("storage_options are of URLs")
+    if not isinstance(options or {}, dict):
+        raise ArgumentError(f"storage_options is a dictionary, not {type(options).__name__}")
+    if isinstance(place, (bytes, bytearray, memoryview)):
+        return _Bytes(bytes(place))
+    if _is_of_fsspec(place):
+        return _Url(place.full_name, place=(place.fs, place.path))
+    if isinstance(place, os.PathLike):
+        place = os.fspath(place)
+    if isinstance(place, str):
+        require_name(place)
+        return _Url(place, options) if "://" in place else _Path(place)
+    if all(hasattr(place, name) for name in ("read", "seek", "tell")):
+        return _Stream(place)
+    raise ArgumentError("give a path, a URL, the bytes of a file or a file object that seeks, not "
+                        f"{type(place).__name__}")
+
+
+def _is_of_fsspec(place):
+    """Whether it is an OpenFile of fsspec."""
+    return all(hasattr(place, name) for name in ("fs", "path", "full_name"))
 
 
 def without_secrets(url):
@@ -62,12 +94,15 @@ def if_written(path):
 class _Path:
     def __init__(self, path):
         self.name = path
+        self._path = None  # behind the first opening, in whatever folder
 
     def forget(self):
         """Nothing is kept."""
 
     def open(self, cache_bytes):
-        return _octavo.OpenFile(self.name, cache_bytes)
+        handle = _octavo.OpenFile(self._path or self.name, cache_bytes)
+        self._path = self._path or os.path.abspath(self.name)
+        return handle
 
 
 class _Bytes:
@@ -85,6 +120,41 @@ class _Bytes:
                                 self.name, cache_bytes, [])
 
 
+class _Stream:
+    """A file object of bytes that seeks; one reader at a time."""
+
+    def __init__(self, file):
+        self._file = file
+        self._lock = threading.Lock()
+        name = getattr(file, "name", None)
+        self.name = name if isinstance(name, str) else type(file).__name__
+
+    def forget(self):
+        """Nothing is kept."""
+
+    def open(self, cache_bytes):
+        try:
+            size = self._file.seek(0, os.SEEK_END)
+            is_binary = isinstance(self._file.read(0), bytes)
+        except (OSError, ValueError) as error:
+            raise StorageError(f"{self.name}: {error}", path=self.name) from None
+        if not is_binary:
+            raise ArgumentError(f"{self.name}: is a file of text; open it with the mode \"rb\"")
+        return _octavo.OpenFile(self._read, None, size, self.name, cache_bytes, [])
+
+    def _read(self, at, length):
+        with self._lock:
+            self._file.seek(at)
+            parts = []
+            while length > 0:
+                part = self._file.read(length)
+                if not part:
+                    break
+                parts.append(part)
+                length -= len(part)
+        return b"".join(parts)
+
+
 class _Url:
     """A file behind fsspec, read in ranges; blocks that were fetched are kept."""
 
@@ -96,12 +166,17 @@ class _Url:
     # read before it.
     _HEAD, _TAIL = _BLOCK, 5 * _BLOCK
 
+    _MOST_WHOLE = 1 << 20  # of a file that is taken whole from a server without ranges
+
     _SILENT_SECONDS = 60  # that a server may be
     _PAUSES = 0.2, 0.4, 0.8  # before what failed for a while is asked for again
     _LONGEST_PAUSE = 60  # that a busy server may ask for
 
-    def __init__(self, url):
+    def __init__(self, url, options=None, place=None):
+        """place  (file system, path) of a file that fsspec has found already"""
         self._url = url
+        self._storage_options = options or {}
+        self._place = place
         self._blocks = None
         self._ends = {}  # offset: bytes that came with the length of the file
         self._answers = []  # seconds and bytes of what was asked for when it was opened
@@ -120,7 +195,7 @@ class _Url:
             raise ArgumentError(f"{self.name}: URLs are read through fsspec, which is not "
                                 "installed (pip install fsspec aiohttp)") from None
         try:
-            files, path = fsspec.core.url_to_fs(self._url, **self._options())
+            files, path = self._place or fsspec.core.url_to_fs(self._url, **self._options())
             size = self._tried(lambda: self._opened(files, path))
         except (ImportError, ValueError) as error:
             raise ArgumentError(f"{self.name}: {self._words_of(error)}",
@@ -183,6 +258,8 @@ class _Url:
         info, seconds = info
         self._answers.append((seconds, 0))
         for part in parts:
+            if isinstance(part, _NoRanges):
+                raise part
             # What failed is asked for again when it is read, and fails then.
             if isinstance(part, BaseException):
                 continue
@@ -199,6 +276,8 @@ class _Url:
         words["headers"] = {**words.get("headers", {}), "Range": f"bytes={span}"}
         session = await files.set_session()
         async with session.get(files.encode_url(path), **words) as answer:
+            if answer.status == 200 and span.startswith("0-"):
+                return await _Url._whole(answer)
             said = re.fullmatch(r"bytes (\d+)-(\d+)/(\d+)",
                                 answer.headers.get("Content-Range", ""))
             if answer.status != 206 or not said:
@@ -208,6 +287,15 @@ class _Url:
                 return None
             held = await answer.read()
             return (first, held, size) if len(held) == last + 1 - first else None
+
+    @staticmethod
+    async def _whole(answer):
+        """All of a small file that comes where a range was asked for, as `_part` has it."""
+        size = answer.content_length
+        if size is None or size > _Url._MOST_WHOLE:
+            raise _NoRanges("the server does not serve ranges of a file")
+        held = await answer.read()
+        return 0, held, len(held)
 
     def _held(self, start, stop):
         """The bytes [start, stop), where an end of the file has them."""
@@ -220,15 +308,16 @@ class _Url:
         return self._url.startswith(("http://", "https://"))
 
     def _options(self):
+        given = self._storage_options
         if not self._is_http():
-            return {}
+            return given
         try:
             import aiohttp
         except ImportError:
-            return {}
+            return given
         silent = aiohttp.ClientTimeout(total=None, sock_connect=self._SILENT_SECONDS,
                                        sock_read=self._SILENT_SECONDS)
-        return {"client_kwargs": {"timeout": silent}}
+        return {**given, "client_kwargs": {"timeout": silent, **given.get("client_kwargs", {})}}
 
     def _tried(self, ask):
         """What `ask` returns; asked again as long as a server is busy or loses connections."""
@@ -263,6 +352,10 @@ class _Url:
             return f"the server answered {status}"
         words = str(reason).replace(self._url, self.name).strip()
         return words or f"the server did not answer ({type(reason).__name__})"
+
+
+class _NoRanges(OSError):
+    """A server sends whole files alone, and this one is large."""
 
 
 def _all_ranges(files, path, ranges):

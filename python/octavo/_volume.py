@@ -10,7 +10,7 @@ import numpy as np
 
 from ._errors import ArgumentError, CorruptError, StorageError
 from ._indexing import Selection, boxes_of, centers_within
-from ._sources import source_of
+from ._sources import lasting, source_of
 from ._tasks import VolumeTasks
 from ._work import MOST_THREADS, grid_affine, number_of, whole_number
 
@@ -295,8 +295,8 @@ class Volume(VolumeTasks, View):
         Equal for equal voxels; see the format.
     """
 
-    def __init__(self, source, cache_bytes=DEFAULT_CACHE_BYTES):
-        super().__init__(_File(source, cache_bytes), 0)
+    def __init__(self, source, cache_bytes=DEFAULT_CACHE_BYTES, storage_options=None):
+        super().__init__(_File(source, cache_bytes, storage_options), 0)
         facts = self._file.facts
         self.kind = facts["kind"]
         self.unit = facts["unit"]
@@ -425,9 +425,11 @@ class Volume(VolumeTasks, View):
 class _File:
     """The file behind the views: opened once, and anew in a process that was forked."""
 
-    def __init__(self, source, cache_bytes):
-        self._source = source_of(source)
-        self.opened = _lasting(source), cache_bytes
+    def __init__(self, source, cache_bytes, storage_options):
+        place = lasting(source)
+        # Messages name a path as it was given.
+        self._source = source_of(source if isinstance(place, str) else place, storage_options)
+        self.opened = place, cache_bytes, storage_options
         self._cache_bytes = whole_number(cache_bytes, "cache_bytes", 0)
         self._only_thread = False
         self._open()
@@ -488,17 +490,8 @@ class _File:
         self._handle = None
 
 
-def _lasting(source):
-    """What a file is opened from, in a form that holds in other folders."""
-    if isinstance(source, os.PathLike):
-        source = os.fspath(source)
-    if isinstance(source, str) and "://" not in source:
-        source = os.path.abspath(source)
-    return source
-
-
-def _opened_view(level, source, cache_bytes):
-    return View(_File(source, cache_bytes), level)
+def _opened_view(level, *opened):
+    return View(_File(*opened), level)
 
 
 # Handles of the process before a fork: taking them down could wait for locks of its threads.

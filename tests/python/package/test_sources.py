@@ -4,6 +4,7 @@ import concurrent.futures
 import errno
 import gc
 import http.server
+import io
 import multiprocessing
 import os
 import pathlib
@@ -44,6 +45,7 @@ class RangedFiles(http.server.SimpleHTTPRequestHandler):
     has_ranges = True
     has_suffixes = True
     status = None  # that every answer has
+    wanted = None  # that requests are authorized by
     busy = []      # statuses of the answers that come next
     flips = 0      # answers of more than this many bytes have a wrong one; 0: none has
 
@@ -63,6 +65,9 @@ class RangedFiles(http.server.SimpleHTTPRequestHandler):
             return
         if self.status or self.busy:
             self.send_error(self.status or self.busy.pop())
+            return
+        if self.wanted and self.headers.get("Authorization") != self.wanted:
+            self.send_error(401)
             return
         held = file.read_bytes()
         span = self.headers.get("Range", "")
@@ -226,8 +231,60 @@ def test_a_server_without_ranges_is_named(served):
     pytest.importorskip("aiohttp")
     handler, root = served
     handler.has_ranges = False
-    with pytest.raises(octavo.StorageError, match="range"):
-        octavo.open(f"{root}/scan.8vo")[0]
+    with pytest.raises(octavo.StorageError, match="does not serve ranges"):
+        octavo.open(f"{root}/scan.8vo")
+    assert {method for method, _ in handler.asked} == {"HEAD", "GET"} and len(handler.asked) == 3
+
+
+def test_a_small_file_is_taken_whole_from_a_server_without_ranges(served, voxels):
+    pytest.importorskip("aiohttp")
+    handler, root = served
+    handler.has_ranges = False
+    small = os.path.join(handler.directory, "small.8vo")
+    octavo.build(voxels[:20], small)
+    assert np.array_equal(octavo.open(f"{root}/small.8vo")[...], voxels[:20])
+    os.unlink(small)
+
+
+def test_options_of_a_file_system_are_kept(served, voxels, path):
+    fsspec = pytest.importorskip("fsspec")
+    pytest.importorskip("aiohttp")
+    handler, root = served
+    handler.wanted = "Bearer secret"
+    with pytest.raises(octavo.StorageError, match="401"):
+        octavo.open(f"{root}/scan.8vo")
+    options = {"headers": {"Authorization": "Bearer secret"},
+               "client_kwargs": {"trust_env": False}}
+    volume = octavo.open(f"{root}/scan.8vo", storage_options=options)
+    assert np.array_equal(volume[5], voxels[5])
+    for one in volume, volume.levels[0]:
+        assert np.array_equal(pickle.loads(pickle.dumps(one))[6], voxels[6])
+    there = fsspec.open(f"{root}/scan.8vo", **options)
+    assert np.array_equal(octavo.open(there)[7], voxels[7])
+    for place in path, b"bytes":
+        with pytest.raises(octavo.ArgumentError, match="storage_options are of URLs"):
+            octavo.open(place, storage_options={})
+    with pytest.raises(octavo.ArgumentError, match="dictionary"):
+        octavo.open(f"{root}/scan.8vo", storage_options="secret")
+
+
+def test_open_files_and_files_of_fsspec_are_read(path, voxels):
+    held = pathlib.Path(path).read_bytes()
+    volume = octavo.open(io.BytesIO(held))
+    assert np.array_equal(volume[5], voxels[5])
+    assert np.array_equal(pickle.loads(pickle.dumps(volume))[6], voxels[6])
+    with open(path, "rb", buffering=0) as file:
+        volume = octavo.open(file)
+        assert volume.name == path and np.array_equal(volume[...], voxels)
+        with concurrent.futures.ThreadPoolExecutor(4) as pool:
+            assert all(pool.map(lambda z: np.array_equal(volume[z], voxels[z]), range(40)))
+    with open(path) as file, pytest.raises(octavo.ArgumentError, match="text"):
+        octavo.open(file)
+    with pytest.raises(octavo.FormatError):
+        octavo.open(io.BytesIO(b"nothing of the kind" * 99))
+    fsspec = pytest.importorskip("fsspec")
+    volume = octavo.open(fsspec.open(path))
+    assert np.array_equal(pickle.loads(pickle.dumps(volume))[6], voxels[6])
 
 
 def test_a_block_that_fails_is_fetched_again():
@@ -308,6 +365,15 @@ def test_a_relative_path_is_that_of_when_it_was_opened(path, voxels, monkeypatch
     volume = octavo.open(os.path.basename(path))
     monkeypatch.chdir(tmp_path)
     assert np.array_equal(pickle.loads(pickle.dumps(volume))[9], voxels[9])
+    monkeypatch.setattr(volume._file, "_process", -1)  # as in one that was forked
+    assert volume.name == "scan.8vo" and np.array_equal(volume[9], voxels[9])
+
+
+def test_bytes_of_any_kind_pickle(path, voxels):
+    held = pathlib.Path(path).read_bytes()
+    for kind in bytes, bytearray, memoryview:
+        volume = pickle.loads(pickle.dumps(octavo.open(kind(held))))
+        assert np.array_equal(volume[9], voxels[9])
 
 
 def test_a_volume_pickles_as_its_place(volume, voxels, monkeypatch, tmp_path):
