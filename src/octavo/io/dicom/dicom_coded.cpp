@@ -12,6 +12,7 @@
 #include "octavo/core/error.h"
 #include "octavo/core/unset_bytes.h"
 #include "octavo/io/dicom/dicom_library.h"
+#include "octavo/io/dicom/run_length_frame.h"
 #include "octavo/io/source/jpeg_completeness.h"
 #include "octavo/io/source/source_file.h"
 
@@ -125,21 +126,37 @@ bool is_plain_jpeg(const DicomLayout& layout) {
          uid.starts_with("1.2.840.10008.1.2.4.7");
 }
 
-/// Rejects a decoded JPEG picture that ends early: the decoder fills it up without a word.
+/// The bytes of a picture, over the ends of its fragments; `joined` keeps those of several.
+std::span<const std::byte> whole_picture(const std::vector<std::vector<std::byte>>& fragments,
+                                         std::vector<std::byte>& joined) {
+  if (fragments.size() == 1) return fragments.front();
+  for (const std::vector<std::byte>& part : fragments) {
+    joined.insert(joined.end(), part.begin(), part.end());
+  }
+  return joined;
+}
+
+[[noreturn]] void reject_damaged(const DicomLayout& layout, std::int64_t frame,
+                                 const std::string& damage) {
+  const std::string of = layout.frames > 1 ? " of frame " + std::to_string(frame + 1) : "";
+  reject(layout, "the compressed picture" + of + " " + damage + "; copy the file again from its "
+                     "origin");
+}
+
+/// Rejects a JPEG picture or run lengths that end early: the decoder fills them up without a word.
 void require_all_values(const DicomLayout& layout, std::int64_t frame,
                         const std::vector<std::vector<std::byte>>& fragments) {
-  if (!is_plain_jpeg(layout)) return;
+  if (!is_plain_jpeg(layout) && !has_run_lengths(layout)) return;
   std::vector<std::byte> joined;
-  if (fragments.size() > 1) {
-    for (const std::vector<std::byte>& part : fragments) {
-      joined.insert(joined.end(), part.begin(), part.end());
-    }
+  const std::span<const std::byte> picture = whole_picture(fragments, joined);
+  if (is_plain_jpeg(layout)) {
+    if (is_whole_jpeg({}, picture)) return;
+    reject_damaged(layout, frame, "ends before its last value: it is damaged");
   }
-  const bool is_alone = fragments.size() == 1;
-  if (is_whole_jpeg({}, is_alone ? fragments.front() : joined)) return;
-  const std::string of = layout.frames > 1 ? " of frame " + std::to_string(frame + 1) : "";
-  reject(layout, "the compressed picture" + of + " ends before its last value: it is damaged; " +
-                     "copy the file again from its origin");
+  const auto pixels = static_cast<std::size_t>(layout.stored_columns() * layout.stored_rows());
+  const auto bytes = static_cast<std::size_t>(layout.bits_allocated / 8 * layout.samples);
+  const std::string damage = run_length_damage(picture, bytes, pixels);
+  if (!damage.empty()) reject_damaged(layout, frame, "is damaged (" + damage + ")");
 }
 
 /// What the bits of a decoded number mean. In JPEG, which knows 8, 12 and 16 bits alone, those
@@ -271,8 +288,8 @@ bool read_coded_frame(const DicomSlice& slice, std::span<std::byte> plane) {
     picture.fragments.push_back(std::move(bytes));
   }
   if (!head) {
-    decode(layout, picture, plane);
     require_all_values(layout, slice.frame, picture.fragments);
+    decode(layout, picture, plane);
     return false;
   }
   picture.is_signed = head->is_signed || (layout.is_signed && !picture.transfer_syntax.starts_with(

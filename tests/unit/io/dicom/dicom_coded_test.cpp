@@ -182,6 +182,25 @@ TEST_F(SourceDicomCoded, JpegWithoutAllItsValuesIsRejected) {
   }
 }
 
+TEST_F(SourceDicomCoded, RunLengthsWithoutAllTheirValuesAreRejected) {
+  const std::string whole = picture_of(ramp<std::uint16_t>(1), Syntax::RLELossless);
+  ASSERT_EQ(voxels_of(*open(header(16, 16, 15), whole, kRunLengths)).size(), 2 * kSide * kSide);
+  for (const std::size_t lost : {2U, 20U, 64U}) {
+    DicomElements elements = header(16, 16, 15);
+    elements.set_fragments({whole.substr(0, whole.size() - lost)}, true);
+    elements.write(path(), kRunLengths);
+    expect_rejected(path(), {"the compressed picture is damaged", "segment 2 of 2 makes",
+                             "of 256 bytes", "copy the file again"});
+  }
+  DicomElements elements = header(16, 16, 15);
+  elements.set(0x00280008, "IS", "2");
+  elements.set_fragments({whole, whole.substr(0, whole.size() - 2)}, true);
+  elements.write(path(), kRunLengths);
+  SourceOptions options;
+  options.spacing_mm = Point3{1, 1, 1};
+  expect_rejected(path(), {"the compressed picture of frame 2 is damaged"}, options);
+}
+
 TEST_F(SourceDicomCoded, RunLengthsKeepTheirBitsBelowTheHighBit) {
   std::vector<std::uint16_t> values = ramp<std::uint16_t>(1);
   const std::string picture = picture_of(values, Syntax::RLELossless);
