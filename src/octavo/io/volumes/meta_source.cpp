@@ -279,10 +279,22 @@ std::optional<std::uint64_t> header_size(const MetaHeader& header, StreamCoding 
   reject(header.path(), "HeaderSize " + std::to_string(bytes) + " is not usable");
 }
 
+/// The order has a key for each kind of header; both may be there.
+bool is_big_endian(const MetaHeader& header) {
+  constexpr const char* kElement = "ElementByteOrderMSB";
+  constexpr const char* kBinary = "BinaryDataByteOrderMSB";
+  const bool is_big = header.is_true({kElement, kBinary});
+  if (header.has(kElement) && header.has(kBinary) && header.is_true({kBinary}) != is_big) {
+    reject(header.path(), std::string(kElement) + " and " + kBinary +
+                              " contradict each other; take out the wrong one");
+  }
+  return is_big;
+}
+
 /// voxel_bytes  of all volumes of the file
 VoxelRun locate_voxels(const MetaHeader& header, std::uint64_t voxel_bytes) {
   VoxelRun run;
-  run.big_endian = header.is_true({"ElementByteOrderMSB", "BinaryDataByteOrderMSB"});
+  run.big_endian = is_big_endian(header);
   if (header.is_true({"CompressedData"})) run.coding = StreamCoding::deflated;
   const std::optional<std::uint64_t> start = header_size(header, run.coding);
   if (const std::vector<std::string> data = several_files_words(header); !data.empty()) {

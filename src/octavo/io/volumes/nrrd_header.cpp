@@ -86,7 +86,11 @@ void NrrdHeader::take_line(std::string_view line) {
   }
   if (colon == std::string_view::npos) return;
   const std::string name = kept_name(lower_case(std::string(line.substr(0, colon))));
-  fields_[name] = trimmed(line.substr(colon + 2));
+  const bool is_new = fields_.emplace(name, trimmed(line.substr(colon + 2))).second;
+  if (!is_new) {
+    reject(path_, "the header has the field \"" + escaped(name) +
+                      "\" twice; take out the wrong one");
+  }
   if (name == "content" || name == "labels") {
     identity_.note(name, fields_[name]);
   } else if (!is_of_the_format(name)) {

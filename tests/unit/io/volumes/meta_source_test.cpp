@@ -51,6 +51,22 @@ TEST(MetaSource, WhatIsNoScalarVolumeIsRejected) {
   }
 }
 
+TEST(MetaSource, KeysOfTheByteOrderMayNotContradictEachOther) {
+  const TempFolder folder;
+  const std::string path = folder.file("a.mha");
+  const auto write = [&](const std::string& keys) {
+    write_file(path, "NDims = 3\nDimSize = 4 3 2\nElementType = MET_SHORT\n" + keys +
+                         "ElementDataFile = LOCAL\n" + bytes_of(kStoredValues));
+  };
+  write("ElementByteOrderMSB = False\nBinaryDataByteOrderMSB = 0\n");
+  EXPECT_EQ(voxels_of(*open_source({path}, {})), bytes_of(kStoredValues));
+  for (const char* keys : {"ElementByteOrderMSB = True\nBinaryDataByteOrderMSB = False\n",
+                           "ElementByteOrderMSB = False\nBinaryDataByteOrderMSB = True\n"}) {
+    write(keys);
+    expect_rejected(path, {"ElementByteOrderMSB", "BinaryDataByteOrderMSB", "contradict"});
+  }
+}
+
 TEST(MetaSource, VoxelsMayStandInSeveralFiles) {
   struct Case {
     std::size_t files;

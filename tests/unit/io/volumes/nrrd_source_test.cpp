@@ -54,6 +54,24 @@ TEST(NrrdSource, BytesStandInOneOfTwoOrders) {
   }
 }
 
+TEST(NrrdSource, FieldsThatAreThereTwiceAreRejected) {
+  const TempFolder folder;
+  const std::string path = folder.file("a.nrrd");
+  const auto write = [&](const std::string& more) {
+    write_file(path, "NRRD0004\ntype: short\ndimension: 3\nsizes: 4 3 2\nendian: little\n"
+                     "encoding: raw\nspacings: 1 1 1\n# a\n# a\n" + more + "\n" +
+                         bytes_of(kStoredValues));
+  };
+  write("a:=1\nb:=2\n");
+  EXPECT_EQ(voxels_of(*open_source({path}, {})), bytes_of(kStoredValues));
+  for (const char* name : {"type", "endian", "spacings", "Sizes"}) {
+    write(name + std::string(": short\n"));
+    expect_rejected(path, {"the header has the field", "twice"});
+  }
+  write("byte skip: 0\nbyteskip: 1\n");
+  expect_rejected(path, {"the header has the field \"byte skip\" twice"});
+}
+
 /// Files of `count` parts of the stored values, "p1.raw" and so on.
 void write_parts(const TempFolder& folder, std::size_t count, bool is_gzip,
                  const std::string& front = "") {
