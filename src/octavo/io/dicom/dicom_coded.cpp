@@ -1,10 +1,12 @@
 #include "octavo/io/dicom/dicom_coded.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <cstring>
 #include <limits>
 #include <new>
+#include <string_view>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -120,6 +122,26 @@ void decode(const DicomLayout& layout, const CodedPicture& picture, std::span<st
                      ") cannot be decoded: it is damaged, or of a kind that GDCM does not read");
 }
 
+/// The coding of a transfer syntax that has no decoder here; null of any other.
+const char* coding_without_decoder(std::string_view uid) {
+  constexpr std::string_view kCodings = "1.2.840.10008.1.2.4.";
+  if (!uid.starts_with(kCodings)) return nullptr;
+  const std::string_view number = uid.substr(kCodings.size(), 3);
+  if (number == "201" || number == "202" || number == "203") return "HTJ2K";
+  if (number == "110" || number == "111" || number == "112") return "JPEG XL";
+  if (number == "100" || number == "101") return "MPEG-2";
+  if (number >= "102" && number <= "106" && number.size() == 3) return "MPEG-4";
+  if (number == "107" || number == "108") return "HEVC";
+  return nullptr;
+}
+
+void require_decoder(const DicomLayout& layout) {
+  const char* const coding = coding_without_decoder(layout.transfer_syntax);
+  if (coding == nullptr) return;
+  reject(layout, "transfer syntax " + escaped(layout.transfer_syntax) + " (" + coding +
+                     ") is not read; export the series again uncompressed or as JPEG 2000");
+}
+
 bool is_plain_jpeg(const DicomLayout& layout) {
   const std::string& uid = layout.transfer_syntax;
   return uid.starts_with("1.2.840.10008.1.2.4.5") || uid.starts_with("1.2.840.10008.1.2.4.6") ||
@@ -141,6 +163,18 @@ std::span<const std::byte> whole_picture(const std::vector<std::vector<std::byte
   const std::string of = layout.frames > 1 ? " of frame " + std::to_string(frame + 1) : "";
   reject(layout, "the compressed picture" + of + " " + damage + "; copy the file again from its "
                      "origin");
+}
+
+/// Rejects a JPEG-LS picture without the mark of the end, which its values cannot hold: behind the
+/// last byte its decoder may count zeros for minutes before it gives up.
+void require_end(const DicomLayout& layout, std::int64_t frame,
+                 const std::vector<std::vector<std::byte>>& fragments) {
+  constexpr std::array kEnd = {std::byte{0xff}, std::byte{0xd9}};
+  if (!layout.transfer_syntax.starts_with("1.2.840.10008.1.2.4.8")) return;
+  std::vector<std::byte> joined;
+  const std::span<const std::byte> picture = whole_picture(fragments, joined);
+  const auto end = std::find_end(picture.begin(), picture.end(), kEnd.begin(), kEnd.end());
+  if (end == picture.end()) reject_damaged(layout, frame, "ends before its mark of the end");
 }
 
 /// Rejects a JPEG picture or run lengths that end early: the decoder fills them up without a word.
@@ -271,6 +305,7 @@ bool has_wide_number(const DicomSlice& slice) {
 
 bool read_coded_frame(const DicomSlice& slice, std::span<std::byte> plane) {
   const DicomLayout& layout = *slice.layout;
+  require_decoder(layout);
   constexpr std::size_t kMostBytes = std::numeric_limits<std::uint32_t>::max();
   if (plane.size() > kMostBytes) {
     reject(layout, "a compressed picture of " + std::to_string(plane.size()) +
@@ -294,6 +329,7 @@ bool read_coded_frame(const DicomSlice& slice, std::span<std::byte> plane) {
   }
   picture.is_signed = head->is_signed || (layout.is_signed && !picture.transfer_syntax.starts_with(
                                                                   "1.2.840.10008.1.2.4.9"));
+  require_end(layout, slice.frame, picture.fragments);
   const auto ratio = static_cast<std::size_t>(layout.bits_allocated / picture.bits_allocated);
   UnsetBytes narrow;
   std::span<std::byte> decoded = plane;

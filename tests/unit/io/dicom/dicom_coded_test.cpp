@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "support/coded_dicom.h"
 #include "support/dicom_elements.h"
@@ -199,6 +200,35 @@ TEST_F(SourceDicomCoded, RunLengthsWithoutAllTheirValuesAreRejected) {
   SourceOptions options;
   options.spacing_mm = Point3{1, 1, 1};
   expect_rejected(path(), {"the compressed picture of frame 2 is damaged"}, options);
+}
+
+TEST_F(SourceDicomCoded, JpegLsWithoutItsEndIsRejectedUndecoded) {
+  const std::string whole = picture_of(ramp<std::uint16_t>(1), Syntax::JPEGLSLossless);
+  ASSERT_TRUE(whole.ends_with("\xff\xd9") || whole.ends_with(std::string("\xff\xd9\0", 3)));
+  for (const std::size_t size : {whole.rfind("\xff\xd9"), whole.size() / 2}) {
+    DicomElements elements = header(16, 16, 15);
+    elements.set_fragments({whole.substr(0, size)}, true);
+    elements.write(path(), kJpegLs);
+    expect_rejected(path(), {"the compressed picture ends before its mark of the end"});
+  }
+  DicomElements elements = header(16, 16, 15);
+  elements.set_fragments({whole.substr(0, 100), whole.substr(100)}, true);
+  elements.write(path(), kJpegLs);
+  EXPECT_EQ(voxels_of(*open_source({path()}, {})), bytes_of(ramp<std::uint16_t>(1)));
+}
+
+TEST_F(SourceDicomCoded, SyntaxesWithoutADecoderAreNamed) {
+  const std::string picture = picture_of(ramp<std::uint16_t>(1), Syntax::JPEG2000Lossless);
+  const std::string syntax = "1.2.840.10008.1.2.4.";
+  for (const auto& [number, name] : {std::pair{"201", "HTJ2K"}, std::pair{"202", "HTJ2K"},
+                                     std::pair{"203", "HTJ2K"}, std::pair{"110", "JPEG XL"},
+                                     std::pair{"102", "MPEG-4"}, std::pair{"107", "HEVC"}}) {
+    DicomElements elements = header(16, 16, 15);
+    elements.set_fragments({picture}, true);
+    elements.write(path(), (syntax + number).c_str());
+    expect_rejected(path(), {"transfer syntax " + syntax + number + " (" + name + ") is not read",
+                             "export the series again"});
+  }
 }
 
 TEST_F(SourceDicomCoded, RunLengthsKeepTheirBitsBelowTheHighBit) {
