@@ -114,6 +114,16 @@ std::int64_t frame_count(const DicomSet& data, const std::string& path) {
                    " expected; correct it in the file, or export the series again");
 }
 
+/// Pixel Representation; no sign where it is absent.
+bool has_sign(const DicomSet& data, const std::string& path) {
+  constexpr DicomTag kPixelRepresentation = 0x00280103;
+  const auto kind = data.unsigned_value(kPixelRepresentation).value_or(0);
+  if (kind == 0 || kind == 1) return kind == 1;
+  reject(path, "Pixel Representation " + dicom_tag_text(kPixelRepresentation) + " is " +
+                   std::to_string(kind) + ", 0 or 1 expected; correct it in the file, or export "
+                   "the series again");
+}
+
 DicomLayout read_layout(const DicomFile& file) {
   const DicomSet& data = file.data;
   DicomLayout layout;
@@ -148,7 +158,7 @@ DicomLayout read_layout(const DicomFile& file) {
   layout.bits_allocated = required(file, 0x00280100, "Bits Allocated");
   layout.bits_stored = data.unsigned_value(0x00280101).value_or(layout.bits_allocated);
   layout.high_bit = data.unsigned_value(0x00280102).value_or(layout.bits_stored - 1);
-  layout.is_signed = data.unsigned_value(0x00280103).value_or(0) == 1;
+  layout.is_signed = has_sign(data, file.path);
   layout.was_lossy = data.text(0x00282110) == "01" || is_lossy_syntax(file.transfer_syntax);
   layout.has_burned_in_text = data.text(0x00280301) == "YES";
   layout.shows_who_it_is = data.text(0x00280302) == "YES";

@@ -217,6 +217,15 @@ TEST_F(SourceDicomCoded, JpegLsWithoutItsEndIsRejectedUndecoded) {
   EXPECT_EQ(voxels_of(*open_source({path()}, {})), bytes_of(ramp<std::uint16_t>(1)));
 }
 
+TEST_F(SourceDicomCoded, SignsOfAnotherKindAreRejected) {
+  DicomElements elements = header(16, 16, 15);
+  elements.set_number(kSignTag, 2);
+  const std::string picture = picture_of(ramp<std::uint16_t>(1), Syntax::RLELossless);
+  elements.set_fragments({picture}, true);
+  elements.write(path(), kRunLengths);
+  expect_rejected(path(), {"Pixel Representation (0028,0103) is 2, 0 or 1 expected"});
+}
+
 TEST_F(SourceDicomCoded, SyntaxesWithoutADecoderAreNamed) {
   const std::string picture = picture_of(ramp<std::uint16_t>(1), Syntax::JPEG2000Lossless);
   const std::string syntax = "1.2.840.10008.1.2.4.";
