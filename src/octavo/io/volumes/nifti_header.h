@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <string>
 #include <vector>
@@ -11,6 +12,8 @@
 #include "octavo/core/warning.h"
 
 namespace octavo {
+
+inline constexpr std::int64_t kNoVoxelOffset = std::numeric_limits<std::int64_t>::min();
 
 /// The fields Octavo uses, as the header gives them.
 struct NiftiHeader {
@@ -21,7 +24,7 @@ struct NiftiHeader {
   std::array<std::int64_t, 8> dim{};    ///< [0]: how many of the others count
   std::array<double, 8> pixdim{};       ///< [0]: the sign of the third qform axis
   std::int64_t datatype = 0;
-  std::int64_t voxel_offset = 0;
+  std::int64_t voxel_offset = 0;  ///< kNoVoxelOffset: no number
   double slope = 0;
   double intercept = 0;
   int spatial_unit = 0;                 ///< 1 meter, 2 mm, 3 micrometer, 0 unknown

@@ -90,10 +90,13 @@ void take_component(const NiftiHeader& header, const SourceFacts& facts, VoxelRu
   run.take_volume(choice.channel * components.times + choice.time, volumes, bytes);
 }
 
-Rescale read_rescale(const NiftiHeader& header) {
+Rescale read_rescale(const NiftiHeader& header, const std::string& path) {
   // A slope of 0 says that there is no scaling (NIfTI-1, "Data scaling").
   if (header.slope == 0 || !std::isfinite(header.slope)) return {};
-  return {header.slope, std::isfinite(header.intercept) ? header.intercept : 0.0};
+  if (!std::isfinite(header.intercept)) {
+    reject(path, "scl_inter of the header is no number, and its slope is one; repair the header");
+  }
+  return {header.slope, header.intercept};
 }
 
 /// The file with the voxels: the header's own, or the .img beside it.
@@ -106,6 +109,21 @@ std::string voxel_file(const std::string& path, bool is_pair) {
     return sibling_path(path, stem + (has_ending(path, ".gz") ? ".img.gz" : ".img"));
   }
   reject(path, "its header says that the voxels are in a separate .img, but it is not named .hdr");
+}
+
+/// minimum  the first byte at which voxels may start
+std::uint64_t voxel_start(const NiftiHeader& header, const std::string& path,
+                          std::int64_t minimum) {
+  if (header.voxel_offset == kNoVoxelOffset) {
+    reject(path, "vox_offset of the header is no number; repair the header");
+  }
+  if (header.voxel_offset < minimum) {
+    reject(path, "the voxels are said to start at byte " + std::to_string(header.voxel_offset) +
+                     (header.is_pair ? ", before the file"
+                                     : ", inside the header of " + std::to_string(minimum) +
+                                           " bytes"));
+  }
+  return static_cast<std::uint64_t>(header.voxel_offset);
 }
 
 }  // namespace
@@ -125,7 +143,7 @@ std::unique_ptr<PlaneSource> open_nifti_source(const std::string& path,
   if (header.intent == kIntentLabel && may_be_whole && !is_color) {
     description.kind = VolumeKind::labels;
   }
-  description.rescale = read_rescale(header);
+  description.rescale = read_rescale(header, path);
   facts.spacing_known = nifti_geometry(header, path, description.geometry, facts.warnings);
   for (Warning& warning : facts.warnings) warning.text += ": " + escaped(path);
   facts.place_known = header.sform_code > 0 || header.qform_code > 0;
@@ -141,12 +159,7 @@ std::unique_ptr<PlaneSource> open_nifti_source(const std::string& path,
   run.path = voxel_file(path, header.is_pair);
   run.big_endian = header.big_endian;
   run.coding = is_gzip_file(run.path) ? StreamCoding::deflated : StreamCoding::plain;
-  const std::int64_t minimum = header.is_pair ? 0 : header_bytes;
-  if (header.voxel_offset < minimum) {
-    reject(path, "the voxels are said to start at byte " + std::to_string(header.voxel_offset) +
-                     ", inside the header of " + std::to_string(minimum) + " bytes");
-  }
-  run.skip_bytes = static_cast<std::uint64_t>(header.voxel_offset);
+  run.skip_bytes = voxel_start(header, path, header.is_pair ? 0 : header_bytes);
   take_component(header, facts, run);
   return make_streamed_source(std::move(facts), run);
 }

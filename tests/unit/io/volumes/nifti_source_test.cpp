@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "support/source_files.h"
 
 namespace octavo::testing {
@@ -27,6 +29,26 @@ TEST(NiftiSource, GivesStoredVoxelsAndLpsGeometry) {
       EXPECT_EQ(voxels_of(*source), bytes_of(kStoredValues));
       EXPECT_TRUE(source->warnings().empty());
     }
+  }
+}
+
+TEST(NiftiSource, WhatIsNoNumberOrOutOfTheFileIsNamed) {
+  const TempFolder folder;
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  struct Case {
+    std::size_t at;
+    float value;
+    std::string words;
+  };
+  for (const Case& one : {Case{108, kNan, "vox_offset of the header is no number"},
+                          Case{108, -5, "are said to start at byte -5"},
+                          Case{116, kNan, "scl_inter of the header is no number"}}) {
+    NiftiSample sample;
+    sample.slope = 2;
+    std::string header = nifti_header(sample);
+    header.replace(one.at, 4, bytes_of<float>({one.value}));
+    write_file(folder.file("a.nii"), header + bytes_of(kStoredValues));
+    expect_rejected(folder.file("a.nii"), {one.words});
   }
 }
 
