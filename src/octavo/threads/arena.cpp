@@ -1,7 +1,9 @@
 #include "octavo/threads/arena.h"
 
+#include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
+#include <algorithm>
 #include <memory>
 #include <mutex>
 #include <utility>
@@ -74,7 +76,10 @@ int arena_threads() { return has_threads() ? tbb::this_task_arena::max_concurren
 
 void run_in_arena(int threads, const std::function<void()>& work) {
   if (!has_threads()) return work();
-  const LentArena arena(threads > 0 ? threads : tbb::task_arena::automatic);
+  // TBB tells stderr of workers that it cannot give, which is the process's own.
+  const auto allowed = static_cast<int>(
+      tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
+  const LentArena arena(threads > 0 ? std::min(threads, allowed) : tbb::task_arena::automatic);
   (*arena).execute(work);
 }
 

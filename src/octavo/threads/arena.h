@@ -10,7 +10,8 @@ namespace octavo {
 /// Threads of the caller's arena, with its own.
 int arena_threads();
 
-/// Runs `work` in an arena of so many threads; with 0, of as many as the process may use.
+/// Runs `work` in an arena of so many threads, at most as many as the process may use; with 0, of
+/// all these.
 void run_in_arena(int threads, const std::function<void()>& work);
 
 /// Runs `work`; while its loops wait for other threads, the calling one takes up nothing but their

@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <cstdlib>
 #include <stdexcept>
 #include <thread>
 #include <vector>
@@ -17,10 +18,27 @@ namespace {
 TEST(Arena, HasTheThreadsThatAreAskedFor) {
   const int outside = arena_threads();
   EXPECT_GE(outside, 1);
+  const tbb::global_control allowed(tbb::global_control::max_allowed_parallelism, 5);
   for (const int threads : {1, 2, 5}) {
     run_in_arena(threads, [&] { EXPECT_EQ(arena_threads(), threads); });
   }
+}
+
+TEST(Arena, HasAllThreadsWhereNoneAreAskedFor) {
+  const int outside = arena_threads();
   run_in_arena(0, [&] { EXPECT_EQ(arena_threads(), outside); });
+}
+
+TEST(ArenaDeathTest, TakesNoMoreThreadsThanTheProcessMayUseAndSaysNothing) {
+  testing::GTEST_FLAG(death_test_style) = "threadsafe";
+  const auto ask_for_many = [] {
+    const tbb::global_control allowed(tbb::global_control::max_allowed_parallelism, 2);
+    run_in_arena(7, [] {
+      parallel_for(0, 100, [](int) {});
+      std::exit(arena_threads());
+    });
+  };
+  EXPECT_EXIT(ask_for_many(), testing::ExitedWithCode(2), "^$");
 }
 
 TEST(Arena, HandsOnWhatIsThrown) {
@@ -29,6 +47,7 @@ TEST(Arena, HandsOnWhatIsThrown) {
 }
 
 TEST(Arena, IsForOneCallerAlone) {
+  const tbb::global_control allowed(tbb::global_control::max_allowed_parallelism, 4);
   std::atomic<int> wrong = 0;
   const auto call = [&](int threads) {
     for (int i = 0; i < 50; ++i) {

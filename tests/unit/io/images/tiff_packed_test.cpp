@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 #include <tiffio.h>
 
+#include <initializer_list>
+
 #include "support/source_files.h"
 
 namespace octavo::testing {
@@ -107,8 +109,10 @@ TEST(TiffPacked, PagesBecomeUint16) {
   const std::string path = folder.file("a.tif");
   for (const int bits : {10, 12, 14}) {
     for (const std::uint16_t compression :
-         {COMPRESSION_NONE, COMPRESSION_LZW, COMPRESSION_ADOBE_DEFLATE, COMPRESSION_PACKBITS}) {
-      for (const std::uint16_t fill_order : {FILLORDER_MSB2LSB, FILLORDER_LSB2MSB}) {
+         std::initializer_list<std::uint16_t>{COMPRESSION_NONE, COMPRESSION_LZW,
+                                              COMPRESSION_ADOBE_DEFLATE, COMPRESSION_PACKBITS}) {
+      for (const std::uint16_t fill_order :
+           std::initializer_list<std::uint16_t>{FILLORDER_MSB2LSB, FILLORDER_LSB2MSB}) {
         for (const bool is_tile : {false, true}) {
           for (const char* mode : {"wl", "wb"}) {
             const PackedPage page{bits, 1, compression, fill_order, is_tile, mode};
@@ -157,7 +161,8 @@ TEST(TiffPacked, OtherWidthsAndSignsAreRejected) {
 TEST(TiffPacked, CutPagesAreRejected) {
   const TempFolder folder;
   const std::string path = folder.file("a.tif");
-  for (const std::uint16_t compression : {COMPRESSION_NONE, COMPRESSION_ADOBE_DEFLATE}) {
+  for (const std::uint16_t compression :
+       std::initializer_list<std::uint16_t>{COMPRESSION_NONE, COMPRESSION_ADOBE_DEFLATE}) {
     write_page(path, {14, 1, compression});
     const std::string whole = read_file(path);
     expect_every_truncation_rejected(path, whole);

@@ -35,7 +35,7 @@ TEST(PiecedStream, ReadsAndSkipsAcrossFiles) {
     const TempFolder folder;
     const std::vector<StreamPiece> pieces = write_pieces(folder, kPiece, coding);
     for (std::size_t skipped = 0; skipped <= all.size(); ++skipped) {
-      for (const std::size_t count : {1, 7, 10, 21}) {
+      for (const std::size_t count : {1U, 7U, 10U, 21U}) {
         if (skipped + count + 3 > all.size()) continue;
         PiecedStream stream(pieces, kPiece, coding);
         stream.skip(skipped);
