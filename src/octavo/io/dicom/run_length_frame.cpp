@@ -9,7 +9,7 @@ namespace octavo {
 namespace {
 
 /// The number of segments and 15 offsets, from the start of the frame.
-constexpr std::size_t kHeaderBytes = 64;
+constexpr std::size_t kFrameHeaderBytes = 64;
 constexpr std::size_t kMostSegments = 15;
 constexpr std::byte kNoByte{0x80};
 
@@ -52,9 +52,9 @@ std::string segment_damage(std::span<const std::byte> codes, std::size_t wanted)
 
 std::string run_length_damage(std::span<const std::byte> frame, std::size_t segments,
                               std::size_t pixels) {
-  if (frame.size() < kHeaderBytes) {
+  if (frame.size() < kFrameHeaderBytes) {
     return "it has " + std::to_string(frame.size()) + " bytes, and its header alone " +
-           std::to_string(kHeaderBytes);
+           std::to_string(kFrameHeaderBytes);
   }
   const std::size_t count = header_number(frame, 0);
   if (count > kMostSegments) {
@@ -71,7 +71,7 @@ std::string run_length_damage(std::span<const std::byte> frame, std::size_t segm
   for (std::size_t i = 0; i < count; ++i) {
     const std::string named = "segment " + std::to_string(i + 1) + " of " + std::to_string(count);
     const std::size_t end = std::min(starts[i + 1], frame.size());
-    if (starts[i] < kHeaderBytes || starts[i] > end) {
+    if (starts[i] < kFrameHeaderBytes || starts[i] > end) {
       return named + " starts at byte " + std::to_string(starts[i]) + " of " +
              std::to_string(frame.size()) + ", out of its place";
     }

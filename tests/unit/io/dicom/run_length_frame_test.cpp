@@ -13,7 +13,7 @@ namespace {
 
 using namespace std::string_literals;
 
-constexpr std::size_t kPixels = 8;
+constexpr std::size_t kFramePixels = 8;
 /// Eight bytes each: a run and two bytes; two runs.
 const std::string kFirst = "\xfb\x07\x01\x01\x02"s;
 const std::string kSecond = "\xfd\x09\xfd\x0a"s;
@@ -33,7 +33,7 @@ std::string frame_of(const std::vector<std::string>& segments) {
 }
 
 std::string damage_of(const std::string& frame, std::size_t segments = 2) {
-  return run_length_damage(std::as_bytes(std::span(frame)), segments, kPixels);
+  return run_length_damage(std::as_bytes(std::span(frame)), segments, kFramePixels);
 }
 
 void expect_damage(const std::string& frame, const char* words) {
