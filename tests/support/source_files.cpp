@@ -67,6 +67,16 @@ std::string gzip(const std::string& bytes) { return deflated(bytes, 15 + 16); }
 std::string zlib_stream(const std::string& bytes) { return deflated(bytes, 15); }
 std::string bare_deflate_stream(const std::string& bytes) { return deflated(bytes, -15); }
 
+void write_parts(const TempFolder& folder, std::size_t count,
+                 const std::function<std::string(const std::string&)>& file_of) {
+  const std::string all = bytes_of(kStoredValues);
+  const std::size_t part = all.size() / count;
+  for (std::size_t i = 0; i < count; ++i) {
+    write_file(folder.file("p" + std::to_string(i + 1) + ".raw"),
+               file_of(all.substr(i * part, part)));
+  }
+}
+
 std::string uneven_bytes(std::size_t count) {
   std::string bytes;
   std::uint32_t state = 7;

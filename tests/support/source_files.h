@@ -63,6 +63,11 @@ inline const std::vector<std::int16_t> kStoredValues = {
     0,  1,  -2, 300, -32768, 32767, 6,  7,  8,  9,  10, 11,
     12, 13, 14, 15,  16,     17,    18, 19, 20, 21, 22, 23};
 
+/// Files of `count` parts of the stored values, "p1.raw" and so on; `file_of` makes one of a part.
+void write_parts(
+    const TempFolder& folder, std::size_t count,
+    const std::function<std::string(const std::string&)>& file_of = std::identity());
+
 /// Values that hardly shrink.
 std::string uneven_bytes(std::size_t count);
 

@@ -95,7 +95,9 @@ export const showPanelsAlone = (shown, [width, height]) => shown.evaluate(([w, h
   document.body.classList.add("no-side");
   octavo.store.set({ hasAnnotations: false });
   const main = document.getElementById("main");
-  main.style.flex = "none";
+  // What stands above may end between two pixels, of which a picture would show both.
+  main.style.position = "fixed";
+  main.style.top = main.style.left = "0";
   main.style.width = `${w}px`;
   main.style.height = `${h}px`;
   for (const slider of document.querySelectorAll(".panel input")) slider.hidden = true;

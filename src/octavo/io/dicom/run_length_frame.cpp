@@ -4,6 +4,9 @@
 #include <array>
 #include <cstdint>
 
+#include "octavo/io/source/header_bytes.h"
+#include "octavo/io/source/packbits.h"
+
 namespace octavo {
 
 namespace {
@@ -12,14 +15,6 @@ namespace {
 constexpr std::size_t kFrameHeaderBytes = 64;
 constexpr std::size_t kMostSegments = 15;
 constexpr std::byte kNoByte{0x80};
-
-std::uint32_t header_number(std::span<const std::byte> frame, std::size_t index) {
-  std::uint32_t number = 0;
-  for (std::size_t i = 4; i-- > 0;) {
-    number = number << 8 | std::to_integer<std::uint32_t>(frame[4 * index + i]);
-  }
-  return number;
-}
 
 /// What may stand behind the run that makes the last byte.
 bool is_filling(std::span<const std::byte> rest) {
@@ -33,15 +28,12 @@ std::string segment_damage(std::span<const std::byte> codes, std::size_t wanted)
   const auto expected = [wanted] { return std::to_string(wanted) + " bytes"; };
   std::size_t made = 0;
   while (made < wanted && !codes.empty()) {
-    const auto code = std::to_integer<std::size_t>(codes.front());
-    const bool is_repeated = code > 0x80;
-    // One byte that comes several times, or several bytes.
-    const std::size_t taken = codes.front() == kNoByte ? 1 : is_repeated ? 2 : code + 2;
-    if (taken > codes.size()) {
+    const PackBitsCode code = packbits_code(codes.front());
+    if (code.taken > codes.size()) {
       return "makes " + std::to_string(made) + " of " + expected() + " before its last run is cut";
     }
-    if (codes.front() != kNoByte) made += is_repeated ? 257 - code : code + 1;
-    codes = codes.subspan(taken);
+    made += code.made;
+    codes = codes.subspan(code.taken);
   }
   if (made < wanted) return "makes " + std::to_string(made) + " of " + expected();
   if (made > wanted || !is_filling(codes)) return "makes more than " + expected();
@@ -56,7 +48,8 @@ std::string run_length_damage(std::span<const std::byte> frame, std::size_t segm
     return "it has " + std::to_string(frame.size()) + " bytes, and its header alone " +
            std::to_string(kFrameHeaderBytes);
   }
-  const std::size_t count = header_number(frame, 0);
+  const HeaderBytes header(frame.first(kFrameHeaderBytes), false);
+  const std::size_t count = header.at<std::uint32_t>(0);
   if (count > kMostSegments) {
     return "it names " + std::to_string(count) + " segments, and " +
            std::to_string(kMostSegments) + " is the most";
@@ -66,7 +59,7 @@ std::string run_length_damage(std::span<const std::byte> frame, std::size_t segm
            std::to_string(segments);
   }
   std::array<std::size_t, kMostSegments + 1> starts{};
-  for (std::size_t i = 0; i < count; ++i) starts[i] = header_number(frame, 1 + i);
+  for (std::size_t i = 0; i < count; ++i) starts[i] = header.at<std::uint32_t>(4 + 4 * i);
   starts[count] = frame.size();
   for (std::size_t i = 0; i < count; ++i) {
     const std::string named = "segment " + std::to_string(i + 1) + " of " + std::to_string(count);

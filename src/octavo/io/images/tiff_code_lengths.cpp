@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
+
+#include "octavo/io/source/packbits.h"
 
 namespace octavo {
 
@@ -75,19 +76,16 @@ std::optional<MadeBytes> lzw_bytes(std::span<const std::byte> coded, const Wante
 }
 
 MadeBytes packbits_bytes(std::span<const std::byte> coded, const WantedRows& wanted) {
-  constexpr int kNothing = -128;
   MadeBytes made;
   while (!coded.empty() && made.count <= wanted.most) {
     if (wanted.may_end(made.count) && coded.size() <= kMostBytesBehind) return made;
-    const int run = static_cast<std::int8_t>(std::to_integer<std::uint8_t>(coded[0]));
-    // One byte that comes several times, or several bytes.
-    const std::size_t taken = run == kNothing ? 1 : run < 0 ? 2 : 2 + static_cast<std::size_t>(run);
-    if (taken > coded.size()) {
+    const PackBitsCode code = packbits_code(coded.front());
+    if (code.taken > coded.size()) {
       made.damage = "its last run is cut";
       return made;
     }
-    if (run != kNothing) made.count += static_cast<std::uint64_t>(run < 0 ? 1 - run : 1 + run);
-    coded = coded.subspan(taken);
+    made.count += code.made;
+    coded = coded.subspan(code.taken);
   }
   return made;
 }

@@ -26,7 +26,7 @@ struct VoxelRun {
   std::uint64_t bytes_behind = 0;     ///< of other volumes, behind the last voxel
   /// The files of voxels that stand in several: `path` is the first, and `start_offset` says
   /// nothing. None where all stand in `path`.
-  std::vector<StreamPiece> pieces;
+  std::vector<StreamPiece> pieces = {};
   std::uint64_t piece_bytes = 0;  ///< of each of these files, behind decompression
 
   /// All files with voxels, in their order.
@@ -37,10 +37,9 @@ struct VoxelRun {
 };
 
 /// Delivers the planes of `run` one after the other; memory is that of a read buffer, and one
-/// file is open at a time. A plain file
-/// is read from any plane on, a deflated one from its start, and planes that are passed inflated as
-/// well. Where numbers
-/// are wide, the first planes are read here as well, to choose what voxels they become.
+/// file is open at a time. A plain file is read from any plane on, a deflated one from its start,
+/// and planes that are passed inflated as well. Where numbers are wide, the first planes are read
+/// here as well, to choose what voxels they become.
 /// A plain file that is too short is rejected here; a deflated stream is proven to its trailer when
 /// the last plane is read. Bytes behind the voxels bring a warning.
 /// The files are facts.path, which has the header, and those of the run.

@@ -7,25 +7,12 @@
 
 #include "octavo/io/source/byte_order.h"
 #include "support/source_files.h"
+#include "support/tiff_block_rows.h"
 
 namespace octavo::testing {
 namespace {
 
-struct Inflated {
-  MadeBytes made;
-  std::string rows;
-};
-
-/// A block with other bytes around it, as `row_bytes` of rows.
-Inflated inflated(const TempFolder& folder, const std::string& block, std::size_t row_bytes,
-                  std::uint64_t most, bool is_mirrored = false) {
-  write_file(folder.file("block"), "head" + block + "tail");
-  Inflated result;
-  result.rows.resize(row_bytes, '?');
-  result.made = inflate_rows(SourceFile(folder.file("block")), {4, block.size(), is_mirrored},
-                              std::as_writable_bytes(std::span(result.rows)), most);
-  return result;
-}
+constexpr BlockDecoder inflated{inflate_rows};
 
 TEST(TiffDeflate, RowsAreTheFirstBytesOfTheStream) {
   const TempFolder folder;
@@ -34,7 +21,7 @@ TEST(TiffDeflate, RowsAreTheFirstBytesOfTheStream) {
       std::string stream = zlib_stream(bytes);
       for (const char* behind : {"", "some more"}) {
         for (const std::size_t rows : {std::size_t{0}, count / 3, count}) {
-          const Inflated whole = inflated(folder, stream + behind, rows, count);
+          const BlockRows whole = inflated(folder, stream + behind, rows, count);
           EXPECT_EQ(whole.made.count, count);
           EXPECT_EQ(whole.made.damage, "");
           EXPECT_EQ(whole.rows, bytes.substr(0, rows));
@@ -42,7 +29,7 @@ TEST(TiffDeflate, RowsAreTheFirstBytesOfTheStream) {
       }
       TIFFReverseBits(reinterpret_cast<std::uint8_t*>(stream.data()),
                       static_cast<tmsize_t>(stream.size()));
-      const Inflated mirrored = inflated(folder, stream, count, count, true);
+      const BlockRows mirrored = inflated(folder, stream, count, count, true);
       EXPECT_EQ(mirrored.made.count, count);
       EXPECT_EQ(mirrored.made.damage, "");
       EXPECT_EQ(mirrored.rows, bytes);
@@ -69,7 +56,7 @@ TEST(TiffDeflate, DamageIsNamed) {
 
 TEST(TiffDeflate, StreamsThatMakeTooMuchAreLeft) {
   const TempFolder folder;
-  const Inflated left = inflated(folder, zlib_stream(std::string(10'000'000, 'x')), 50, 100);
+  const BlockRows left = inflated(folder, zlib_stream(std::string(10'000'000, 'x')), 50, 100);
   EXPECT_GT(left.made.count, 100U);
   EXPECT_LT(left.made.count, 100'000U);
   EXPECT_EQ(left.rows, std::string(50, 'x'));

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "support/source_files.h"
+#include "support/tiff_block_rows.h"
 
 namespace octavo::testing {
 namespace {
@@ -21,22 +22,7 @@ std::string zstd_frame(const std::string& bytes, bool has_checksum) {
   return frame;
 }
 
-struct Unpacked {
-  MadeBytes made;
-  std::string rows;
-};
-
-/// A block with other bytes around it, as `row_bytes` of rows.
-Unpacked unpacked(const TempFolder& folder, const std::string& block, std::size_t row_bytes,
-                  std::uint64_t most, bool is_mirrored = false) {
-  write_file(folder.file("block"), "head" + block + "tail");
-  Unpacked result;
-  result.rows.resize(row_bytes, '?');
-  result.made =
-      unpack_zstd_rows(SourceFile(folder.file("block")), {4, block.size(), is_mirrored},
-                       std::as_writable_bytes(std::span(result.rows)), most);
-  return result;
-}
+constexpr BlockDecoder unpacked{unpack_zstd_rows};
 
 TEST(TiffZstd, RowsAreTheFirstBytesOfTheFrame) {
   const TempFolder folder;
@@ -45,14 +31,14 @@ TEST(TiffZstd, RowsAreTheFirstBytesOfTheFrame) {
       for (const bool has_checksum : {false, true}) {
         std::string frame = zstd_frame(bytes, has_checksum);
         for (const std::size_t rows : {std::size_t{0}, count / 3, count}) {
-          const Unpacked whole = unpacked(folder, frame + "some more", rows, count);
+          const BlockRows whole = unpacked(folder, frame + "some more", rows, count);
           EXPECT_EQ(whole.made.count, count);
           EXPECT_EQ(whole.made.damage, "");
           EXPECT_EQ(whole.rows, bytes.substr(0, rows));
         }
         TIFFReverseBits(reinterpret_cast<std::uint8_t*>(frame.data()),
                         static_cast<tmsize_t>(frame.size()));
-        const Unpacked mirrored = unpacked(folder, frame, count, count, true);
+        const BlockRows mirrored = unpacked(folder, frame, count, count, true);
         EXPECT_EQ(mirrored.made.damage, "");
         EXPECT_EQ(mirrored.rows, bytes);
       }
@@ -79,7 +65,7 @@ TEST(TiffZstd, DamageIsNamed) {
 
 TEST(TiffZstd, FramesThatMakeTooMuchAreLeft) {
   const TempFolder folder;
-  const Unpacked left =
+  const BlockRows left =
       unpacked(folder, zstd_frame(std::string(10'000'000, 'x'), false), 50, 100);
   EXPECT_GT(left.made.count, 100U);
   EXPECT_LT(left.made.count, 100'000U);

@@ -74,7 +74,6 @@ TEST(MetaSource, VoxelsMayStandInSeveralFiles) {
     bool is_zlib = false;
     std::string front = {};
   };
-  const std::string all = bytes_of(kStoredValues);
   for (const Case& one : std::vector<Case>{
            {2, "ElementDataFile = LIST\np1.raw\np2.raw\n"},
            {2, "ElementDataFile = LIST 2\r\np1.raw\r\np2.raw"},
@@ -89,16 +88,13 @@ TEST(MetaSource, VoxelsMayStandInSeveralFiles) {
            {2, "HeaderSize = 3\nElementDataFile = p%d.raw 1 2 1\n", false, "abc"},
            {2, "HeaderSize = -1\nElementDataFile = LIST\np1.raw\np2.raw\n", false, "ab"}}) {
     const TempFolder folder;
-    const std::size_t part = all.size() / one.files;
-    for (std::size_t i = 0; i < one.files; ++i) {
-      const std::string bytes = all.substr(i * part, part);
-      write_file(folder.file("p" + std::to_string(i + 1) + ".raw"),
-                 one.front + (one.is_zlib ? zlib_stream(bytes) : bytes));
-    }
+    write_parts(folder, one.files, [&](const std::string& part) {
+      return one.front + (one.is_zlib ? zlib_stream(part) : part);
+    });
     write_file(folder.file("a.mhd"), "NDims = 3\nDimSize = 4 3 2\nElementSpacing = 1 1 1\n"
                                      "ElementType = MET_SHORT\n" + one.fields);
     const auto source = open_source({folder.file("a.mhd")}, {});
-    EXPECT_EQ(voxels_of(*source), all) << one.fields;
+    EXPECT_EQ(voxels_of(*source), bytes_of(kStoredValues)) << one.fields;
     EXPECT_EQ(source->files().paths.size(), one.files + 1);
     EXPECT_TRUE(source->warnings().empty()) << with_hints(source->warnings());
   }

@@ -72,17 +72,6 @@ TEST(NrrdSource, FieldsThatAreThereTwiceAreRejected) {
   expect_rejected(path, {"the header has the field \"byte skip\" twice"});
 }
 
-/// Files of `count` parts of the stored values, "p1.raw" and so on.
-void write_parts(const TempFolder& folder, std::size_t count, bool is_gzip,
-                 const std::string& front = "") {
-  const std::string all = bytes_of(kStoredValues);
-  const std::size_t part = all.size() / count;
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::string bytes = front + all.substr(i * part, part);
-    write_file(folder.file("p" + std::to_string(i + 1) + ".raw"), is_gzip ? gzip(bytes) : bytes);
-  }
-}
-
 const std::string kSeveralFiles =
     "NRRD0004\ntype: short\ndimension: 3\nsizes: 4 3 2\nspacings: 1 1 1\nendian: little\n";
 
@@ -108,7 +97,9 @@ TEST(NrrdSource, VoxelsMayStandInSeveralFiles) {
            {2, "encoding: raw\nbyte skip: 3\ndata file: p%d.raw 1 2 1\n", false, "abc"},
            {2, "encoding: raw\nbyte skip: -1\ndata file: LIST\np1.raw\np2.raw\n", false, "ab"}}) {
     const TempFolder folder;
-    write_parts(folder, one.files, one.is_gzip, one.front);
+    write_parts(folder, one.files, [&](const std::string& part) {
+      return one.is_gzip ? gzip(one.front + part) : one.front + part;
+    });
     write_file(folder.file("a.nhdr"), kSeveralFiles + one.fields);
     const auto source = open_source({folder.file("a.nhdr")}, {});
     EXPECT_EQ(voxels_of(*source), bytes_of(kStoredValues)) << one.fields;
@@ -122,7 +113,7 @@ TEST(NrrdSource, VoxelsMayStandInSeveralFiles) {
 
 TEST(NrrdSource, AListFallsInReverseWhereItsNumbersDo) {
   const TempFolder folder;
-  write_parts(folder, 2, false);
+  write_parts(folder, 2);
   write_file(folder.file("a.nhdr"), kSeveralFiles + "encoding: raw\ndata file: p%d.raw 2 1 -1\n");
   const std::string all = bytes_of(kStoredValues);
   EXPECT_EQ(voxels_of(*open_source({folder.file("a.nhdr")}, {})),
@@ -131,7 +122,7 @@ TEST(NrrdSource, AListFallsInReverseWhereItsNumbersDo) {
 
 TEST(NrrdSource, TimesAndChannelsMayStandInSeveralFiles) {
   const TempFolder folder;
-  write_parts(folder, 2, false);
+  write_parts(folder, 2);
   const std::string path = folder.file("a.nhdr");
   write_file(path, "NRRD0004\ntype: short\ndimension: 4\nsizes: 4 3 1 2\nendian: little\n"
                    "kinds: domain domain domain time\nspacings: 1 1 1 nan\nencoding: raw\n"
@@ -146,7 +137,7 @@ TEST(NrrdSource, TimesAndChannelsMayStandInSeveralFiles) {
 
 TEST(NrrdSource, FilesThatDoNotFitTheirHeaderAreNamed) {
   const TempFolder folder;
-  write_parts(folder, 2, false);
+  write_parts(folder, 2);
   const std::string path = folder.file("a.nhdr");
   const auto expect = [&](const std::string& fields, const std::string& words) {
     write_file(path, kSeveralFiles + fields);

@@ -106,11 +106,13 @@ export interface PageVoxels {
   readonly max: number;
 }
 
-/** What NaN is in pages: as far below all values as these are apart, so that half of the way to it
- *  or less is seen. */
+/** Below all values that are drawn. */
+export const LOWEST_FLOAT = -3.4e38;
+
+/** What NaN is in pages: as far below all values as these are apart. */
 export function nanWithin([lowest, highest]: readonly [number, number]): number {
   const width = highest - lowest || Math.abs(lowest) || 1;
-  return Math.max(-3.4e38, lowest - width);
+  return Math.max(LOWEST_FLOAT, lowest - width);
 }
 
 /** Fills the slot of a page from cells; undefined without the page's own cell. Beyond the level,

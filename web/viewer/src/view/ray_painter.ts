@@ -4,7 +4,7 @@
 // While something moves the picture is drawn small; once it rests it is drawn again in full, in
 // bands, so that nothing else has to wait.
 import { AXES, type Box, type Vec3 } from "../reader/volume.js";
-import { nanWithin } from "./atlas.js";
+import { LOWEST_FLOAT, nanWithin } from "./atlas.js";
 import { type Camera, dot, plus, raysOf, viewAxes } from "./camera.js";
 import { toIndex, toWorld } from "./geometry.js";
 import { Cover, type Gl, nearestTexture, texelFormat } from "./gl.js";
@@ -170,12 +170,13 @@ export class RayPainter {
     c.floats("iso", look.iso / unit);
     c.floats("window", (center - width / 2) / unit, unit / width);
     c.floats("span", first, 1 / Math.max(1e-30, last - first));
-    // NaN is empty space to one mode, the lowest value to others.
+    // NaN is empty space to one mode, the lowest value to others; what interpolation takes a
+    // thousandth of the way to it as well.
     const [lowest] = facts.range;
     const isSpace = look.mode === "volume" && facts.type === "float32";
-    c.floats("lowest", isSpace ? -3.4e38 : lowest / unit);
+    c.floats("lowest", isSpace ? LOWEST_FLOAT : lowest / unit);
     const nothing = lowest + (nanWithin(facts.range) - lowest) / 1024;
-    c.floats("nothing", isSpace ? nothing / unit : -3.4e38);
+    c.floats("nothing", isSpace ? nothing / unit : LOWEST_FLOAT);
   }
 
   private aimLabels(labels: PageAtlas, look: RayLook): void {
