@@ -40,7 +40,8 @@ def open(source, *, cache_bytes=DEFAULT_CACHE_BYTES, storage_options=None):
     source : str, os.PathLike, bytes or file object
         A path, the bytes of a file, or a URL that fsspec reads (https://, s3://, ...): of that,
         only the ranges that are needed are fetched. Also an OpenFile of fsspec, or a file object
-        of bytes that seeks, which nobody else may move while the volume is in use.
+        of bytes that seeks, which nobody else may move while the volume is in use. A volume of it
+        pickles where the object does.
     cache_bytes : int
         Of decoded bricks to keep for reads that follow.
     storage_options : dict, optional

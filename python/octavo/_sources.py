@@ -1,7 +1,9 @@
-"""Where the bytes of a file come from: a path, bytes in memory, a URL."""
+"""Where the bytes of a file come from: a path, bytes in memory, a URL, a file object."""
 
 import concurrent.futures
+import io
 import os
+import pickle
 import re
 import threading
 import time
@@ -52,7 +54,7 @@ def source_of(place, options=None):
 
 
 def _is_of_fsspec(place):
-    """Whether it is an OpenFile of fsspec."""
+    """Whether it is an OpenFile of fsspec, or a file that it opened."""
     return all(hasattr(place, name) for name in ("fs", "path", "full_name"))
 
 
@@ -121,11 +123,12 @@ class _Bytes:
 
 
 class _Stream:
-    """A file object of bytes that seeks; one reader at a time."""
+    """A file object of bytes that seeks; one reader at a time, where it is no file on disk."""
 
     def __init__(self, file):
         self._file = file
-        self._lock = threading.Lock()
+        self._lock = None  # of the place in the file
+        self._on_disk = _file_on_disk(file)
         name = getattr(file, "name", None)
         self.name = name if isinstance(name, str) else type(file).__name__
 
@@ -133,8 +136,11 @@ class _Stream:
         """Nothing is kept."""
 
     def open(self, cache_bytes):
+        # In a forked process the one of before may be held by a thread that is not there.
+        self._lock = threading.Lock()
         try:
-            size = self._file.seek(0, os.SEEK_END)
+            self._file.seek(0, os.SEEK_END)
+            size = self._file.tell()
             is_binary = isinstance(self._file.read(0), bytes)
         except (OSError, ValueError) as error:
             raise StorageError(f"{self.name}: {error}", path=self.name) from None
@@ -143,16 +149,30 @@ class _Stream:
         return _octavo.OpenFile(self._read, None, size, self.name, cache_bytes, [])
 
     def _read(self, at, length):
+        parts = []
+        while length > 0:
+            part = self._part(at, length)
+            if not part:
+                break
+            parts.append(part)
+            at += len(part)
+            length -= len(part)
+        return b"".join(parts)
+
+    def _part(self, at, length):
+        if self._on_disk is not None:
+            return os.pread(self._on_disk.fileno(), length, at)
         with self._lock:
             self._file.seek(at)
-            parts = []
-            while length > 0:
-                part = self._file.read(length)
-                if not part:
-                    break
-                parts.append(part)
-                length -= len(part)
-        return b"".join(parts)
+            return self._file.read(length)
+
+
+def _file_on_disk(file):
+    """The file of the system that a file object reads as it is, else None. Forked processes share
+    the place in it, so that nobody reads there."""
+    if type(file) in (io.BufferedReader, io.BufferedRandom):
+        file = file.raw
+    return file if type(file) is io.FileIO else None
 
 
 class _Url:
@@ -177,6 +197,7 @@ class _Url:
         self._url = url
         self._storage_options = options or {}
         self._place = place
+        self._process = os.getpid()
         self._blocks = None
         self._ends = {}  # offset: bytes that came with the length of the file
         self._answers = []  # seconds and bytes of what was asked for when it was opened
@@ -190,12 +211,12 @@ class _Url:
 
     def open(self, cache_bytes):
         try:
-            import fsspec
+            import fsspec.asyn
         except ImportError:
             raise ArgumentError(f"{self.name}: URLs are read through fsspec, which is not "
                                 "installed (pip install fsspec aiohttp)") from None
         try:
-            files, path = self._place or fsspec.core.url_to_fs(self._url, **self._options())
+            files, path = self._found(fsspec)
             size = self._tried(lambda: self._opened(files, path))
         except (ImportError, ValueError) as error:
             raise ArgumentError(f"{self.name}: {self._words_of(error)}",
@@ -233,6 +254,19 @@ class _Url:
 
         return _octavo.OpenFile(self._blocks.read, fetch_all, size, self.name, cache_bytes,
                                 self._answers)
+
+    def _found(self, fsspec):
+        """(file system, path)"""
+        _renew_loop(fsspec.asyn)
+        if self._place is None:
+            return fsspec.core.url_to_fs(self._url, **self._options())
+        files, path = self._place
+        here = os.getpid()
+        if self._process != here or getattr(files, "_pid", here) != here:
+            # Its threads do not live on in a forked process.
+            self._place = pickle.loads(pickle.dumps(files)), path
+            self._process = here
+        return self._place
 
     def _opened(self, files, path):
         """The length of the file. Both its ends come in the same round, where servers can that."""
@@ -352,6 +386,13 @@ class _Url:
             return f"the server answered {status}"
         words = str(reason).replace(self._url, self.name).strip()
         return words or f"the server did not answer ({type(reason).__name__})"
+
+
+def _renew_loop(asyn):
+    """Lets fsspec start its loop anew in a forked process; newer versions do so themselves."""
+    thread = asyn.iothread[0]
+    if thread is not None and not thread.is_alive() and hasattr(asyn, "reset_lock"):
+        asyn.reset_lock()
 
 
 class _NoRanges(OSError):

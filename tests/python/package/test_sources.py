@@ -10,6 +10,7 @@ import os
 import pathlib
 import pickle
 import re
+import signal
 import threading
 
 import numpy as np
@@ -35,6 +36,19 @@ def test_bytes_are_a_file(path, voxels):
     volume = octavo.open(pathlib.Path(path).read_bytes())
     assert np.array_equal(volume[60:70], voxels[60:70])
     assert np.array_equal(pickle.loads(pickle.dumps(volume))[5], voxels[5])
+
+
+def forked(holds):
+    """Whether `holds` in a forked process: what waits for its status, 0 where it does."""
+    pid = os.fork()
+    if pid == 0:
+        status = 1
+        try:
+            signal.alarm(30)
+            status = 0 if holds() else 2
+        finally:
+            os._exit(status)
+    return lambda: os.waitpid(pid, 0)[1]
 
 
 class RangedFiles(http.server.SimpleHTTPRequestHandler):
@@ -285,6 +299,60 @@ def test_open_files_and_files_of_fsspec_are_read(path, voxels):
     fsspec = pytest.importorskip("fsspec")
     volume = octavo.open(fsspec.open(path))
     assert np.array_equal(pickle.loads(pickle.dumps(volume))[6], voxels[6])
+
+
+def test_a_forked_process_reads_what_fsspec_reads(served, voxels):
+    fsspec = pytest.importorskip("fsspec")
+    pytest.importorskip("aiohttp")
+    _, root = served
+    there = fsspec.open(f"{root}/scan.8vo")
+    for place in there, f"{root}/scan.8vo":
+        volume = octavo.open(place)
+        assert np.array_equal(volume[64], voxels[64])
+        assert forked(lambda: np.array_equal(volume[...], voxels))() == 0
+    assert forked(lambda: np.array_equal(octavo.open(there)[...], voxels))() == 0
+
+
+class Waiting(io.BytesIO):
+    """Bytes whose reads wait once they are told to."""
+
+    waits = False
+
+    def __init__(self, held):
+        super().__init__(held)
+        self.is_waiting, self.may_go_on = threading.Event(), threading.Event()
+
+    def read(self, length=-1):
+        if self.waits:
+            self.is_waiting.set()
+            self.may_go_on.wait()
+        return super().read(length)
+
+
+def test_a_process_that_is_forked_amid_a_read_of_a_file_object_reads(path, voxels):
+    file = Waiting(pathlib.Path(path).read_bytes())
+    volume = octavo.open(file)
+    file.waits = True
+    reading = threading.Thread(target=lambda: volume[5])
+    reading.start()
+    file.is_waiting.wait()
+    file.waits = False
+    wait = forked(lambda: np.array_equal(volume[9], voxels[9]))
+    file.may_go_on.set()
+    reading.join()
+    assert wait() == 0
+
+
+@pytest.mark.parametrize("buffering", (0, -1))
+def test_processes_that_share_an_open_file_read_side_by_side(path, voxels, buffering):
+    with open(path, "rb", buffering=buffering) as file:
+        volume = octavo.open(file, cache_bytes=0)
+
+        def reads():
+            return all(np.array_equal(volume[z], voxels[z]) for z in (*range(0, 130, 3),) * 3)
+
+        waits = [forked(reads) for _ in range(2)]
+        assert reads() and [wait() for wait in waits] == [0, 0]
 
 
 def test_a_block_that_fails_is_fetched_again():
