@@ -7,15 +7,14 @@ import operator
 import os
 import shutil
 import subprocess
-import warnings
 
 import numpy as np
 
 from . import _octavo
-from ._errors import ArgumentError, Error, SourceError, missing_error
+from ._errors import ArgumentError, Error, MissingError, SourceError
 from ._sources import written_path
 from ._volume import RealView, View, Volume
-from ._work import MOST_THREADS, _reporter, if_given, number_of, whole_number
+from ._work import MOST_THREADS, _reporter, if_given, number_of, warn_of, whole_number
 
 _BLOCK_BYTES = 64 << 20
 _OF_ARRAYS = ("slope", "intercept", "unit", "label_names", "direction", "origin")
@@ -100,8 +99,8 @@ def build(source, path, *, kind=None, spacing=None, origin=None, direction=None,
             return build_zarr(source, path, said, given, progress, channel=channel, time=time)
         if progress is not None:
             raise ArgumentError("progress is told of arrays; files are read by another program")
-        _warn_of(_build_by_program(source, path, said, {**given, "channel": channel, "time": time,
-                                                         "series": series}))
+        warn_of(_build_by_program(source, path, said, {**given, "channel": channel, "time": time,
+                                                       "series": series}))
         return Volume(path)
     if channel is not None or time is not None or series is not None:
         raise ArgumentError("channel, time and series are of paths; index an array")
@@ -128,7 +127,7 @@ def build(source, path, *, kind=None, spacing=None, origin=None, direction=None,
     given["kind"] = facts["kind"]
     with _reporter(progress) as report:
         made = _octavo.build(path, shape, facts, planes.plane, given, report)
-    _warn_of(made["warnings"])
+    warn_of(made["warnings"])
     return Volume(path)
 
 
@@ -151,8 +150,7 @@ def build_zarr(source, path, said, given, progress, *, level=0, channel=None, ti
     given["kind"] = said["kind"] or "grey"
     with _reporter(progress) as report:
         _, of_source, of_build = _octavo.build_zarr(source, path, asked, given, report)
-    for text in (*(f"{source}: {text}" for text in of_source), *of_build):
-        warnings.warn(text, stacklevel=3)
+    warn_of([*(f"{source}: {text}" for text in of_source), *of_build])
     return Volume(path)
 
 
@@ -167,12 +165,6 @@ def _saved(labels, path, said, given, progress):
         raise ArgumentError(f"a LabelMap is written as it is, so {sorted(asked)[0]} cannot be "
                             "given; .to_numpy() makes an array of it")
     return labels.save(path, **kept, progress=progress)
-
-
-def _warn_of(texts):
-    """Warns the caller of who calls this."""
-    for text in texts:
-        warnings.warn(text, stacklevel=3)
 
 
 def _build_of_planes(planes, path, shape, said, given, progress):
@@ -272,7 +264,7 @@ class Writer:
         if self._writer is None:
             return
         writer, self._writer = self._writer, None
-        _warn_of(writer.finish()["warnings"])
+        warn_of(writer.finish()["warnings"])
 
     def abandon(self):
         """Give up: nothing is left under the name."""
@@ -490,7 +482,7 @@ def _build_by_program(source, path, options, given):
     """Returns what the program warns of."""
     program = _program()
     if not os.path.exists(source) and "://" not in source:
-        raise missing_error(f"{source}: is not there", "is not there", source)
+        raise MissingError(f"{source}: is not there", "is not there", source)
     command = [program, "build", _no_option(source), "-o", _no_option(path), "--json",
                *_words_of(options, given)]
     for name, flag in (("threads", "--threads"), ("max_memory", "--max-memory")):

@@ -76,6 +76,10 @@ class StorageError(Error, OSError):
 class MissingError(StorageError, FileNotFoundError):
     """There is no such file; `errno` and `filename` are those of a FileNotFoundError."""
 
+    errno = errno.ENOENT
+    strerror = os.strerror(errno)
+    filename = property(lambda self: self.path)
+
 
 class OutOfMemoryError(Error, MemoryError):
     """Memory ran out."""
@@ -125,14 +129,6 @@ def _advice_of(kind, hints):
     return ""
 
 
-def missing_error(text, detail="", path=""):
-    """A MissingError with all that a FileNotFoundError has."""
-    error = MissingError(text, detail, path)
-    error.errno, error.filename = errno.ENOENT, path
-    error.strerror = os.strerror(errno.ENOENT)
-    return error
-
-
 def make_error(kind, detail, path="", offset=None, hints=()):
     """The exception for a failure of the library: its words and what would help in Python."""
     text = f"{path}: {detail}" if path else detail
@@ -140,5 +136,5 @@ def make_error(kind, detail, path="", offset=None, hints=()):
     if advice:
         text = f"{text} ({advice})"
     if kind == "io" and path and detail.endswith(os.strerror(errno.ENOENT)):
-        return missing_error(text, detail, path)
+        return MissingError(text, detail, path)
     return _CLASSES.get(kind, InternalError)(text, detail, path, offset)

@@ -4,6 +4,8 @@ import contextlib
 import math
 import numbers
 import operator
+import sys
+import warnings
 
 import numpy as np
 
@@ -12,6 +14,17 @@ from ._errors import ArgumentError
 MOST_THREADS = 1 << 10
 CONNECTIVITIES = (6, 18, 26)
 AXES = {"z": 2, "y": 1, "x": 0}
+
+
+def warn_of(texts):
+    """Warns who has called the package."""
+    level = 2
+    frame = sys._getframe(1)
+    while frame.f_back and frame.f_globals.get("__name__", "").partition(".")[0] == __package__:
+        frame = frame.f_back
+        level += 1
+    for text in texts:
+        warnings.warn(text, stacklevel=level)
 
 
 @contextlib.contextmanager

@@ -4,17 +4,16 @@ import asyncio
 import itertools
 import os
 import re
-import warnings
 
 import numpy as np
 
 from . import _octavo
 from ._building import BUILD_OPTIONS, _given, _output, build, build_zarr, is_zarr
-from ._errors import ArgumentError, missing_error
+from ._errors import ArgumentError, MissingError
 from ._sources import written_path
 from ._tasks import FileTasks, opened_file
 from ._volume import RealView, View, Volume
-from ._work import whole_number, work_of
+from ._work import warn_of, whole_number, work_of
 
 _CHUNK = 64
 _KEY = re.compile(r"(\d+)/c/(\d+)/(\d+)/(\d+)")
@@ -328,14 +327,14 @@ def from_ome_zarr(source, path, *, level=0, channel=None, time=None, **options):
     facts.setdefault("kind", "grey")
     facts.update(options)
     if "spacing" not in facts and "octavo" not in attributes:
-        warnings.warn(f"{source}: its axes have no unit of length that is known here: its scale "
-                      "and place are left out; 1 mm assumed", stacklevel=2)
+        warn_of([f"{source}: its axes have no unit of length that is known here: its scale and "
+                 "place are left out; 1 mm assumed"])
     return build(chosen, path, **facts)
 
 
 def _require_there(source):
     if "://" not in source and not os.path.exists(source):
-        raise missing_error(f"{source}: is not there", "is not there", source)
+        raise MissingError(f"{source}: is not there", "is not there", source)
 
 
 def _build_of_path(source, path, level, channel, time, options):

@@ -22,7 +22,7 @@ from ._building import _error_of_program, _given, _output, _reporter, _words_of
 from ._errors import ArgumentError, Error, StorageError
 from ._sources import require_name
 from ._volume import Volume
-from ._work import whole_number
+from ._work import warn_of, whole_number
 
 def build(source, path, *, client=None, parts=None, part_size=None, bands=None, retries=3,
           joins_side_by_side=False, kind=None, spacing=None, preset="small", access=None,
@@ -90,8 +90,7 @@ def build(source, path, *, client=None, parts=None, part_size=None, bands=None, 
     with _reporter(progress) as report:
         _build(work, [*sources, *words], output, bool(overwrite), bool(joins_side_by_side),
                report or (lambda *_: None))
-    for warning in work.warnings:
-        warnings.warn(warning, stacklevel=2)
+    warn_of(work.warnings)
     return Volume(output)
 
 

@@ -286,6 +286,9 @@ def test_what_coarse_levels_do_not_hold_is_a_warning(tmp_path):
     w.add(array)
     [(text, file)] = warnings_of(w.close)
     assert "1 voxel lies beyond" in text and file == os.path.basename(__file__)
+    for make in sealed_by_a_block, built_of_planes:
+        [(text, file)] = warnings_of(lambda: make(array, tmp_path / f"{make.__name__}.8vo"))
+        assert "1 voxel lies beyond" in text and file == os.path.basename(__file__)
 
 
 def test_what_the_program_warns_of_is_a_warning(tmp_path, monkeypatch):

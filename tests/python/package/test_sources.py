@@ -32,6 +32,17 @@ def test_what_is_not_there_is_a_missing_file(tmp_path, voxels):
     assert not isinstance(raised.value, FileNotFoundError)
 
 
+def test_a_missing_file_is_the_same_where_it_was_pickled(tmp_path):
+    absent = str(tmp_path / "a.8vo")
+    with pytest.raises(octavo.MissingError) as raised:
+        octavo.open(absent)
+    for error in raised.value, pickle.loads(pickle.dumps(raised.value)):
+        assert isinstance(error, octavo.MissingError) and error.path == absent
+        assert (error.errno, error.filename) == (errno.ENOENT, absent)
+        assert error.strerror == os.strerror(errno.ENOENT)
+        assert str(error) == str(raised.value)
+
+
 def test_bytes_are_a_file(path, voxels):
     volume = octavo.open(pathlib.Path(path).read_bytes())
     assert np.array_equal(volume[60:70], voxels[60:70])

@@ -82,8 +82,10 @@ def test_channels_and_times_are_chosen(run, tmp_path):
 def test_arrays_that_are_no_image_have_no_spacing(tmp_path):
     voxels = np.arange(5 * 6 * 7, dtype=np.int16).reshape(5, 6, 7)
     plain(tmp_path / "plain.zarr", voxels, (2, 4, 5))
-    with pytest.warns(UserWarning, match="spacing"):
+    with pytest.warns(UserWarning, match="spacing") as caught:
         made = octavo.build(tmp_path / "plain.zarr", tmp_path / "x.8vo")
+        octavo.from_ome_zarr(tmp_path / "plain.zarr", tmp_path / "z.8vo")
+    assert {one.filename for one in caught} == {__file__}
     assert np.array_equal(made[...], voxels) and not made.is_spacing_known
     given = octavo.build(tmp_path / "plain.zarr", tmp_path / "y.8vo", spacing=(3, 2, 1))
     assert given.spacing == (3, 2, 1)
