@@ -118,6 +118,35 @@ def boxes_of(ranges, side):
                 yield start, stop, picks, places
 
 
+def read_chosen(chosen, side, dtype, read):
+    """The array that a selection chooses.
+
+    Parameters
+    ----------
+    chosen : Selection
+    side : sequence of int
+        Of a brick, z, y, x.
+    dtype : numpy.dtype
+    read : callable
+        Called as read(start, stop, out); fills `out` with the voxels of a box.
+
+    Returns
+    -------
+    numpy.ndarray or scalar
+    """
+    if chosen.is_empty:
+        return np.empty(chosen.shape, dtype)
+    out = np.empty(tuple(map(len, chosen.ranges)), dtype)
+    for start, stop, picks, places in boxes_of(chosen.ranges, side):
+        if chosen.is_box:
+            read(start, stop, out)
+            continue
+        part = np.empty(tuple(b - a for a, b in zip(start, stop)), dtype)
+        read(start, stop, part)
+        out[places] = part[picks]
+    return out.reshape(chosen.shape)[()]
+
+
 def centers_within(affine, shape, low, high):
     """The smallest box of a grid with all voxels whose centers lie in a box of the world.
 

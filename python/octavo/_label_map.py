@@ -13,7 +13,7 @@ import numpy as np
 from . import _octavo
 from ._building import _output
 from ._errors import ArgumentError
-from ._indexing import Selection, boxes_of
+from ._indexing import Selection, read_chosen
 from ._tasks import FileTasks
 from ._volume import Volume
 from ._work import (asked_labels, connectivity_of, grid_affine, number_of, whole_number,
@@ -104,18 +104,9 @@ class LabelMap(FileTasks):
 
     def __getitem__(self, key):
         chosen = Selection(key, self.shape)
-        if chosen.is_empty:
-            return np.empty(chosen.shape, self.dtype)
-        out = np.empty(tuple(map(len, chosen.ranges)), self.dtype)
         with work_of() as work:
-            for start, stop, picks, places in boxes_of(chosen.ranges, _READ_SIDE):
-                if chosen.is_box:
-                    self._tree.read(start, stop, out, work)
-                    continue
-                part = np.empty([b - a for a, b in zip(start, stop)], self.dtype)
-                self._tree.read(start, stop, part, work)
-                out[places] = part[picks]
-        return out.reshape(chosen.shape)[()]
+            return read_chosen(chosen, _READ_SIDE, self.dtype,
+                               lambda start, stop, out: self._tree.read(start, stop, out, work))
 
     def __array__(self, dtype=None, copy=None):
         if copy is False:

@@ -9,7 +9,7 @@ import warnings
 import numpy as np
 
 from ._errors import ArgumentError, CorruptError, StorageError
-from ._indexing import Selection, boxes_of, centers_within
+from ._indexing import Selection, centers_within, read_chosen
 from ._sources import lasting, source_of
 from ._tasks import VolumeTasks
 from ._work import MOST_THREADS, grid_affine, number_of, whole_number
@@ -91,16 +91,9 @@ class View:
 
     def __getitem__(self, key):
         chosen = Selection(key, self.shape)
-        if chosen.is_empty:
-            return np.empty(chosen.shape, self.dtype)
         self._warn_of_size(chosen)
-        if chosen.is_box:
-            out = np.empty(tuple(map(len, chosen.ranges)), self.dtype)
-            self._read_into([r.start for r in chosen.ranges],
-                            [r.start + len(r) for r in chosen.ranges], out, 0)
-        else:
-            out = self._read_steps(chosen.ranges)
-        return out.reshape(chosen.shape)[()]
+        return read_chosen(chosen, self._side, self.dtype,
+                           lambda start, stop, out: self._read_into(start, stop, out, 0))
 
     def read(self, box=None, *, out=None, threads=0):
         """Voxels of a box.
@@ -195,14 +188,6 @@ class View:
 
     def _read_into(self, start, stop, out, threads):
         self._file.read(start, stop, self.level, out, threads)
-
-    def _read_steps(self, ranges):
-        out = np.empty(tuple(map(len, ranges)), self.dtype)
-        for start, stop, picks, places in boxes_of(ranges, self._side):
-            part = np.empty(tuple(b - a for a, b in zip(start, stop)), self.dtype)
-            self._read_into(start, stop, part, 0)
-            out[places] = part[picks]
-        return out
 
     def _warn_of_size(self, chosen):
         wanted = math.prod(map(len, chosen.ranges)) * self.dtype.itemsize
