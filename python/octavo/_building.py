@@ -11,8 +11,8 @@ import subprocess
 import numpy as np
 
 from . import _octavo
-from ._errors import ArgumentError, Error, MissingError, SourceError
-from ._sources import written_path
+from ._errors import ArgumentError, Error, SourceError
+from ._sources import require_there, written_path
 from ._volume import RealView, View, Volume
 from ._work import MOST_THREADS, _reporter, if_given, number_of, warn_of, whole_number
 
@@ -480,9 +480,8 @@ def _program():
 
 def _build_by_program(source, path, options, given):
     """Returns what the program warns of."""
+    require_there(source)
     program = _program()
-    if not os.path.exists(source) and "://" not in source:
-        raise MissingError(f"{source}: is not there", "is not there", source)
     command = [program, "build", _no_option(source), "-o", _no_option(path), "--json",
                *_words_of(options, given)]
     for name, flag in (("threads", "--threads"), ("max_memory", "--max-memory")):

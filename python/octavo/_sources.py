@@ -10,7 +10,7 @@ import time
 import urllib.parse
 
 from . import _octavo
-from ._errors import ArgumentError, StorageError
+from ._errors import ArgumentError, MissingError, StorageError
 
 
 def lasting(place):
@@ -91,6 +91,12 @@ def written_path(path):
 def if_written(path):
     """As `written_path`; empty where no file was asked for."""
     return "" if path is None else written_path(path)
+
+
+def require_there(path):
+    """Raises MissingError for a path, no URL, where nothing is."""
+    if "://" not in path and not os.path.exists(path):
+        raise MissingError(f"{path}: is not there", "is not there", path)
 
 
 class _Path:
@@ -222,8 +228,8 @@ class _Url:
             raise ArgumentError(f"{self.name}: {self._words_of(error)}",
                                 path=self.name) from None
         except Exception as error:
-            raise StorageError(f"{self.name}: {self._words_of(error)}",
-                               path=self.name) from None
+            failure = MissingError if self._is_missing(error) else StorageError
+            raise failure(f"{self.name}: {self._words_of(error)}", path=self.name) from None
         if size is None:
             raise StorageError(f"{self.name}: the server does not tell the length of the file",
                                path=self.name)
@@ -376,12 +382,20 @@ class _Url:
             return pause
         return max(pause, int(asked)) if int(asked) <= self._LONGEST_PAUSE else None
 
+    def _is_missing(self, error):
+        """Whether there is no such file."""
+        if not isinstance(error, FileNotFoundError):
+            return False
+        reason = _reason_of(error)
+        is_of_server = "http://" in self._url or "https://" in self._url
+        return reason is None or not is_of_server or getattr(reason, "status", None) in (404, 410)
+
     def _words_of(self, error):
         """Why fetching failed, without the secrets of the URL."""
+        if self._is_missing(error):
+            return "is not there"
         reason = _reason_of(error)
         status = getattr(reason, "status", None)
-        if isinstance(error, FileNotFoundError) and (reason is None or status in (404, 410)):
-            return "is not there"
         if status:
             return f"the server answered {status}"
         words = str(reason).replace(self._url, self.name).strip()

@@ -9,14 +9,14 @@ import numpy as np
 
 from . import _octavo
 from ._building import BUILD_OPTIONS, _given, _output, build, build_zarr, is_zarr
-from ._errors import ArgumentError, MissingError
-from ._sources import written_path
+from ._errors import ArgumentError
+from ._sources import require_there, written_path
 from ._tasks import FileTasks, opened_file
 from ._volume import RealView, View, Volume
 from ._work import warn_of, whole_number, work_of
 
 _CHUNK = 64
-_KEY = re.compile(r"(\d+)/c/(\d+)/(\d+)/(\d+)")
+_NUMBER = re.compile("0|[1-9][0-9]{0,18}")
 
 
 class ZarrFiles:
@@ -48,17 +48,17 @@ class ZarrFiles:
 
     def folder(self, path):
         """The names in a folder."""
-        levels = self._volume.levels
         first, *rest = path.strip("/").split("/")
         if not first:
-            return ["zarr.json", *(str(view.level) for view in levels)]
-        if not first.isdigit() or int(first) >= len(levels):
+            return ["zarr.json", *(str(view.level) for view in self._volume.levels)]
+        view = self._level_of(first)
+        if view is None:
             return []
         if not rest:
             return ["zarr.json", "c"]
-        if rest[0] != "c" or len(rest) > 3:
+        if rest[0] != "c" or len(rest) > 3 or not _are_chunks(view, rest[1:]):
             return []
-        return map(str, range(_chunk_counts(levels[int(first)])[len(rest) - 1]))
+        return map(str, range(_chunk_counts(view)[len(rest) - 1]))
 
     @staticmethod
     def _begun(keys, prefix):
@@ -68,23 +68,27 @@ class ZarrFiles:
         """The bytes of a file; None where there is none."""
         if key == "zarr.json":
             return self._text(None)
-        place, _, rest = key.partition("/")
-        if rest == "zarr.json" and place.isdigit() and int(place) < len(self._volume.levels):
-            return self._text(int(place))
-        chunk = _KEY.fullmatch(key)
-        return self._chunk(*map(int, chunk.groups())) if chunk else None
+        first, *rest = key.split("/")
+        view = self._level_of(first)
+        if view is None:
+            return None
+        if rest == ["zarr.json"]:
+            return self._text(view.level)
+        if len(rest) != 4 or rest[0] != "c" or not _are_chunks(view, rest[1:]):
+            return None
+        return self._chunk(view, map(int, rest[1:]))
+
+    def _level_of(self, name):
+        """The level whose folder has that name; None where none has."""
+        return next((view for view in self._volume.levels if str(view.level) == name), None)
 
     def _text(self, level):
         return _octavo.zarr_text(self._volume._file._opened(), level, self._name).encode()
 
-    def _chunk(self, level, *place):
-        if level >= len(self._volume.levels):
-            return None
-        view = self._volume.levels[level]
+    @staticmethod
+    def _chunk(view, place):
         start = [p * _CHUNK for p in place]
         stop = [min(a + _CHUNK, n) for a, n in zip(start, view.shape)]
-        if any(a >= b for a, b in zip(start, stop)):
-            return None
         chunk = np.zeros((_CHUNK,) * 3, view.dtype)
         part = tuple(slice(0, b - a) for a, b in zip(start, stop))
         view.read((start, stop), out=chunk[part])
@@ -93,6 +97,12 @@ class ZarrFiles:
 
 def _chunk_counts(view):
     return [-(-n // _CHUNK) for n in view.shape]
+
+
+def _are_chunks(view, names):
+    """Whether all are names of chunks along the first axes."""
+    return all(_NUMBER.fullmatch(name) and int(name) < count
+               for name, count in zip(names, _chunk_counts(view)))
 
 
 def as_zarr(volume):
@@ -301,7 +311,7 @@ def from_ome_zarr(source, path, *, level=0, channel=None, time=None, **options):
     if isinstance(source, (str, os.PathLike)) and is_zarr(os.fspath(source)):
         return _build_of_path(os.fspath(source), path, level, channel, time, options)
     if isinstance(source, (str, os.PathLike)):
-        _require_there(os.fspath(source))
+        require_there(os.fspath(source))
     try:
         import zarr
     except ImportError:
@@ -330,11 +340,6 @@ def from_ome_zarr(source, path, *, level=0, channel=None, time=None, **options):
         warn_of([f"{source}: its axes have no unit of length that is known here: its scale and "
                  "place are left out; 1 mm assumed"])
     return build(chosen, path, **facts)
-
-
-def _require_there(source):
-    if "://" not in source and not os.path.exists(source):
-        raise MissingError(f"{source}: is not there", "is not there", source)
 
 
 def _build_of_path(source, path, level, channel, time, options):

@@ -424,3 +424,5 @@ def test_a_scan_on_disk_goes_through_the_program(tmp_path, voxels, monkeypatch):
     monkeypatch.setenv("PATH", str(tmp_path))
     with pytest.raises(octavo.ArgumentError, match="not on PATH"):
         octavo.build(tmp_path / "a.8vo", tmp_path / "d.8vo")
+    with pytest.raises(octavo.MissingError, match="none: is not there"):
+        octavo.build(tmp_path / "none", tmp_path / "c.8vo")

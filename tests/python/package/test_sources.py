@@ -187,8 +187,10 @@ def test_bricks_come_whole_where_that_is_sooner_than_a_round(tmp_path, answers, 
 def test_a_url_that_is_not_there_says_so(served):
     pytest.importorskip("aiohttp")
     _, root = served
-    with pytest.raises(octavo.StorageError, match="none.8vo: is not there"):
-        octavo.open(f"{root}/none.8vo")
+    for place in f"{root}/none.8vo", "memory://none.8vo", "file:///no/such/none.8vo":
+        with pytest.raises(octavo.MissingError, match="none.8vo: is not there") as raised:
+            octavo.open(place)
+        assert raised.value.filename == place
     with pytest.raises(octavo.Error, match="nosuch"):
         octavo.open("nosuch://a/b.8vo")
 
@@ -198,10 +200,12 @@ def test_a_server_that_rejects_says_why(served):
     handler, root = served
     for status in (403, 500):
         handler.status = status
-        with pytest.raises(octavo.StorageError, match=f"the server answered {status}"):
+        with pytest.raises(octavo.StorageError, match=f"the server answered {status}") as raised:
             octavo.open(f"{root}/scan.8vo")
-    with pytest.raises(octavo.StorageError, match="onnect"):
+        assert not isinstance(raised.value, octavo.MissingError)
+    with pytest.raises(octavo.StorageError, match="onnect") as raised:
         octavo.open("http://127.0.0.1:1/scan.8vo")
+    assert not isinstance(raised.value, octavo.MissingError)
 
 
 def test_a_server_that_is_busy_is_asked_again(served, voxels):

@@ -37,7 +37,8 @@ def test_keys_give_the_texts_and_bricks_of_all_levels(volume, voxels):
         assert np.allclose(at, view.origin)
     last = np.frombuffer(files.get("0/c/2/1/2"), volume.dtype).reshape(64, 64, 64)
     assert np.array_equal(last[:2, :33, :22], voxels[128:, 64:, 128:])
-    for key in ("0/c/3/0/0", "99/zarr.json", "99/c/0/0/0", "0/c/0/0", "other", "0/c/-1/0/0"):
+    for key in ("0/c/3/0/0", "99/zarr.json", "99/c/0/0/0", "0/c/0/0", "other", "0/c/-1/0/0",
+                "00/zarr.json", "\u00b2/zarr.json", "00/c/0/0/0", "0/c/00/0/0", "0/c/\u0661/0/0"):
         assert files.get(key) is None
 
 
@@ -227,7 +228,8 @@ def test_all_files_of_a_store_are_listed(volume):
     assert len([key for key in keys if key.startswith("0/c/")]) == 3 * 2 * 3
     for prefix in ("", "0/", "0/c/1", "1", "zarr", "99"):
         assert list(files.keys(prefix)) == [key for key in keys if key.startswith(prefix)]
-    for folder in ("", "0", "0/c", "0/c/2/", "0/c/2/1", "99", "zarr.json"):
+    for folder in ("", "0", "0/c", "0/c/2/", "0/c/2/1", "99", "zarr.json", "00", "\u00b2",
+                   "0/c/99", "0/c/02", "0/c/\u00b2", "0/c/2/2"):
         start = folder.strip("/") + "/" if folder else ""
         inside = {key[len(start):].partition("/")[0] for key in keys if key.startswith(start)}
         assert set(files.folder(folder)) == inside, folder
