@@ -126,29 +126,20 @@ class BuildWarnings {
   std::vector<std::string> texts_;
 };
 
-nb::dict outcome_of(const BuildResult& result, const BuildWarnings& warnings) {
-  nb::dict outcome;
-  outcome["file_bytes"] = result.file_bytes;
-  outcome["raw_bytes"] = result.raw_bytes;
-  outcome["resumed_planes"] = result.resumed_planes;
-  outcome["clipped"] = result.clipped.count;
-  outcome["warnings"] = warnings.texts();
-  return outcome;
-}
-
-nb::dict build(const std::string& path, const Zyx& shape, const nb::dict& facts,
-               nb::object plane_at, const nb::dict& given, nb::object on_progress) {
+/// Returns what it warns of.
+std::vector<std::string> build(const std::string& path, const Zyx& shape, const nb::dict& facts,
+                               nb::object plane_at, const nb::dict& given,
+                               nb::object on_progress) {
   Call call(std::move(on_progress));
   PythonPlanes planes(description_of(shape, facts), std::move(plane_at), true, call);
   BuildOptions options = options_of(given);
   const BuildWarnings warnings;
   options.on_clipped = warnings.listener(path);
-  BuildResult result;
-  call.run_apart([&] { result = build_file(planes, local_storage(), path, options, call); });
-  return outcome_of(result, warnings);
+  call.run_apart([&] { build_file(planes, local_storage(), path, options, call); });
+  return warnings.texts();
 }
 
-/// Builds what open_zarr_source reads. (kind of the file, warnings of the source, of the build)
+/// Builds what open_zarr_source reads. Returns the warnings (of the source, of the build).
 nb::tuple build_zarr(const std::string& source, const std::string& path, const nb::dict& asked,
                      const nb::dict& given, nb::object on_progress) {
   Call call(std::move(on_progress));
@@ -173,8 +164,7 @@ nb::tuple build_zarr(const std::string& source, const std::string& path, const n
     build_file(*planes, local_storage(), path, options, call);
     warnings = planes->warnings();
   });
-  return nb::make_tuple(kind_name(options.kind),
-                        list_of(warnings, [](const Warning& one) { return one.text; }),
+  return nb::make_tuple(list_of(warnings, [](const Warning& one) { return one.text; }),
                         of_build.texts());
 }
 
@@ -296,8 +286,8 @@ class PlaneWriter {
     ++added_;
   }
 
-  /// Seals the file.
-  nb::dict finish() {
+  /// Seals the file. Returns what its build warns of.
+  std::vector<std::string> finish() {
     const Turn turn(turn_);
     const std::int64_t wanted = planes_.description().size.z;
     if (added_ != wanted) {
@@ -311,7 +301,7 @@ class PlaneWriter {
     hand_over(last_);
     wait();
     if (failure_) std::rethrow_exception(failure_);
-    return outcome_of(result_, warnings_);
+    return warnings_.texts();
   }
 
   /// Leaves nothing under the name; what can be resumed is kept where that was asked for.
@@ -360,7 +350,7 @@ class PlaneWriter {
 
   void work() {
     try {
-      result_ = build_file(planes_, local_storage(), path_, options_, stop_);
+      build_file(planes_, local_storage(), path_, options_, stop_);
     } catch (...) {
       failure_ = std::current_exception();
     }
@@ -382,8 +372,7 @@ class PlaneWriter {
   std::string path_;
   std::vector<std::byte> last_;  // plane of all
   Stop stop_;
-  BuildWarnings warnings_;       // these three are read once the thread has ended
-  BuildResult result_;
+  BuildWarnings warnings_;       // these two are read once the thread has ended
   std::exception_ptr failure_;
   std::mutex turn_;
   std::atomic<std::int64_t> added_ = 0;
@@ -404,7 +393,7 @@ class OwnedWriter {
   }
 
   void add(const Plane& plane) { own().add(plane); }
-  nb::dict finish() { return own().finish(); }
+  std::vector<std::string> finish() { return own().finish(); }
   void abandon() {
     if (is_own()) writer_->abandon();
   }

@@ -126,8 +126,8 @@ def build(source, path, *, kind=None, spacing=None, origin=None, direction=None,
     planes = _Planes(read, shape, np.dtype(facts["dtype"]), dtype, getattr(source, "chunks", None))
     given["kind"] = facts["kind"]
     with _reporter(progress) as report:
-        made = _octavo.build(path, shape, facts, planes.plane, given, report)
-    warn_of(made["warnings"])
+        texts = _octavo.build(path, shape, facts, planes.plane, given, report)
+    warn_of(texts)
     return Volume(path)
 
 
@@ -149,7 +149,7 @@ def build_zarr(source, path, said, given, progress, *, level=0, channel=None, ti
                  spacing=None if said["spacing"] is None else _three(said["spacing"], "spacing"))
     given["kind"] = said["kind"] or "grey"
     with _reporter(progress) as report:
-        _, of_source, of_build = _octavo.build_zarr(source, path, asked, given, report)
+        of_source, of_build = _octavo.build_zarr(source, path, asked, given, report)
     warn_of([*(f"{source}: {text}" for text in of_source), *of_build])
     return Volume(path)
 
@@ -264,7 +264,7 @@ class Writer:
         if self._writer is None:
             return
         writer, self._writer = self._writer, None
-        warn_of(writer.finish()["warnings"])
+        warn_of(writer.finish())
 
     def abandon(self):
         """Give up: nothing is left under the name."""
@@ -461,7 +461,7 @@ def _output(path):
 def _require_not_own_source(view, path):
     # Bytes and URLs are no file here.
     with contextlib.suppress(OSError):
-        is_same = os.path.samefile(view._file.name, path)
+        is_same = os.path.samefile(view._file.name.removeprefix("file://"), path)
         if is_same:
             raise ArgumentError(f"{path}: is the volume that is read", path=path)
 

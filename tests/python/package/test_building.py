@@ -2,6 +2,8 @@
 
 import os
 import signal
+import subprocess
+import sys
 import threading
 import time
 import warnings
@@ -135,8 +137,9 @@ def test_a_level_of_a_volume_is_built_like_an_array(tmp_path, volume):
     assert np.array_equal(built[...], volume.real.levels[2][...])
     assert (built.spacing, built.origin, built.unit) == (level.spacing, level.origin, volume.unit)
     assert (built.slope, built.dtype) == (1, np.float32)
-    with pytest.raises(octavo.ArgumentError, match="is the volume that is read"):
-        octavo.build(volume, volume.name, overwrite=True)
+    for place in volume.name, f"file://{volume.name}":
+        with pytest.raises(octavo.ArgumentError, match="is the volume that is read"):
+            octavo.build(octavo.open(place), volume.name, overwrite=True)
 
 
 BAD = {
@@ -243,10 +246,33 @@ def test_an_interrupt_ends_a_build(tmp_path, with_interrupts):
     assert not list(tmp_path.iterdir())
 
 
-def test_an_interrupted_build_says_how_to_go_on():
-    said = make_error("io", "an interrupted build of it is here", "a.8vo", None,
-                      [("interrupted", "")])
-    assert str(said).endswith("(resume=True goes on with it, overwrite=True starts anew)")
+KILLED = """
+import os, pathlib, signal, sys, time
+import numpy as np
+import octavo
+
+voxels = np.load(sys.argv[1])
+w = octavo.Writer(sys.argv[2], voxels.shape, voxels.dtype, preset="fast")
+w.add(voxels[:-1])
+folder = pathlib.Path(sys.argv[2]).parent
+while not any(journal.stat().st_size for journal in folder.glob(".*.journal")):
+    time.sleep(0.01)
+os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+def test_an_interrupted_build_says_how_to_go_on(tmp_path):
+    voxels = np.zeros((140, 512, 512), np.uint16)  # groups of 64, 64 and 12 planes
+    voxels[:, 100:130] = np.arange(512) % 7
+    np.save(tmp_path / "voxels.npy", voxels)
+    done = subprocess.run([sys.executable, "-c", KILLED, tmp_path / "voxels.npy",
+                           tmp_path / "a.8vo"], check=False, timeout=100)
+    assert done.returncode == -signal.SIGKILL and not (tmp_path / "a.8vo").exists()
+    with pytest.raises(octavo.StorageError) as raised:
+        octavo.build(voxels, tmp_path / "a.8vo", preset="fast")
+    assert str(raised.value).endswith("(resume=True goes on with it, overwrite=True starts anew)")
+    built = octavo.build(voxels, tmp_path / "a.8vo", preset="fast", resume=True)
+    assert np.array_equal(built[...], voxels)
     assert "(" not in str(make_error("corrupt", "not sealed", "a.8vo", 8, [("interrupted", "")]))
 
 
