@@ -13,21 +13,11 @@ from . import _octavo
 from ._errors import ArgumentError, MissingError, StorageError
 
 
-def lasting(place):
-    """What a file is opened from, in a form that holds in other folders and pickles."""
-    if isinstance(place, (bytearray, memoryview)):
-        return bytes(place)
-    if _is_of_fsspec(place):
-        return place
-    if isinstance(place, os.PathLike):
-        place = os.fspath(place)
-    if isinstance(place, str) and "://" not in place:
-        place = os.path.abspath(place)
-    return place
-
-
 def source_of(place, options=None):
     """What opens `place`: a path, bytes, https:// or another URL of fsspec, a file object.
+
+    Its `name` stands in messages; its `place` is what it opens in a form that holds in other
+    folders and pickles.
 
     Parameters
     ----------
@@ -41,7 +31,10 @@ def source_of(place, options=None):
     if isinstance(place, (bytes, bytearray, memoryview)):
         return _Bytes(bytes(place))
     if _is_of_fsspec(place):
-        return _Url(place.full_name, place=(place.fs, place.path))
+        if getattr(place, "compression", None):
+            raise ArgumentError(f"{without_secrets(place.full_name)}: files are read as they are "
+                                "stored; open it without compression")
+        return _Url(place.full_name, file=place)
     if isinstance(place, os.PathLike):
         place = os.fspath(place)
     if isinstance(place, str):
@@ -102,14 +95,15 @@ def require_there(path):
 class _Path:
     def __init__(self, path):
         self.name = path
-        self._path = None  # behind the first opening, in whatever folder
+        self.place = os.path.abspath(path)
+        self._was_opened = False  # until then messages name a path as it was given
 
     def forget(self):
         """Nothing is kept."""
 
     def open(self, cache_bytes):
-        handle = _octavo.OpenFile(self._path or self.name, cache_bytes)
-        self._path = self._path or os.path.abspath(self.name)
+        handle = _octavo.OpenFile(self.place if self._was_opened else self.name, cache_bytes)
+        self._was_opened = True
         return handle
 
 
@@ -117,13 +111,13 @@ class _Bytes:
     name = "bytes"
 
     def __init__(self, held):
-        self._held = held
+        self.place = held
 
     def forget(self):
         """Nothing is kept."""
 
     def open(self, cache_bytes):
-        held = self._held
+        held = self.place
         return _octavo.OpenFile(lambda at, length: held[at:at + length], None, len(held),
                                 self.name, cache_bytes, [])
 
@@ -132,7 +126,7 @@ class _Stream:
     """A file object of bytes that seeks; one reader at a time, where it is no file on disk."""
 
     def __init__(self, file):
-        self._file = file
+        self.place = file
         self._lock = None  # of the place in the file
         self._on_disk = _file_on_disk(file)
         name = getattr(file, "name", None)
@@ -145,9 +139,9 @@ class _Stream:
         # In a forked process the one of before may be held by a thread that is not there.
         self._lock = threading.Lock()
         try:
-            self._file.seek(0, os.SEEK_END)
-            size = self._file.tell()
-            is_binary = isinstance(self._file.read(0), bytes)
+            self.place.seek(0, os.SEEK_END)
+            size = self.place.tell()
+            is_binary = isinstance(self.place.read(0), bytes)
         except (OSError, ValueError) as error:
             raise StorageError(f"{self.name}: {error}", path=self.name) from None
         if not is_binary:
@@ -169,8 +163,8 @@ class _Stream:
         if self._on_disk is not None:
             return os.pread(self._on_disk.fileno(), length, at)
         with self._lock:
-            self._file.seek(at)
-            return self._file.read(length)
+            self.place.seek(at)
+            return self.place.read(length)
 
 
 def _file_on_disk(file):
@@ -198,11 +192,12 @@ class _Url:
     _PAUSES = 0.2, 0.4, 0.8  # before what failed for a while is asked for again
     _LONGEST_PAUSE = 60  # that a busy server may ask for
 
-    def __init__(self, url, options=None, place=None):
-        """place  (file system, path) of a file that fsspec has found already"""
+    def __init__(self, url, options=None, file=None):
+        """file  an OpenFile of it, where there is one"""
         self._url = url
         self._storage_options = options or {}
-        self._place = place
+        self.place = url if file is None else file
+        self._of_file = None if file is None else (file.fs, file.path)
         self._process = os.getpid()
         self._blocks = None
         self._ends = {}  # offset: bytes that came with the length of the file
@@ -264,15 +259,15 @@ class _Url:
     def _found(self, fsspec):
         """(file system, path)"""
         _renew_loop(fsspec.asyn)
-        if self._place is None:
+        if self._of_file is None:
             return fsspec.core.url_to_fs(self._url, **self._options())
-        files, path = self._place
+        files, path = self._of_file
         here = os.getpid()
         if self._process != here or getattr(files, "_pid", here) != here:
             # Its threads do not live on in a forked process.
-            self._place = pickle.loads(pickle.dumps(files)), path
+            self._of_file = pickle.loads(pickle.dumps(files)), path
             self._process = here
-        return self._place
+        return self._of_file
 
     def _opened(self, files, path):
         """The length of the file. Both its ends come in the same round, where servers can that."""

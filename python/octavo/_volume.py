@@ -10,7 +10,7 @@ import numpy as np
 
 from ._errors import ArgumentError, CorruptError, StorageError
 from ._indexing import Selection, centers_within, read_chosen
-from ._sources import lasting, source_of
+from ._sources import source_of
 from ._tasks import VolumeTasks
 from ._work import MOST_THREADS, grid_affine, number_of, whole_number
 
@@ -411,10 +411,8 @@ class _File:
     """The file behind the views: opened once, and anew in a process that was forked."""
 
     def __init__(self, source, cache_bytes, storage_options):
-        place = lasting(source)
-        # Messages name a path as it was given.
-        self._source = source_of(source if isinstance(place, str) else place, storage_options)
-        self.opened = place, cache_bytes, storage_options
+        self._source = source_of(source, storage_options)
+        self.opened = self._source.place, cache_bytes, storage_options
         self._cache_bytes = whole_number(cache_bytes, "cache_bytes", 0)
         self._only_thread = False
         self._open()

@@ -314,6 +314,8 @@ def test_open_files_and_files_of_fsspec_are_read(path, voxels):
     fsspec = pytest.importorskip("fsspec")
     volume = octavo.open(fsspec.open(path))
     assert np.array_equal(pickle.loads(pickle.dumps(volume))[6], voxels[6])
+    with pytest.raises(octavo.ArgumentError, match="without compression"):
+        octavo.open(fsspec.open(path, compression="gzip"))
 
 
 def test_a_forked_process_reads_what_fsspec_reads(served, voxels):
