@@ -70,7 +70,7 @@ Work::Work(const nb::dict& given) : call_(given["progress"]) {
   context_.progress = &call_;
   context_.on_warning = [this](const Warning& warning) {
     call_.with_python([&] {
-      if (PyErr_WarnEx(PyExc_UserWarning, warning.text.c_str(), 1) != 0) throw nb::python_error();
+      nb::module_::import_("octavo._work").attr("warn_of")(nb::make_tuple(warning.text));
     });
   };
 }

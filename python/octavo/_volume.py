@@ -4,7 +4,6 @@ import json
 import math
 import operator
 import os
-import warnings
 
 import numpy as np
 
@@ -12,7 +11,7 @@ from ._errors import ArgumentError, CorruptError, StorageError
 from ._indexing import Selection, centers_within, read_chosen
 from ._sources import source_of
 from ._tasks import VolumeTasks
-from ._work import MOST_THREADS, grid_affine, number_of, whole_number
+from ._work import MOST_THREADS, grid_affine, number_of, warn_of, whole_number
 
 DEFAULT_CACHE_BYTES = 256 << 20
 
@@ -194,9 +193,8 @@ class View:
         share = _memory_bytes() // 4
         if wanted > share:
             fitting = self._file.level_in(share)
-            warnings.warn(f"{wanted / 1e9:.1f} GB of voxels are more than a quarter of this "
-                          f"machine's memory; level {fitting} of the whole volume would fit",
-                          stacklevel=3)
+            warn_of([f"{wanted / 1e9:.1f} GB of voxels are more than a quarter of this machine's "
+                     f"memory; level {fitting} of the whole volume would fit"])
 
 
 class RealView:

@@ -18,8 +18,8 @@ AXES = {"z": 2, "y": 1, "x": 0}
 
 def warn_of(texts):
     """Warns who has called the package."""
-    level = 2
-    frame = sys._getframe(1)
+    level = 1
+    frame = sys._getframe()
     while frame.f_back and frame.f_globals.get("__name__", "").partition(".")[0] == __package__:
         frame = frame.f_back
         level += 1

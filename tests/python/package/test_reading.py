@@ -98,6 +98,15 @@ def test_real_values_are_rescaled(volume, voxels):
     assert volume.real.levels[1][2].dtype == np.float32
 
 
+def test_what_takes_much_memory_is_a_warning_to_who_asks(volume, monkeypatch):
+    monkeypatch.setattr("octavo._volume._memory_bytes", lambda: 8)
+    for ask in (lambda: volume[...], lambda: volume.levels[1][...], lambda: volume.real[...],
+                lambda: np.asarray(volume.real)):
+        with pytest.warns(UserWarning, match="would fit") as caught:
+            ask()
+        assert [one.filename for one in caught] == [__file__]
+
+
 def test_a_point_in_mm_is_the_nearest_voxel(volume, voxels):
     assert volume.at_mm((30 + 2 * 7.4, 20 + 0.5 * 3.6, 10 + 0.25 * 9)) == voxels[7, 4, 9]
     with pytest.raises(octavo.ArgumentError, match="outside"):

@@ -10,8 +10,9 @@ import octavo
 
 @pytest.fixture
 def image(volume, tmp_path):
-    with pytest.warns(UserWarning, match="no slope"):
+    with pytest.warns(UserWarning, match="no slope") as caught:
         octavo.export(volume, tmp_path / "image.ome.zarr")
+    assert {one.filename for one in caught} == {__file__}
     return tmp_path / "image.ome.zarr"
 
 
