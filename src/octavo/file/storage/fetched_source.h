@@ -33,7 +33,8 @@ auto read_twice(const ByteSource& source, std::span<const ByteRange> ranges, Rea
   } catch (const Error& error) {
     const bool is_damage = error.kind() == ErrorKind::corrupt ||
                            error.kind() == ErrorKind::truncated ||
-                           error.kind() == ErrorKind::not_octavo;
+                           error.kind() == ErrorKind::not_octavo ||
+                           error.kind() == ErrorKind::unsupported_version;
     if (!is_damage || !forget_fetched(source, ranges)) throw;
   }
   return read();

@@ -544,13 +544,14 @@ struct FlippingServer {
   TestServer server;
 };
 
-/// Calls check(offset) with bytes of every kind: header, model, bricks, trailers, index.
+constexpr std::int64_t kVersionAt = 8;
+
+/// Calls check(offset) with bytes of every kind: magic, version, the rest of the header, model,
+/// bricks, trailers, index.
 void for_bytes_of(const std::vector<std::uint8_t>& file,
                   const std::function<void(std::int64_t offset)>& check) {
   const auto end = static_cast<std::int64_t>(file.size());
-  for (const std::int64_t offset : {std::int64_t{3}, std::int64_t{130}, std::int64_t{600}}) {
-    check(offset);
-  }
+  for (const auto offset : std::vector<std::int64_t>{3, kVersionAt, 130, 600}) check(offset);
   for (int step = 1; step < 12; ++step) check(end * step / 12);
   for (const std::int64_t back : {2, 60, 300, 2000}) check(end - back);
 }
@@ -580,6 +581,7 @@ TEST(HttpDamage, OfBytesOnTheirWayIsAskedForOnceMore) {
         EXPECT_EQ(read_corner(open_url(flipping.server.url())), expected) << offset;
       } catch (const Error& error) {
         EXPECT_NE(error.kind(), ErrorKind::io) << error.what();
+        EXPECT_EQ(error.kind() == ErrorKind::unsupported_version, offset == kVersionAt);
         was_damaged = true;
       }
     });
