@@ -93,14 +93,14 @@ nlohmann::ordered_json result_json(const std::string& path, const VerifyVolumeRe
 
 /// What is lost and what helps: "; 3 of 40 bricks damaged, the others can be read; export --salvage
 /// writes them"
-std::string extent_text(const VerifyReport& report) {
+std::string extent_text(const std::string& input, const VerifyReport& report) {
   const std::int64_t lost = report.damaged_brick_count + report.unreachable_brick_count;
   std::string text;
   if (lost > 0) {
     text = fmt::format("; {} of {} bricks damaged", count_text(lost),
                        count_text(report.brick_count));
   }
-  if (report.repairable_count == report.damage_count) {
+  if (report.repairable_count == report.damage_count && !is_url(input)) {
     return text + (report.unreachable_brick_count > 0 ? kHidingAdvice : kFlipAdvice);
   }
   if (lost == 0 || lost == report.brick_count) return text;
@@ -111,14 +111,14 @@ std::string extent_text(const VerifyReport& report) {
 [[noreturn]] void report_damage(const VerifyArguments& arguments, const VerifyVolumeResult& result,
                                 const Context& context) {
   const VerifyReport& report = result.report;
+  const std::string& input = arguments.options.input;
   const Damage& first = report.damages.front();
-  if (context.json) print_json(result_json(arguments.options.input, result));
+  if (context.json) print_json(result_json(input, result));
   if (report.damage_count == 1) {
-    throw Error(ErrorKind::corrupt, first.detail + extent_text(report), arguments.options.input,
-                first.offset);
+    throw Error(ErrorKind::corrupt, first.detail + extent_text(input, report), input, first.offset);
   }
   for (const Damage& damage : report.damages) {
-    context.note(escaped(public_name(arguments.options.input)) + ": " + damage.detail);
+    context.note(escaped(public_name(input)) + ": " + damage.detail);
   }
   const auto listed = static_cast<std::int64_t>(report.damages.size());
   const std::string named =
@@ -126,8 +126,8 @@ std::string extent_text(const VerifyReport& report) {
                                    : "";
   throw Error(ErrorKind::corrupt,
               fmt::format("{} damaged places{}{}", count_text(report.damage_count), named,
-                          extent_text(report)),
-              arguments.options.input, first.offset);
+                          extent_text(input, report)),
+              input, first.offset);
 }
 
 std::string difference_text(const VerifyArguments& arguments, const VerifyVolumeResult& result) {

@@ -22,6 +22,8 @@ import urllib.parse
 import urllib.request
 
 import cli_test
+import lying_server
+from lying_behaviors import Behaviors
 
 PAGE = {"index.html": "<p>page", "style.css": "p {}", "viewer.js": "1", "worker.js": "2",
         "octavo.wasm": "3", "HOSTING.md": "4"}
@@ -312,6 +314,22 @@ class Publishing(Serving):
         self.assertEqual(sorted(path.name for path in (self.folder / "site").iterdir()),
                          sorted([*PAGE, "far.8vo", "files.json"]))
         self.assertEqual((self.folder / "site" / "far.8vo").read_bytes(), self.bytes)
+
+    def test_what_was_changed_on_its_way_is_copied_once_more(self):
+        server = lying_server.Server()
+        self.addCleanup(server.close)
+        behaviors = Behaviors(self.bytes)
+        for count in (1, 2):
+            url = server.url(str(count), behaviors.flipped_byte_at_first(count))
+            self.publish(0, url, "-o", f"site{count}")
+            published = self.folder / f"site{count}" / "scan.8vo"
+            self.assertEqual(published.read_bytes(), self.bytes, count)
+        error = self.publish(4, server.url("damaged", behaviors.flipped_byte), "-o", "site")
+        self.assertIn("scan.8vo: model 0 at byte 512: ", error.stderr)
+        self.assertIn("one flipped bit, byte 600", error.stderr)
+        # That takes files alone.
+        self.assertNotIn("repair", error.stderr)
+        self.assertFalse((self.folder / "site").exists())
 
     def test_a_page_without_words_on_hosting_is_not_said_to_have_them(self):
         self.assertIn("HOSTING.md", self.publish(0, "a b.8vo", "-o", "told").stdout)

@@ -1,6 +1,7 @@
 """What web servers may do to a reader: each method answers one request, rightly or wrongly."""
 
 import gzip
+import itertools
 import struct
 
 import lying_server
@@ -22,7 +23,6 @@ class Behaviors:
     def __init__(self, data):
         self.data = data
         self.other = data[:-70_000] + bytes(70_000)
-        self.has_flipped = False
 
     def part(self, x, *headers, data=None, first=None, last=None, total=None, **options):
         """A right answer, but for what is given."""
@@ -145,10 +145,14 @@ class Behaviors:
         data[600] ^= 8
         return self.part(x, TAG, data=bytes(data))
 
-    def flipped_byte_once(self, x):
-        is_first = not self.has_flipped and x.first <= 600 <= x.last
-        self.has_flipped = self.has_flipped or is_first
-        return self.flipped_byte(x) if is_first else self.good(x)
+    def flipped_byte_at_first(self, count):
+        """flipped_byte for so many answers that hold it."""
+        numbers = itertools.count()
+
+        def behavior(x):
+            is_flipped = x.first <= 600 <= x.last and next(numbers) < count
+            return self.flipped_byte(x) if is_flipped else self.good(x)
+        return behavior
 
     def escapes(self, x):
         return x.answer("206 \x1b]0;mine\x07", "Content-Range: bytes \x1b[31m0-9/10\x1b[0m",

@@ -8,6 +8,7 @@
 
 #include "octavo/core/error.h"
 #include "octavo/core/url_text.h"
+#include "octavo/file/storage/fetched_source.h"
 #include "octavo/file/storage/storage.h"
 #include "octavo/file/storage/temporary.h"
 #include "octavo/file/verify.h"
@@ -65,8 +66,26 @@ void require_sound(const std::shared_ptr<const ByteSource>& copy, const std::str
           ? ""
           : "; " + std::to_string(report.damage_count) + " places are damaged in all";
   const Error failure(ErrorKind::corrupt, first.detail + others, name, first.offset);
-  throw report.repairable_count == report.damage_count ? failure.with_field("input.repair")
-                                                       : failure;
+  const bool helps_repair = !is_url(name) && report.repairable_count == report.damage_count;
+  throw helps_repair ? failure.with_field("input.repair") : failure;
+}
+
+/// Copies a volume into a folder as `name` and proves the copy: once more where bytes were changed
+/// on their way.
+PublishedFile copy_sound(PartFolder& folder, const ByteSource& volume, const std::string& name,
+                         const TaskContext& context) {
+  const ByteRange all{0, volume.size()};
+  return read_twice(volume, {&all, 1}, [&] {
+    folder.take_back(name);
+    PublishedFile copied;
+    {
+      ProgressScope progress(context.watcher(), "publish",
+                             static_cast<std::int64_t>(volume.size()), "bytes");
+      copied = copy_into(folder, volume, name, context.watcher());
+    }
+    require_sound(folder.open(name), volume.name(), context);
+    return copied;
+  });
 }
 
 /// Whether the file of a row stands in a folder; true of what stands elsewhere.
@@ -110,11 +129,9 @@ PublishResult publish(const PublishOptions& options, const TaskContext& context)
   const std::vector<std::string> page = web_page_files(options.page_folder);
   const std::vector<std::string> names = web_names(options.inputs, page);
   std::vector<std::shared_ptr<const ByteSource>> volumes;
-  std::int64_t total = 0;
   for (const std::string& path : options.inputs) {
     open_volume(path, context);
     volumes.push_back(open_input(path, context));
-    total += static_cast<std::int64_t>(volumes.back()->size());
   }
   Storage& storage = local_storage();
   PartFolder folder(storage, options.output.path, options.output.overwrite);
@@ -124,14 +141,8 @@ PublishResult publish(const PublishOptions& options, const TaskContext& context)
 
   // Volumes, page, list.
   PublishResult result;
-  {
-    ProgressScope progress(context.watcher(), "publish", total, "bytes");
-    for (std::size_t i = 0; i < names.size(); ++i) {
-      result.volumes.push_back(copy_into(folder, *volumes[i], names[i], context.watcher()));
-    }
-  }
   for (std::size_t i = 0; i < names.size(); ++i) {
-    require_sound(folder.open(names[i]), volumes[i]->name(), context);
+    result.volumes.push_back(copy_sound(folder, *volumes[i], names[i], context));
   }
   NoProgress uncounted;
   for (const std::string& name : page) {

@@ -28,12 +28,13 @@ struct PublishResult {
 };
 
 /// Writes all files, or none. Every volume is opened before; its bytes are copied as they are, and
-/// all their checksums are proven before any file has its name.
+/// all their checksums are proven before any file has its name. What comes from a URL and is
+/// damaged is copied once more.
 /// Volumes that were published there before stay listed as long as their files are there, behind
 /// the new ones.
 /// Throws  as open_volume; Error{corrupt} for a damaged volume, about the field "input.repair"
-///         where repair turns the damage back; Error{io} where the page is not there, a name is
-///         taken and not to be overwritten, and what writing throws; Error{cancelled}
+///         where repair turns the damage of a file back; Error{io} where the page is not there, a
+///         name is taken and not to be overwritten, and what writing throws; Error{cancelled}
 /// Memory  as verify_file, without bricks
 PublishResult publish(const PublishOptions& options, const TaskContext& context);
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "octavo/core/error.h"
+#include "octavo/core/url_text.h"
 #include "octavo/file/repair/repair_bits.h"
 #include "octavo/file/verify.h"
 #include "octavo/tasks/files/plane_compare.h"
@@ -43,8 +44,8 @@ struct VerifyVolumeResult {
 };
 
 /// Reads every byte, proves every checksum and decodes every brick; damage is part of the result.
-/// Throws  as verify_file, about the field "input.repair" where repair would open the file; as
-///         open_planes and repeat_isotropic for the source
+/// Throws  as verify_file, about the field "input.repair" where repair would open the file, which
+///         is no URL; as open_planes and repeat_isotropic for the source
 VerifyVolumeResult verify_volume(const VerifyVolumeOptions& options, const TaskContext& context);
 
 /// How the threads and the memory of a context verify.
@@ -52,7 +53,8 @@ VerifyVolumeResult verify_volume(const VerifyVolumeOptions& options, const TaskC
 VerifyOptions verify_options(const TaskContext& context);
 
 /// Calls verify(source, options) with the file and with how this machine verifies.
-/// Throws what that throws, corrupt about the field "input.repair" where repair would open the file
+/// Throws what that throws, corrupt about the field "input.repair" where repair would open the
+///        file, which is no URL
 template <class Verify>
 auto with_verify_options(const std::string& path, const TaskContext& context, Verify verify) {
   const VerifyOptions options = verify_options(context);
@@ -60,7 +62,7 @@ auto with_verify_options(const std::string& path, const TaskContext& context, Ve
   try {
     return verify(source, options);
   } catch (const Error& error) {
-    if (error.kind() != ErrorKind::corrupt || !opens_repaired(source)) throw;
+    if (error.kind() != ErrorKind::corrupt || is_url(path) || !opens_repaired(source)) throw;
     throw error.with_field("input.repair");
   }
 }

@@ -127,6 +127,10 @@ std::uint64_t PartFolder::add(const std::string& name,
   });
 }
 
+void PartFolder::take_back(const std::string& name) {
+  if (std::erase(names_, name) > 0) named([&] { storage_.remove(hidden(name)); });
+}
+
 std::shared_ptr<const ByteSource> PartFolder::open(const std::string& name) const {
   return named([&] { return open_byte_source(storage_, hidden(name)); });
 }

@@ -36,6 +36,9 @@ class PartFolder {
   /// Returns its size
   std::uint64_t add(const std::string& name, const std::function<void(PendingFile&)>& write);
 
+  /// Removes a file that was added, so that it may be added again; nothing where there is none.
+  void take_back(const std::string& name);
+
   /// The bytes of a file that was added.
   std::shared_ptr<const ByteSource> open(const std::string& name) const;
 
