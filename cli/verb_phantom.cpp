@@ -9,6 +9,7 @@
 #include "common/task_run.h"
 #include "octavo/tasks/files/write_phantom.h"
 #include "text/built_words.h"
+#include "text/offered_words.h"
 #include "text/quantities.h"
 #include "verbs.h"
 
@@ -50,9 +51,11 @@ Size3 parse_size(const std::string& text) {
 }
 
 VoxelType parse_type(const std::string& text) {
-  if (const auto type = parse_voxel_type(text)) return *type;
+  const auto type = parse_voxel_type(text);
+  if (type && std::ranges::find(phantom_types(), *type) != phantom_types().end()) return *type;
   throw Error(ErrorKind::invalid_argument,
-              "--type: '" + escaped(text) + "'; expected int8, uint8, int16 or uint16");
+              fmt::format("--type: '{}'; expected one of {}", escaped(text),
+                          fmt::join(phantom_type_words(), ", ")));
 }
 
 PhantomOptions phantom_options(const PhantomArguments& arguments) {
@@ -104,7 +107,8 @@ void add_phantom(CLI::App& app, Context& context) {
   verb.add_output(arguments.output, "The .8vo, .raw or .mhd file to write");
   verb.add_option("--size N", arguments.size, "Voxels, x,y,z or one side for a cube")
       .capture_default_str();
-  verb.add_option("--type TYPE", arguments.type, "int8, uint8, int16 or uint16")
+  verb.add_option("--type TYPE", arguments.type,
+                  fmt::format("One of {}", fmt::join(phantom_type_words(), ", ")))
       .capture_default_str();
   verb.add_option("--spacing MM", arguments.spacing, "Voxel distances in mm, x,y,z or one for all")
       .capture_default_str();

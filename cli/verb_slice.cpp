@@ -13,6 +13,7 @@
 #include "octavo/tasks/pictures/color_names.h"
 #include "octavo/tasks/pictures/slice.h"
 #include "octavo/tasks/volume_facts.h"
+#include "text/offered_words.h"
 #include "text/quantities.h"
 #include "text/volume_json.h"
 #include "verbs.h"
@@ -60,19 +61,14 @@ struct SliceArguments {
   std::vector<double> overlay_opacities;
 };
 
-std::string preset_names() {
-  std::string names;
-  for (const WindowPreset& preset : window_presets()) names += fmt::format("{}, ", preset.name);
-  return names + "auto";
-}
-
 void take_window(const std::string& text, const std::string& option, SliceOptions& options) {
-  if (text == "auto") return;
+  if (text == kAutomatic) return;
   if (find_window_preset(text)) {
     options.window_preset = text;
     return;
   }
-  const std::string expected = "CENTER,WIDTH or one of " + preset_names();
+  const std::string expected =
+      fmt::format("CENTER,WIDTH or one of {}", fmt::join(window_words(), ", "));
   if (text.find(',') == std::string::npos) {
     throw Error(ErrorKind::invalid_argument,
                 fmt::format("{}: '{}'; expected {}", option, escaped(text), expected));
@@ -284,7 +280,7 @@ void add_slice(CLI::App& app, Context& context) {
                 [&made = options](const std::string& text, const std::string& option) {
                   take_window(text, option, made);
                 })
-      .default_str("auto");
+      .default_str(std::string(kAutomatic));
   verb.add_option("--size N", options.minimum_side,
                   "Enlarge pictures smaller than this many pixels")
       .check(whole_within(1, 8192))

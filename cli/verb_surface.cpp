@@ -14,6 +14,7 @@
 #include "octavo/tasks/surfaces/surface_report.h"
 #include "octavo/tasks/volume_facts.h"
 #include "text/label_surface_words.h"
+#include "text/offered_words.h"
 #include "text/quantities.h"
 #include "text/volume_json.h"
 #include "verbs.h"
@@ -101,7 +102,7 @@ AskedTriangles parse_triangles(const std::string& text, const std::string& optio
 /// "off", "20".
 int parse_smoothing(const std::string& text, const std::string& option) {
   constexpr std::int64_t kMostSteps = 1000;
-  const std::int64_t steps = text == "off" ? 0 : parse_integer(text, option);
+  const std::int64_t steps = text == kOff ? 0 : parse_integer(text, option);
   if (steps < 0 || steps > kMostSteps) {
     throw Error(ErrorKind::invalid_argument, option + " takes off, or 1 to 1000 steps");
   }

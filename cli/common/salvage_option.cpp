@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "octavo/core/error.h"
+#include "text/offered_words.h"
 #include "text/quantities.h"
 
 namespace octavo::cli {
@@ -21,7 +22,7 @@ bool is_finite_number(const std::string& text) {
 }
 
 std::string fill_problem(const std::string& fill) {
-  if (fill == "lowest" || fill == "coarse" || is_finite_number(fill)) return "";
+  if (fill == kLowest || fill == kCoarse || is_finite_number(fill)) return "";
   return fmt::format("'{}' is neither lowest, coarse nor a number; name the file before --salvage",
                      escaped(fill));
 }
@@ -42,13 +43,13 @@ void add_salvage_option(Verb verb, std::optional<SalvageFilling>& filling) {
   verb.add_option_function(
           "--salvage [FILL]",
           [&filling](const std::string& fill) {
-            filling.emplace().is_from_coarser = fill == "coarse";
+            filling.emplace().is_from_coarser = fill == kCoarse;
             if (is_finite_number(fill)) filling->real_value = parse_number(fill, "--salvage");
           },
           "Fill damaged bricks and name them in warnings instead of refusing: with their lowest "
           "value, with a value in real units, or 'coarse': from the next level that is whole")
       .expected(0, 1)
-      .default_str("lowest")
+      .default_str(std::string(kLowest))
       .check({fill_problem, ""});
 }
 

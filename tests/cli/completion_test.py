@@ -101,13 +101,18 @@ class Completion(WithVerbs):
             (["render", "p.8vo", "-o", "p.png", "--background"], "#rrggbb or one of (.*)"),
             (["render", "p.8vo", "-o", "p.png", "--mode", "volume", "--transfer"],
              "presets are (.*)"),
-            (["phantom", "-o", "q.8vo", "--type"], "expected (.*)"),
+            (["phantom", "-o", "q.8vo", "--type"], "expected one of (.*)"),
         ]:
             with self.subTest(words):
                 error = self.octavo(*words, "nonsense").stderr
                 known = re.split(r", | or ", re.search(said, error)[1])
                 files = ["p.8vo", "script"] if words[-1] == "--transfer" else []
                 self.assertEqual(self.offered(*words, ""), sorted(known + files))
+        self.assertEqual(self.offered("surface", "--smooth", ""), ["off"])
+        self.assertEqual(self.offered("serve", "--token", ""), ["auto"])
+        error = self.octavo("export", "p.8vo", "-o", "p.raw", "--salvage", "nonsense").stderr
+        self.assertIn("neither lowest, coarse nor", error)
+        self.assertIn("FILL:(lowest coarse)", self.script("zsh").read_text())
         sides = self.offered("render", "--direction", "")
         self.assertEqual(len(sides), 26)
         for side in sides:

@@ -66,8 +66,12 @@ void require(bool condition, const std::string& what) {
 
 void check(const PhantomOptions& o) {
   checked_voxel_count(o.size);
-  require(bytes_per_voxel(o.type) <= 2, "voxel type " + std::string(voxel_type_name(o.type)) +
-                                            "; use int8, uint8, int16 or uint16");
+  std::string types;
+  for (const VoxelType type : phantom_types()) {
+    types += (types.empty() ? "" : ", ") + std::string(voxel_type_name(type));
+  }
+  require(std::ranges::find(phantom_types(), o.type) != phantom_types().end(),
+          "voxel type " + std::string(voxel_type_name(o.type)) + "; use one of " + types);
   for (const double spacing : o.spacing_mm) {
     require(std::isfinite(spacing) && spacing > 0,
             "spacing " + exact_text(spacing) + "; it must be above 0");
@@ -204,6 +208,12 @@ void Phantom::write_row(std::int64_t y, std::int64_t z, T* row) const {
 }
 
 }  // namespace
+
+std::span<const VoxelType> phantom_types() {
+  static constexpr VoxelType kTypes[] = {VoxelType::int8, VoxelType::uint8, VoxelType::int16,
+                                         VoxelType::uint16};
+  return kTypes;
+}
 
 PhantomOptions phantom_options_for(VoxelType type) {
   PhantomOptions o;

@@ -16,14 +16,18 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 
 #include "octavo/planes/plane_source.h"
 
 namespace octavo {
 
+/// The number types that a phantom may have.
+std::span<const VoxelType> phantom_types();
+
 struct PhantomOptions {
   Size3 size{256, 256, 256};
-  VoxelType type = VoxelType::int16;  ///< int8, uint8, int16 or uint16
+  VoxelType type = VoxelType::int16;  ///< one of phantom_types
   Point3 spacing_mm{1, 1, 1};
   double outer_radius = 0.9;  ///< fraction of half the shortest side
   double inner_radius = 0.8;

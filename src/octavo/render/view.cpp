@@ -101,6 +101,15 @@ std::array<int, 3> nearness_of(const std::array<Place, 3>& axes) {
   return signs;
 }
 
+/// A side of the patient.
+struct PatientSide {
+  std::string_view name;
+  std::size_t axis;
+  double sign;
+};
+constexpr PatientSide kSides[] = {{"right", 0, -1}, {"left", 0, 1},    {"front", 1, -1},
+                                  {"back", 1, 1},   {"bottom", 2, -1}, {"top", 2, 1}};
+
 }  // namespace
 
 Viewpoint viewpoint_along(const Geometry& geometry, const Point3& steps) {
@@ -117,24 +126,29 @@ Viewpoint viewpoint_along(const Geometry& geometry, const Point3& steps) {
 }
 
 std::optional<Viewpoint> find_viewpoint(std::string_view name) {
-  struct Side {
-    std::string_view name;
-    std::size_t axis;
-    double sign;
-  };
-  constexpr Side kSides[] = {{"right", 0, -1}, {"left", 0, 1},    {"front", 1, -1},
-                             {"back", 1, 1},   {"bottom", 2, -1}, {"top", 2, 1}};
   Point3 toward{};
   while (true) {
     const std::size_t end = std::min(name.find('-'), name.size());
-    const auto side = std::find_if(std::begin(kSides), std::end(kSides), [&](const Side& one) {
-      return one.name == name.substr(0, end);
-    });
+    const auto side = std::ranges::find(kSides, name.substr(0, end), &PatientSide::name);
     if (side == std::end(kSides) || toward[side->axis] != 0) return std::nullopt;
     toward[side->axis] = side->sign;
     if (end == name.size()) return upright(unit(toward));
     name.remove_prefix(end + 1);
   }
+}
+
+std::vector<std::string> viewpoint_names() {
+  std::vector<std::string> names;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    // Alone, and joined to what there is of the axes before.
+    const std::vector<std::string> before = names;
+    for (const PatientSide& side : kSides) {
+      if (side.axis != axis) continue;
+      names.emplace_back(side.name);
+      for (const std::string& name : before) names.push_back(name + "-" + std::string(side.name));
+    }
+  }
+  return names;
 }
 
 Viewpoint viewpoint_at(double azimuth_degrees, double elevation_degrees) {

@@ -23,6 +23,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "octavo/core/geometry.h"
 
@@ -47,6 +48,10 @@ Viewpoint viewpoint_along(const Geometry& geometry, const Point3& steps);
 /// of different axes may be joined by "-": "left-front-top" is as much to the left as it is to the
 /// front and above.
 std::optional<Viewpoint> find_viewpoint(std::string_view name);
+
+/// A name of each of the 26 viewpoints that find_viewpoint knows, which takes joined sides in any
+/// order.
+std::vector<std::string> viewpoint_names();
 
 /// Azimuth 0 is the front, 90 the patient's left; elevation 90 is above the head. Degrees.
 /// Throws Error{invalid_argument} when one is not finite.

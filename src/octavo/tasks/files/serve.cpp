@@ -36,7 +36,7 @@ std::string new_token() {
 }
 
 std::string token_of(const ServeOptions& options) {
-  if (options.token == "auto") return new_token();
+  if (options.token == kNewToken) return new_token();
   if (options.token.empty()) {
     if (is_loopback(options.address)) return "";
     throw Error(ErrorKind::invalid_argument,

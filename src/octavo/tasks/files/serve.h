@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "octavo/tasks/task_context.h"
@@ -21,6 +22,9 @@ struct ServedSite {
   bool has_page = false;
 };
 
+/// A token that is made anew.
+inline constexpr std::string_view kNewToken = "auto";
+
 struct ServeOptions {
   std::vector<std::string> inputs;  ///< .8vo files
   /// The built page; where it is not there, files alone are served, with a note.
@@ -28,7 +32,7 @@ struct ServeOptions {
   bool needs_page = false;             ///< its absence is an error
   std::string address = "127.0.0.1";   ///< of this machine; others than loopback need a token
   int port = 0;                        ///< 0: a free one
-  /// The first part of every address: "auto" makes one, else at least 22 letters, digits, - and _.
+  /// The first part of every address: kNewToken, or at least 22 letters, digits, - and _.
   std::string token;
   std::vector<std::string> allowed_origins;  ///< pages of which may read: "https://x.org", or "*"
   /// Whether each file also stands as a zarr hierarchy at its address with ".zarr/" behind it.

@@ -34,10 +34,16 @@ std::optional<Color> find_color(std::string_view text) {
   return color;
 }
 
+std::vector<std::string_view> named_colors() {
+  std::vector<std::string_view> names;
+  for (const Named& named : kNamed) names.push_back(named.name);
+  return names;
+}
+
 std::string color_names() {
   std::string names;
-  for (const Named& named : kNamed) {
-    names += (names.empty() ? "" : ", ") + std::string(named.name);
+  for (const std::string_view name : named_colors()) {
+    names += (names.empty() ? "" : ", ") + std::string(name);
   }
   return names;
 }
