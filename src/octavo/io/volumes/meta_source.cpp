@@ -250,18 +250,26 @@ std::vector<std::string> several_files_words(const MetaHeader& header) {
   return is_list || is_pattern ? data : std::vector<std::string>{};
 }
 
+/// "2" of "2D", which some programs write behind LIST.
+std::string_view dimension_digits(std::string_view word) {
+  const bool has_mark = word.size() > 1 && (word.back() == 'D' || word.back() == 'd');
+  return word.substr(0, word.size() - (has_mark ? 1 : 0));
+}
+
 /// The files that such a header names; without a dimension each holds one index of the last axis.
 /// Of a pattern the numbers are 1 to the size of that, in steps of 1, where it gives no others.
 std::vector<std::string> several_files(const MetaHeader& header,
                                        const std::vector<std::string>& data) {
   const std::vector<std::int64_t> sizes = header.field({"DimSize"}).integers();
   const auto all = static_cast<std::int64_t>(sizes.size());
+  const auto integer = [&](std::string_view word) {
+    return FieldText{header.path(), "ElementDataFile", word}.integer();
+  };
   const auto number = [&](std::size_t i, std::int64_t otherwise) {
-    if (i >= data.size()) return otherwise;
-    return FieldText{header.path(), "ElementDataFile", data[i]}.integer();
+    return i < data.size() ? integer(data[i]) : otherwise;
   };
   if (data[0] == "LIST") {
-    const std::int64_t asked = number(1, 0);
+    const std::int64_t asked = data.size() > 1 ? integer(dimension_digits(data[1])) : 0;
     const std::int64_t dimension = asked < 1 || asked > all ? all - 1 : asked;
     return find_data_files(header.path(), header.file_list(), sizes, dimension);
   }

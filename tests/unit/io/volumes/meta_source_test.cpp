@@ -38,7 +38,8 @@ TEST(MetaSource, WhatIsNoScalarVolumeIsRejected) {
       "NDims = 3\nDimSize = 4 3 2\nElementType = MET_SHORT\nElementDataFile = ";
   for (const std::string& header :
        {good + "../b.raw\n", good + "/etc/passwd\n", good + "b%03d.raw 1 2 1\n",
-        good + "LIST\na\nb\n", good + "missing.raw\n",
+        good + "LIST\na\nb\n", good + "LIST D\na\n", good + "LIST 2DD\na\nb\n",
+        good + "missing.raw\n",
         "ElementNumberOfChannels = 3\n" + good + "LOCAL\n",
         "BinaryData = False\n" + good + "LOCAL\n",
         std::string(
@@ -78,6 +79,8 @@ TEST(MetaSource, VoxelsMayStandInSeveralFiles) {
            {2, "ElementDataFile = LIST\np1.raw\np2.raw\n"},
            {2, "ElementDataFile = LIST 2\r\np1.raw\r\np2.raw"},
            {2, "ElementDataFile = LIST 7\np1.raw\np2.raw\n"},
+           {2, "ElementDataFile = LIST 2D\np1.raw\np2.raw\n"},
+           {1, "ElementDataFile = LIST 3d\np1.raw\n"},
            {6, "ElementDataFile = LIST 1\np1.raw\np2.raw\np3.raw\np4.raw\np5.raw\np6.raw\n"},
            {1, "ElementDataFile = LIST 3\np1.raw\n"},
            {2, "ElementDataFile = p%d.raw\n"},
