@@ -113,8 +113,11 @@ std::uint64_t DataFileNames::count() const {
 
 std::string DataFileNames::name(std::uint64_t number) const {
   if (!numbered_) return listed_[static_cast<std::size_t>(number)];
-  const std::int64_t value = numbered_->first + numbered_->step * static_cast<std::int64_t>(number);
-  return numbered_name(numbered_->pattern, *find_number(numbered_->pattern), value);
+  // It lies between the first and the last one; the steps to it may be more than int64 holds.
+  const std::uint64_t value = static_cast<std::uint64_t>(numbered_->first) +
+                              static_cast<std::uint64_t>(numbered_->step) * number;
+  return numbered_name(numbered_->pattern, *find_number(numbered_->pattern),
+                       static_cast<std::int64_t>(value));
 }
 
 std::vector<std::string> find_data_files(const std::string& header, const DataFileNames& names,

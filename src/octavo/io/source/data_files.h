@@ -34,6 +34,7 @@ class DataFileNames {
   static DataFileNames of_pattern(NumberedNames names);
 
   std::uint64_t count() const;
+  /// Requires number < count()
   std::string name(std::uint64_t number) const;
 
  private:
