@@ -6,6 +6,13 @@
 
 namespace octavo {
 
+void BytesBehind::add(const std::string& of, std::uint64_t bytes) {
+  if (bytes == 0) return;
+  if (files == 0) path = of;
+  ++files;
+  count += bytes;
+}
+
 PiecedStream::PiecedStream(std::vector<StreamPiece> pieces, std::uint64_t piece_bytes,
                            StreamCoding coding)
     : pieces_(std::move(pieces)),
@@ -26,7 +33,7 @@ VoxelStream& PiecedStream::stream() {
 
 /// Goes on to the next piece; of a deflated one the checksums are proven before.
 void PiecedStream::next() {
-  if (coding_ != StreamCoding::plain) bytes_behind_ += stream().finish();
+  if (coding_ != StreamCoding::plain) behind_.add(path(), stream().finish());
   stream_.reset();
   at_ = 0;
   ++number_;
@@ -54,6 +61,10 @@ void PiecedStream::skip(std::uint64_t count) {
   at_ += count;
 }
 
-std::uint64_t PiecedStream::finish() { return bytes_behind_ + stream().finish(); }
+BytesBehind PiecedStream::finish() {
+  BytesBehind all = behind_;
+  all.add(path(), stream().finish());
+  return all;
+}
 
 }  // namespace octavo

@@ -22,6 +22,15 @@ struct StreamPiece {
   PieceStart start;
 };
 
+/// Bytes that stand behind what was asked for.
+struct BytesBehind {
+  std::uint64_t count = 0;
+  std::size_t files = 0;  ///< that have some
+  std::string path;       ///< the first of them
+
+  void add(const std::string& of, std::uint64_t bytes);
+};
+
 /// As VoxelStream, over pieces of equal length. One file is open at a time, from the first on.
 class PiecedStream {
  public:
@@ -32,6 +41,11 @@ class PiecedStream {
   /// The file that is read.
   const std::string& path() const { return pieces_[number_].path; }
 
+  /// How many bytes stand in one file from the next one on.
+  std::uint64_t bytes_in_file() const {
+    return left() == 0 && has_next() ? piece_bytes_ : left();
+  }
+
   /// As VoxelStream::read
   void read(std::span<std::byte> bytes);
 
@@ -39,7 +53,7 @@ class PiecedStream {
   void skip(std::uint64_t count);
 
   /// As VoxelStream::finish, with what was left of earlier pieces.
-  std::uint64_t finish();
+  BytesBehind finish();
 
  private:
   VoxelStream& stream();
@@ -53,7 +67,7 @@ class PiecedStream {
   std::size_t number_ = 0;             ///< of the piece that is read
   std::uint64_t at_ = 0;               ///< in it
   std::optional<VoxelStream> stream_;  ///< of it, once it is opened
-  std::uint64_t bytes_behind_ = 0;     ///< of earlier pieces
+  BytesBehind behind_;                 ///< of earlier pieces
 };
 
 }  // namespace octavo

@@ -17,6 +17,14 @@ namespace {
 
 constexpr std::size_t kChunkBytes = std::size_t{1} << 16;
 
+/// Tells what stands behind voxels.
+std::string left_out_warning(const BytesBehind& behind) {
+  const std::int64_t others = static_cast<std::int64_t>(behind.files) - 1;
+  return std::to_string(behind.count) + " bytes behind the voxels were left out: " +
+         escaped(behind.path) +
+         (others > 0 ? " and " + counted_text(others, "other file") : std::string());
+}
+
 /// The stored numbers of a run, of one channel, in native byte order.
 class StoredNumbers {
  public:
@@ -28,6 +36,12 @@ class StoredNumbers {
   }
 
   PiecedStream& stream() { return stream_; }
+
+  /// How many numbers stand in one file from the next one on; 1 where files part it.
+  std::size_t numbers_in_file() const {
+    const std::uint64_t step = value_bytes_ * static_cast<std::uint64_t>(run_.values_per_voxel);
+    return static_cast<std::size_t>(std::max<std::uint64_t>(stream_.bytes_in_file() / step, 1));
+  }
 
   /// Fills `numbers` with the next ones.
   void read(std::span<std::byte> numbers) {
@@ -104,11 +118,13 @@ class StreamedSource final : public DescribedSource {
     std::vector<std::byte> chunk(std::min(kChunkBytes, plane.size() / voxel_bytes * wide_bytes));
     for (std::size_t at = 0; at < plane.size();) {
       const std::size_t count =
-          std::min(chunk.size() / wide_bytes, (plane.size() - at) / voxel_bytes);
+          std::min({chunk.size() / wide_bytes, (plane.size() - at) / voxel_bytes,
+                    numbers_.numbers_in_file()});
       const std::span<std::byte> wide = std::span(chunk).first(count * wide_bytes);
       numbers_.read(wide);
       narrow(*narrowing(), wide, plane.subspan(at, count * voxel_bytes),
-             {run_.path, description().size.x, z, static_cast<std::int64_t>(at / voxel_bytes)});
+             {numbers_.stream().path(), description().size.x, z,
+              static_cast<std::int64_t>(at / voxel_bytes)});
       at += count * voxel_bytes;
     }
   }
@@ -116,10 +132,7 @@ class StreamedSource final : public DescribedSource {
   void prove_end() {
     PiecedStream& stream = numbers_.stream();
     stream.skip(run_.bytes_behind);
-    if (const std::uint64_t left = stream.finish(); left > 0) {
-      warn(std::to_string(left) + " bytes behind the voxels were left out: " +
-           escaped(stream.path()));
-    }
+    if (const BytesBehind left = stream.finish(); left.count > 0) warn(left_out_warning(left));
   }
 
   VoxelRun run_;
@@ -143,6 +156,12 @@ std::string content_text(const SourceFacts& facts, const VoxelRun& run) {
          std::string(stored_name(facts));
 }
 
+/// What each file of a run holds, with what stands before its voxels.
+std::uint64_t bytes_of_each_file(const VoxelRun& run, std::uint64_t voxel_bytes) {
+  return run.pieces.empty() ? checked_add(run.skip_bytes, voxel_bytes, "voxel offset")
+                            : run.piece_bytes;
+}
+
 /// Proves that a plain file holds so many bytes of voxels; returns how many stand behind them.
 std::uint64_t check_plain_length(const SourceFacts& facts, const VoxelRun& run,
                                  const StreamPiece& piece, std::uint64_t voxel_bytes) {
@@ -160,26 +179,17 @@ std::uint64_t check_plain_length(const SourceFacts& facts, const VoxelRun& run,
 
 /// The same for all files of a run, with a warning of what stands behind voxels.
 void check_plain_lengths(SourceFacts& facts, const VoxelRun& run, std::uint64_t voxel_bytes) {
-  const bool is_one = run.pieces.empty();
-  const std::uint64_t bytes =
-      is_one ? checked_add(run.skip_bytes, voxel_bytes, "voxel offset") : run.piece_bytes;
-  std::uint64_t behind = 0;
-  std::string example;
+  const std::uint64_t bytes = bytes_of_each_file(run, voxel_bytes);
+  BytesBehind behind;
   for (const StreamPiece& piece : run.files()) {
-    const std::uint64_t own = check_plain_length(facts, run, piece, bytes);
-    if (own > 0 && example.empty()) example = piece.path;
-    behind += own;
+    behind.add(piece.path, check_plain_length(facts, run, piece, bytes));
   }
-  if (behind == 0) return;
-  facts.warnings.push_back(std::to_string(behind) + " bytes behind the voxels were left out: " +
-                           escaped(example) + (is_one ? "" : " and the like"));
+  if (behind.count > 0) facts.warnings.push_back(left_out_warning(behind));
 }
 
 /// Proves that deflated files can hold their voxels.
 void check_deflated_lengths(const VoxelRun& run, std::uint64_t voxel_bytes) {
-  const std::uint64_t bytes = run.pieces.empty()
-                                  ? checked_add(run.skip_bytes, voxel_bytes, "stream length")
-                                  : run.piece_bytes;
+  const std::uint64_t bytes = bytes_of_each_file(run, voxel_bytes);
   for (const StreamPiece& piece : run.files()) {
     const std::uint64_t stream_bytes = checked_add(piece.start.skip_bytes, bytes, "stream length");
     require_holdable(piece.path, SourceFile(piece.path).size(), stream_bytes, kDeflateRatio);

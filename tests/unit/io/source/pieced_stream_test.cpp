@@ -43,7 +43,7 @@ TEST(PiecedStream, ReadsAndSkipsAcrossFiles) {
         stream.skip(2);
         EXPECT_EQ(read_text(stream, 1), all.substr(skipped + count + 2, 1)) << skipped;
         stream.skip(all.size() - skipped - count - 3);
-        EXPECT_EQ(stream.finish(), 0u);
+        EXPECT_EQ(stream.finish().count, 0u);
         EXPECT_EQ(stream.path(), pieces.back().path);
       }
     }
@@ -66,7 +66,10 @@ TEST(PiecedStream, OfDeflatedFilesProvesEachToItsEnd) {
   write_file(pieces[1].path, gzip("!" + counted(40, 3).substr(10, 10) + "more"));
   PiecedStream longer(pieces, 10, StreamCoding::deflated);
   EXPECT_EQ(read_text(longer, 40), counted(40, 3));
-  EXPECT_EQ(longer.finish(), 4u);
+  const BytesBehind behind = longer.finish();
+  EXPECT_EQ(behind.count, 4u);
+  EXPECT_EQ(behind.files, 1u);
+  EXPECT_EQ(behind.path, pieces[1].path);
 }
 
 }  // namespace
