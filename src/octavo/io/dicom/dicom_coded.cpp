@@ -60,10 +60,9 @@ std::vector<std::byte> start_of(const SourceFile& file, const std::vector<ByteRu
 }
 
 /// Heads nearly always stand at the very front; tables and notes may come before them.
-std::optional<PictureHead> head_of(const DicomLayout& layout, const SourceFile& file,
-                                   const std::vector<ByteRun>& fragments) {
+std::optional<PictureHead> early_head(const SourceFile& file,
+                                      const std::vector<ByteRun>& fragments) {
   constexpr std::size_t kUsualHeadBytes = 1024;
-  if (has_run_lengths(layout)) return std::nullopt;
   const auto head = picture_head(start_of(file, fragments, kUsualHeadBytes));
   return head ? head : picture_head(start_of(file, fragments, kPictureHeadBytes));
 }
@@ -148,14 +147,8 @@ bool is_plain_jpeg(const DicomLayout& layout) {
          uid.starts_with("1.2.840.10008.1.2.4.7");
 }
 
-/// The bytes of a picture, over the ends of its fragments; `joined` keeps those of several.
-std::span<const std::byte> whole_picture(const std::vector<std::vector<std::byte>>& fragments,
-                                         std::vector<std::byte>& joined) {
-  if (fragments.size() == 1) return fragments.front();
-  for (const std::vector<std::byte>& part : fragments) {
-    joined.insert(joined.end(), part.begin(), part.end());
-  }
-  return joined;
+bool is_jpeg_ls(const DicomLayout& layout) {
+  return layout.transfer_syntax.starts_with("1.2.840.10008.1.2.4.8");
 }
 
 [[noreturn]] void reject_damaged(const DicomLayout& layout, std::int64_t frame,
@@ -165,32 +158,38 @@ std::span<const std::byte> whole_picture(const std::vector<std::vector<std::byte
                      "origin");
 }
 
-/// Rejects a JPEG-LS picture without the mark of the end, which its values cannot hold: behind the
-/// last byte its decoder may count zeros for minutes before it gives up.
-void require_end(const DicomLayout& layout, std::int64_t frame,
-                 const std::vector<std::vector<std::byte>>& fragments) {
+/// Rejects a picture that is seen to lack values before it is decoded: of JPEG and of run lengths
+/// the decoder fills them up without a word, and behind the last byte of JPEG-LS it may count zeros
+/// for minutes before it gives up. Its values cannot hold the mark of the end.
+void require_whole(const DicomLayout& layout, std::int64_t frame,
+                   std::span<const std::byte> picture) {
   constexpr std::array kEnd = {std::byte{0xff}, std::byte{0xd9}};
-  if (!layout.transfer_syntax.starts_with("1.2.840.10008.1.2.4.8")) return;
-  std::vector<std::byte> joined;
-  const std::span<const std::byte> picture = whole_picture(fragments, joined);
-  const auto end = std::find_end(picture.begin(), picture.end(), kEnd.begin(), kEnd.end());
-  if (end == picture.end()) reject_damaged(layout, frame, "ends before its mark of the end");
-}
-
-/// Rejects a JPEG picture or run lengths that end early: the decoder fills them up without a word.
-void require_all_values(const DicomLayout& layout, std::int64_t frame,
-                        const std::vector<std::vector<std::byte>>& fragments) {
-  if (!is_plain_jpeg(layout) && !has_run_lengths(layout)) return;
-  std::vector<std::byte> joined;
-  const std::span<const std::byte> picture = whole_picture(fragments, joined);
-  if (is_plain_jpeg(layout)) {
-    if (is_whole_jpeg({}, picture)) return;
+  if (is_plain_jpeg(layout) && !is_whole_jpeg({}, picture)) {
     reject_damaged(layout, frame, "ends before its last value: it is damaged");
   }
+  if (is_jpeg_ls(layout) && std::ranges::find_end(picture, kEnd).empty()) {
+    reject_damaged(layout, frame, "ends before its mark of the end");
+  }
+  if (!has_run_lengths(layout)) return;
   const auto pixels = static_cast<std::size_t>(layout.stored_columns() * layout.stored_rows());
   const auto bytes = static_cast<std::size_t>(layout.bits_allocated / 8 * layout.samples);
   const std::string damage = run_length_damage(picture, bytes, pixels);
   if (!damage.empty()) reject_damaged(layout, frame, "is damaged (" + damage + ")");
+}
+
+/// The head of a picture that is whole and fits the header; run lengths have none.
+std::optional<PictureHead> proven_head(const DicomLayout& layout, std::int64_t frame,
+                                       const std::vector<std::vector<std::byte>>& fragments) {
+  std::vector<std::byte> joined;
+  for (const std::vector<std::byte>& part : fragments) {
+    if (fragments.size() > 1) joined.insert(joined.end(), part.begin(), part.end());
+  }
+  const std::span<const std::byte> picture = fragments.size() == 1 ? fragments.front() : joined;
+  std::optional<PictureHead> head;
+  if (!has_run_lengths(layout)) head = picture_head(picture);
+  if (head) require_claimed(layout, *head);
+  require_whole(layout, frame, picture);
+  return head;
 }
 
 /// What the bits of a decoded number mean. In JPEG, which knows 8, 12 and 16 bits alone, those
@@ -269,10 +268,11 @@ bool has_run_lengths(const DicomLayout& layout) {
 }
 
 std::optional<PictureHead> first_picture_head(const DicomLayout& layout) {
-  if (!layout.pixels.is_encapsulated || layout.pixels.fragments.empty() || is_plain_jpeg(layout)) {
+  if (!layout.pixels.is_encapsulated || layout.pixels.fragments.empty() ||
+      is_plain_jpeg(layout) || has_run_lengths(layout)) {
     return std::nullopt;
   }
-  return head_of(layout, SourceFile(layout.path), fragments_of(layout, 0));
+  return early_head(SourceFile(layout.path), fragments_of(layout, 0));
 }
 
 bool has_more_bits(const DicomLayout& layout, const PictureHead& head) {
@@ -313,23 +313,20 @@ bool read_coded_frame(const DicomSlice& slice, std::span<std::byte> plane) {
                        " at most");
   }
   const SourceFile file(layout.path);
-  const std::vector<ByteRun> fragments = fragments_of(layout, slice.frame);
-  const std::optional<PictureHead> head = head_of(layout, file, fragments);
-  if (head) require_claimed(layout, *head);
-  CodedPicture picture = coded_picture(layout, head);
-  for (const ByteRun& run : fragments) {
-    std::vector<std::byte> bytes(static_cast<std::size_t>(run.length));
-    file.read_exactly(run.offset, bytes);
-    picture.fragments.push_back(std::move(bytes));
+  std::vector<std::vector<std::byte>> fragments;
+  for (const ByteRun& run : fragments_of(layout, slice.frame)) {
+    fragments.emplace_back(static_cast<std::size_t>(run.length));
+    file.read_exactly(run.offset, fragments.back());
   }
+  const std::optional<PictureHead> head = proven_head(layout, slice.frame, fragments);
+  CodedPicture picture = coded_picture(layout, head);
+  picture.fragments = std::move(fragments);
   if (!head) {
-    require_all_values(layout, slice.frame, picture.fragments);
     decode(layout, picture, plane);
     return false;
   }
   picture.is_signed = head->is_signed || (layout.is_signed && !picture.transfer_syntax.starts_with(
                                                                   "1.2.840.10008.1.2.4.9"));
-  require_end(layout, slice.frame, picture.fragments);
   const auto ratio = static_cast<std::size_t>(layout.bits_allocated / picture.bits_allocated);
   UnsetBytes narrow;
   std::span<std::byte> decoded = plane;
@@ -338,7 +335,6 @@ bool read_coded_frame(const DicomSlice& slice, std::span<std::byte> plane) {
     decoded = narrow.bytes();
   }
   decode(layout, picture, decoded);
-  require_all_values(layout, slice.frame, picture.fragments);
   if (head->bits == layout.bits_allocated && layout.bits_stored == head->bits) return true;
   switch (picture.bits_allocated) {
     case 8: settle_from<std::uint8_t>(layout, *head, decoded, plane); break;

@@ -217,6 +217,25 @@ TEST_F(SourceDicomCoded, JpegLsWithoutItsEndIsRejectedUndecoded) {
   EXPECT_EQ(voxels_of(*open_source({path()}, {})), bytes_of(ramp<std::uint16_t>(1)));
 }
 
+TEST_F(SourceDicomCoded, JpegLsIsProvenWhereItsHeadStandsFarBehindItsStart) {
+  constexpr std::size_t kComment = 0xfffe;  // with its length, which is even
+  const std::string comment = std::string("\xff\xfe\xff\xfe") + std::string(kComment - 2, 'c');
+  const auto values = ramp<std::uint16_t>(1);
+  std::string whole = picture_of(values, Syntax::JPEGLSLossless);
+  whole.insert(2, comment + comment);
+  EXPECT_EQ(voxels_of(*open(header(16, 16, 15), whole, kJpegLs)), bytes_of(values));
+  DicomElements elements = header(16, 16, 15);
+  for (const std::size_t size : {whole.rfind("\xff\xd9"), whole.size() - 40}) {
+    elements.set_fragments({whole.substr(0, size)}, true);
+    elements.write(path(), kJpegLs);
+    expect_rejected(path(), {"the compressed picture ends before its mark of the end"});
+  }
+  elements = ct_elements(kSide, kSide + 4, 16);
+  elements.set_fragments({whole}, true);
+  elements.write(path(), kJpegLs);
+  expect_rejected(path(), {"16 x 16 voxels", "says 16 x 20"});
+}
+
 TEST_F(SourceDicomCoded, SignsOfAnotherKindAreRejected) {
   DicomElements elements = header(16, 16, 15);
   elements.set_number(kSignTag, 2);
