@@ -48,10 +48,9 @@ NiftiHeader parse_version_1(const HeaderBytes& read) {
   h.intent = read.at<std::int16_t>(68);
   h.datatype = read.at<std::int16_t>(70);
   read.fill<float>(76, h.pixdim);
+  constexpr float kMostOffset = 1e15F;
   const auto offset = read.at<float>(108);
-  h.voxel_offset = std::isnan(offset)
-                       ? kNoVoxelOffset
-                       : static_cast<std::int64_t>(std::clamp(offset, -1e15F, 1e15F));
+  if (std::abs(offset) <= kMostOffset) h.voxel_offset = static_cast<std::int64_t>(offset);
   h.slope = static_cast<double>(read.at<float>(112));
   h.intercept = static_cast<double>(read.at<float>(116));
   h.spatial_unit = read.at<std::uint8_t>(123) & 7;

@@ -3,8 +3,8 @@
 
 #include <array>
 #include <cstdint>
-#include <limits>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,8 +12,6 @@
 #include "octavo/core/warning.h"
 
 namespace octavo {
-
-inline constexpr std::int64_t kNoVoxelOffset = std::numeric_limits<std::int64_t>::min();
 
 /// The fields Octavo uses, as the header gives them.
 struct NiftiHeader {
@@ -24,7 +22,8 @@ struct NiftiHeader {
   std::array<std::int64_t, 8> dim{};    ///< [0]: how many of the others count
   std::array<double, 8> pixdim{};       ///< [0]: the sign of the third qform axis
   std::int64_t datatype = 0;
-  std::int64_t voxel_offset = 0;  ///< kNoVoxelOffset: no number
+  /// Nothing where the header has no number, or one beyond all files.
+  std::optional<std::int64_t> voxel_offset;
   double slope = 0;
   double intercept = 0;
   int spatial_unit = 0;                 ///< 1 meter, 2 mm, 3 micrometer, 0 unknown

@@ -114,16 +114,18 @@ std::string voxel_file(const std::string& path, bool is_pair) {
 /// minimum  the first byte at which voxels may start
 std::uint64_t voxel_start(const NiftiHeader& header, const std::string& path,
                           std::int64_t minimum) {
-  if (header.voxel_offset == kNoVoxelOffset) {
-    reject(path, "vox_offset of the header is no number; repair the header");
+  if (!header.voxel_offset) {
+    reject(path, "vox_offset of the header is no number of bytes that a file has; repair the "
+                 "header");
   }
-  if (header.voxel_offset < minimum) {
-    reject(path, "the voxels are said to start at byte " + std::to_string(header.voxel_offset) +
-                     (header.is_pair ? ", before the file"
-                                     : ", inside the header of " + std::to_string(minimum) +
-                                           " bytes"));
+  const std::int64_t start = *header.voxel_offset;
+  if (start < minimum) {
+    reject(path, "the voxels are said to start at byte " + std::to_string(start) +
+                     (start < 0 ? ", before the file"
+                                : ", inside the header of " + std::to_string(minimum) + " bytes") +
+                     "; repair the header");
   }
-  return static_cast<std::uint64_t>(header.voxel_offset);
+  return static_cast<std::uint64_t>(start);
 }
 
 }  // namespace

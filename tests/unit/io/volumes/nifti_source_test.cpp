@@ -40,8 +40,13 @@ TEST(NiftiSource, WhatIsNoNumberOrOutOfTheFileIsNamed) {
     float value;
     std::string words;
   };
-  for (const Case& one : {Case{108, kNan, "vox_offset of the header is no number"},
-                          Case{108, -5, "are said to start at byte -5"},
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  const std::string no_offset = "vox_offset of the header is no number of bytes that a file has";
+  for (const Case& one : {Case{108, kNan, no_offset}, Case{108, kInfinity, no_offset},
+                          Case{108, -kInfinity, no_offset}, Case{108, 2e15F, no_offset},
+                          Case{108, -5, "are said to start at byte -5, before the file"},
+                          Case{108, 0, "at byte 0, inside the header of 348 bytes"},
+                          Case{108, 347, "at byte 347, inside the header of 348 bytes"},
                           Case{116, kNan, "scl_inter of the header is no number"}}) {
     NiftiSample sample;
     sample.slope = 2;
