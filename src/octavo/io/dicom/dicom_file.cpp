@@ -35,8 +35,11 @@ bool is_kept_sequence(DicomTag tag) {
   static const std::set<DicomTag> kKept = {0x52009229, 0x52009230, 0x00209113, 0x00209116,
                                            0x00289110, 0x00289145, 0x00209111, 0x00283010,
                                            0x00620002, 0x0062000a, 0x00283000, 0x00409096,
-                                           0x00540022, kCardiacSynchronization, kTemporalPosition,
-                                           kConvertedOfAll, kConvertedOfFrame};
+                                           0x00540022,
+                                           kCardiacSynchronizationSequence,
+                                           kTemporalPositionSequence,
+                                           kSharedConvertedAttributesSequence,
+                                           kFrameConvertedAttributesSequence};
   return kKept.contains(tag);
 }
 

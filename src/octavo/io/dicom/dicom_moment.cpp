@@ -11,27 +11,38 @@ namespace octavo {
 
 namespace {
 
-/// Where attributes of one kind stand: in a sequence of the frame, in one of all frames.
-struct MomentGroups {
+/// A time, and the groups that may have it: a sequence of the frame, one of all frames.
+struct TimeAttribute {
+  DicomTag tag;
+  bool is_binary;  ///< a float64, else text
   DicomTag own;
   DicomTag shared;
 };
 
-constexpr MomentGroups kHeartGroups = {kCardiacSynchronization, kCardiacSynchronization};
-constexpr MomentGroups kOffsetGroups = {kTemporalPosition, kTemporalPosition};
-/// Of files that were converted from single slices.
-constexpr MomentGroups kConvertedGroups = {kConvertedOfFrame, kConvertedOfAll};
+constexpr TimeAttribute kTimeOffset = {0x0020930d, true, kTemporalPositionSequence,
+                                       kTemporalPositionSequence};
+constexpr TimeAttribute kTriggerDelay = {0x00209153, true, kCardiacSynchronizationSequence,
+                                         kCardiacSynchronizationSequence};
+// Files that were converted from single slices keep these apart.
+constexpr TimeAttribute kTriggerTime = {0x00181060, false, kFrameConvertedAttributesSequence,
+                                        kSharedConvertedAttributesSequence};
+constexpr TimeAttribute kReferenceTime = {0x00541300, false, kFrameConvertedAttributesSequence,
+                                          kSharedConvertedAttributesSequence};
+
+std::optional<double> time_in(const DicomSet& set, const TimeAttribute& time) {
+  return time.is_binary ? set.float64(time.tag) : set.decimal(time.tag);
+}
 
 /// What the groups of a frame, else of all, else the data set say.
-template <typename Read>
 std::optional<double> find_time(const DicomSet& data, const DicomSet& shared,
-                                const DicomSet& frame, const MomentGroups& groups, Read read) {
-  for (const auto& [set, sequence] : {std::pair(&frame, groups.own),
-                                      std::pair(&shared, groups.shared)}) {
+                                const DicomSet& frame, const TimeAttribute& time) {
+  for (const auto& [set, sequence] : {std::pair(&frame, time.own),
+                                      std::pair(&shared, time.shared)}) {
     if (set->items(sequence).empty()) continue;
-    if (const std::optional<double> time = read(set->items(sequence).front())) return time;
+    const std::optional<double> found = time_in(set->items(sequence).front(), time);
+    if (found) return found;
   }
-  return read(data);
+  return time_in(data, time);
 }
 
 /// The number that a text starts with.
@@ -72,17 +83,11 @@ constexpr MomentNumber kMomentNumbers[] = {
 
 DicomMoment read_dicom_moment(const DicomSet& data, const DicomSet& shared,
                               const DicomSet& frame) {
-  const auto binary = [](DicomTag tag) {
-    return [tag](const DicomSet& set) { return set.float64(tag); };
-  };
-  const auto decimal = [](DicomTag tag) {
-    return [tag](const DicomSet& set) { return set.decimal(tag); };
-  };
   DicomMoment moment;
-  moment.offset_s = find_time(data, shared, frame, kOffsetGroups, binary(0x0020930d));
-  moment.delay_ms = find_time(data, shared, frame, kHeartGroups, binary(0x00209153));
-  moment.trigger_ms = find_time(data, shared, frame, kConvertedGroups, decimal(0x00181060));
-  moment.reference_ms = find_time(data, shared, frame, kConvertedGroups, decimal(0x00541300));
+  moment.offset_s = find_time(data, shared, frame, kTimeOffset);
+  moment.delay_ms = find_time(data, shared, frame, kTriggerDelay);
+  moment.trigger_ms = find_time(data, shared, frame, kTriggerTime);
+  moment.reference_ms = find_time(data, shared, frame, kReferenceTime);
   // It is measured anew for every slice.
   if (moment.trigger_ms) *moment.trigger_ms = std::round(*moment.trigger_ms * 10) / 10;
   return moment;
