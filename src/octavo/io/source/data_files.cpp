@@ -133,6 +133,14 @@ std::vector<std::string> find_data_files(const std::string& header, const DataFi
   return files;
 }
 
+std::uint64_t start_of_last(const std::string& path, std::uint64_t bytes) {
+  const std::uint64_t length = SourceFile(path).size();
+  if (length >= bytes) return length - bytes;
+  reject(path, "the file is too short: " + std::to_string(bytes) +
+                   " bytes of voxels expected at its end, " + std::to_string(length) +
+                   " found; it is cut or its header is wrong");
+}
+
 void take_files(const std::string& header, const std::vector<std::string>& files,
                 std::uint64_t total_bytes, const std::optional<PieceStart>& start,
                 VoxelRun& run) {
@@ -144,15 +152,7 @@ void take_files(const std::string& header, const std::vector<std::string>& files
   run.path = files.front();
   for (const std::string& path : files) {
     StreamPiece piece{path, start.value_or(PieceStart{})};
-    if (!start) {
-      const std::uint64_t length = SourceFile(path).size();
-      if (length < run.piece_bytes) {
-        reject(path, "the file is too short: " + std::to_string(run.piece_bytes) +
-                         " bytes of voxels expected at its end, " + std::to_string(length) +
-                         " found; it is cut or its header is wrong");
-      }
-      piece.start.offset = length - run.piece_bytes;
-    }
+    if (!start) piece.start.offset = start_of_last(path, run.piece_bytes);
     run.pieces.push_back(std::move(piece));
   }
 }

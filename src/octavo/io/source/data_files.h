@@ -51,6 +51,10 @@ std::vector<std::string> find_data_files(const std::string& header, const DataFi
                                          std::span<const std::int64_t> sizes,
                                          std::int64_t dimension);
 
+/// Where the last `bytes` of a file start, for headers that say no more of its voxels.
+/// Throws Error{source_rejected} with both lengths where the file is shorter, Error{io}
+std::uint64_t start_of_last(const std::string& path, std::uint64_t bytes);
+
 /// Points `run` at files that hold `total_bytes` in equal pieces, one after the other.
 /// start   where the voxels start in each of them; nothing: a plain file ends with its voxels
 /// Throws  Error{source_rejected} where the bytes do not divide into so many files, and where one

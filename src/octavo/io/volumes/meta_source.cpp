@@ -48,7 +48,7 @@ class MetaHeader {
         return;
       }
     }
-    reject(path, "not a MetaImage header: no ElementDataFile line found");
+    reject(path, "not a MetaImage header: no ElementDataFile line found in its first 64 KiB");
   }
 
   const std::string& path() const { return path_; }
@@ -56,8 +56,8 @@ class MetaHeader {
 
   /// The names behind "ElementDataFile = LIST".
   DataFileNames file_list() const {
-    const std::vector<std::byte> head = file_head(path_, kMaxListBytes);
-    if (head.size() == kMaxListBytes) reject(path_, "the list of data files exceeds 1 MiB");
+    const std::vector<std::byte> head = file_head(path_, kMaxListBytes + 1);
+    if (head.size() > kMaxListBytes) reject(path_, "the list of data files exceeds 1 MiB");
     const std::string_view text(reinterpret_cast<const char*>(head.data()), head.size());
     return DataFileNames::of_list(text.substr(std::min(data_offset_, text.size())));
   }
@@ -315,9 +315,7 @@ VoxelRun locate_voxels(const MetaHeader& header, std::uint64_t voxel_bytes) {
   const bool is_local = lower_case(data) == "local";
   run.path = is_local ? header.path() : sibling_path(header.path(), data);
   if (!start) {
-    const std::uint64_t length = SourceFile(run.path).size();
-    if (length < voxel_bytes) reject(run.path, "the file is shorter than its voxels: it is cut");
-    run.start_offset = length - voxel_bytes;
+    run.start_offset = start_of_last(run.path, voxel_bytes);
   } else if (*start > 0) {
     run.start_offset = *start;
   } else if (is_local) {

@@ -38,7 +38,8 @@ std::string kept_name(const std::string& name) {
 }  // namespace
 
 NrrdHeader::NrrdHeader(const std::string& path) : path_(path) {
-  const std::vector<std::byte> head = file_head(path, kMaxNrrdHeaderBytes);
+  const std::vector<std::byte> head = file_head(path, kMaxNrrdHeaderBytes + 1);
+  const bool is_longer = head.size() > kMaxNrrdHeaderBytes;
   const std::string_view text(reinterpret_cast<const char*>(head.data()), head.size());
   if (!text.starts_with("NRRD000"))
     reject(path, "not a NRRD header: it does not start with NRRD000");
@@ -52,11 +53,12 @@ NrrdHeader::NrrdHeader(const std::string& path) : path_(path) {
     }
     take_line(line);
     if (names_list()) {
-      if (head.size() == kMaxNrrdHeaderBytes) reject(path, "the list of data files exceeds 1 MiB");
+      if (is_longer) reject(path, "the list of data files exceeds 1 MiB");
       file_list_ = text.substr(at);
       return;
     }
   }
+  if (is_longer) reject(path, "the NRRD header exceeds 1 MiB");
   data_offset_ = text.size();
   if (!has("data file")) reject(path, "the NRRD header has no end: the file is cut");
 }

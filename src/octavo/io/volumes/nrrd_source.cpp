@@ -285,11 +285,7 @@ void apply_byte_skip(const NrrdHeader& header, std::uint64_t voxel_bytes, VoxelR
     run.skip_bytes = checked_add(run.skip_bytes, *skip, "byte skip");
     return;
   }
-  const std::uint64_t length = SourceFile(run.path).size();
-  if (length < voxel_bytes) {
-    reject(header.path(), "\"byte skip\" -1 does not fit its data file");
-  }
-  run.start_offset = length - voxel_bytes;
+  run.start_offset = start_of_last(run.path, voxel_bytes);
 }
 
 /// The slope and intercept that the export of stored values notes as keys.

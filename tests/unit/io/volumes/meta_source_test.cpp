@@ -32,7 +32,7 @@ TEST(MetaSource, VoxelsAreReadInsideDetachedAndCompressed) {
   }
 }
 
-TEST(MetaSource, WhatIsNoScalarVolumeIsRejected) {
+TEST(MetaSource, HeadersThatAskForTheUnreadableAreRejected) {
   const TempFolder folder;
   const std::string good =
       "NDims = 3\nDimSize = 4 3 2\nElementType = MET_SHORT\nElementDataFile = ";
@@ -101,6 +101,28 @@ TEST(MetaSource, VoxelsMayStandInSeveralFiles) {
     EXPECT_EQ(source->files().paths.size(), one.files + 1);
     EXPECT_TRUE(source->warnings().empty()) << with_hints(source->warnings());
   }
+}
+
+TEST(MetaSource, AListOfFilesMayHaveAMebibyte) {
+  constexpr std::size_t kMost = std::size_t{1} << 20;
+  const TempFolder folder;
+  write_parts(folder, 2);
+  const std::string header = "NDims = 3\nDimSize = 4 3 2\nElementSpacing = 1 1 1\n"
+                             "ElementType = MET_SHORT\nElementDataFile = LIST\np1.raw\np2.raw";
+  write_file(folder.file("a.mhd"), header + std::string(kMost - header.size(), '\n'));
+  EXPECT_EQ(voxels_of(*open_source({folder.file("a.mhd")}, {})), bytes_of(kStoredValues));
+  write_file(folder.file("a.mhd"), header + std::string(kMost - header.size() + 1, '\n'));
+  expect_rejected(folder.file("a.mhd"), {"the list of data files exceeds 1 MiB"});
+}
+
+TEST(MetaSource, AFileShorterThanTheVoxelsAtItsEndIsNamed) {
+  const TempFolder folder;
+  write_file(folder.file("a.mhd"), "NDims = 3\nDimSize = 4 3 2\nElementType = MET_SHORT\n"
+                                   "HeaderSize = -1\nElementDataFile = a.raw\n");
+  write_file(folder.file("a.raw"), std::string(47, '\0'));
+  const Error error = source_error({folder.file("a.mhd")});
+  EXPECT_EQ(error.path(), folder.file("a.raw"));
+  EXPECT_TRUE(contains(error, "48 bytes of voxels expected at its end, 47 found"));
 }
 
 TEST(MetaSource, EveryTruncationIsRejected) {

@@ -111,7 +111,7 @@ TEST(NrrdSource, VoxelsMayStandInSeveralFiles) {
   }
 }
 
-TEST(NrrdSource, AListFallsInReverseWhereItsNumbersDo) {
+TEST(NrrdSource, ThePatternOfFilesFallsWhereItsNumbersDo) {
   const TempFolder folder;
   write_parts(folder, 2);
   write_file(folder.file("a.nhdr"), kSeveralFiles + "encoding: raw\ndata file: p%d.raw 2 1 -1\n");
@@ -133,6 +133,23 @@ TEST(NrrdSource, TimesAndChannelsMayStandInSeveralFiles) {
     EXPECT_EQ(voxels_of(*open_source({path}, options)),
               bytes_of(kStoredValues).substr(static_cast<std::size_t>(time) * 24, 24));
   }
+}
+
+TEST(NrrdSource, AHeaderMayHaveAMebibyte) {
+  constexpr std::size_t kMost = std::size_t{1} << 20;
+  const TempFolder folder;
+  write_parts(folder, 2);
+  const std::string path = folder.file("a.nhdr");
+  const std::string list = kSeveralFiles + "encoding: raw\ndata file: LIST\np1.raw\np2.raw";
+  write_file(path, list + std::string(kMost - list.size(), '\n'));
+  EXPECT_EQ(voxels_of(*open_source({path}, {})), bytes_of(kStoredValues));
+  write_file(path, list + std::string(kMost - list.size() + 1, '\n'));
+  expect_rejected(path, {"the list of data files exceeds 1 MiB"});
+  const std::string plain = kSeveralFiles + "encoding: raw\ndata file: p%d.raw 1 2 1\n#";
+  write_file(path, plain + std::string(kMost - plain.size(), 'c'));
+  EXPECT_EQ(voxels_of(*open_source({path}, {})), bytes_of(kStoredValues));
+  write_file(path, plain + std::string(kMost - plain.size() + 1, 'c'));
+  expect_rejected(path, {"the NRRD header exceeds 1 MiB"});
 }
 
 TEST(NrrdSource, FilesThatDoNotFitTheirHeaderAreNamed) {
