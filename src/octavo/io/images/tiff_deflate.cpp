@@ -10,6 +10,7 @@
 
 #include "octavo/core/error.h"
 #include "octavo/io/source/byte_order.h"
+#include "octavo/io/source/header_bytes.h"
 
 namespace octavo {
 
@@ -141,8 +142,7 @@ bool ends_with_checksum_of(const SourceFile& file, const CodedBlock& block,
       file.read_some(block.offset + block.length - end.size(), end) != end.size()) {
     return false;
   }
-  std::uint32_t stored = 0;
-  for (const std::byte byte : end) stored = stored << 8 | std::to_integer<std::uint32_t>(byte);
+  const auto stored = HeaderBytes(end, true).at<std::uint32_t>(0);
   return stored == adler_of(prediction, layout, rows);
 }
 

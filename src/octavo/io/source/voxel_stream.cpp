@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "octavo/core/error.h"
+#include "octavo/io/source/header_bytes.h"
 #include "octavo/io/source/source_file.h"
 
 namespace octavo {
@@ -175,8 +176,7 @@ void check_gzip_length(const std::string& path, std::uint64_t needed_bytes) {
   const SourceFile file(path);
   std::array<std::byte, 4> tail{};
   if (file.size() >= 18) file.read_exactly(file.size() - 4, tail);
-  std::uint32_t length = 0;
-  for (std::size_t i = 4; i-- > 0;) length = length << 8 | std::to_integer<std::uint32_t>(tail[i]);
+  const auto length = HeaderBytes(tail, false).at<std::uint32_t>(0);
   if (length == static_cast<std::uint32_t>(needed_bytes)) return;
   // Several members, bytes behind the stream, or a cut file: only reading tells.
   VoxelStream stream(path, 0, StreamCoding::deflated);
