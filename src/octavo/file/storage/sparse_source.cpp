@@ -1,6 +1,7 @@
 #include "octavo/file/storage/sparse_source.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "octavo/core/error.h"
@@ -24,6 +25,12 @@ void SparseBytes::insert(std::uint64_t offset, std::span<const std::uint8_t> byt
   runs_.emplace(offset, Run{{bytes.begin(), bytes.end()}, number});
   offsets_.emplace(number, offset);
   byte_count_ += bytes.size();
+}
+
+SparseBytes::Runs::iterator SparseBytes::erase(Runs::iterator run) {
+  byte_count_ -= run->second.bytes.size();
+  offsets_.erase(run->second.number);
+  return runs_.erase(run);
 }
 
 void SparseBytes::put(std::uint64_t offset, std::span<const std::uint8_t> bytes) {
@@ -77,13 +84,7 @@ void SparseBytes::drop(std::span<const ByteRange> ranges) {
   const std::vector<ByteRange> dropped = joined({ranges.begin(), ranges.end()}, kNoGaps);
   for (auto run = runs_.begin(); run != runs_.end();) {
     const ByteRange range{run->first, run->second.bytes.size()};
-    if (!overlaps_any(range, dropped)) {
-      ++run;
-      continue;
-    }
-    byte_count_ -= range.length;
-    offsets_.erase(run->second.number);
-    run = runs_.erase(run);
+    run = overlaps_any(range, dropped) ? erase(run) : std::next(run);
   }
 }
 
@@ -94,18 +95,12 @@ void SparseBytes::shrink_to(std::uint64_t most_bytes) {
     if (auto held = hold.lock()) holds.push_back(std::move(held));
   }
   for (auto next = offsets_.begin(); next != offsets_.end() && byte_count_ > most_bytes;) {
-    const auto run = runs_.find(next->second);
+    const auto run = runs_.find((next++)->second);
     const ByteRange range{run->first, run->second.bytes.size()};
     const bool is_held = std::any_of(holds.begin(), holds.end(), [&](const auto& held) {
       return overlaps_any(range, *held);
     });
-    if (is_held) {
-      ++next;
-      continue;
-    }
-    byte_count_ -= range.length;
-    runs_.erase(run);
-    next = offsets_.erase(next);
+    if (!is_held) erase(run);
   }
 }
 

@@ -53,9 +53,13 @@ class SparseBytes {
     std::uint64_t number = 0;  ///< of those that were put
   };
 
-  void insert(std::uint64_t offset, std::span<const std::uint8_t> bytes);
+  using Runs = std::map<std::uint64_t, Run>;
 
-  std::map<std::uint64_t, Run> runs_;                 ///< by offset
+  void insert(std::uint64_t offset, std::span<const std::uint8_t> bytes);
+  /// Returns the run behind it.
+  Runs::iterator erase(Runs::iterator run);
+
+  Runs runs_;                                         ///< by offset
   std::map<std::uint64_t, std::uint64_t> offsets_;    ///< of runs, by number
   std::vector<std::weak_ptr<const Ranges>> holds_;    ///< rising and apart, each of them
   std::uint64_t next_number_ = 0;
