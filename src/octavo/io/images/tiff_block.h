@@ -46,10 +46,9 @@ class TiffBlockDecoder {
   ///         values; Error{io}, Error{out_of_memory}
   void decode(std::uint32_t number, std::span<std::byte> rows, std::uint64_t most);
 
+ private:
   /// Throws Error{source_rejected} that names the block and what is wrong with it.
   [[noreturn]] void reject_block(std::uint32_t number, const std::string& damage) const;
-
- private:
   /// Where it stands, as far as the file has its bytes and a block can need them.
   CodedBlock coded_block(std::uint32_t number, std::uint64_t most) const;
   /// Lets libtiff decode. Returns how many bytes it made.

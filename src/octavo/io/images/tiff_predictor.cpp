@@ -36,7 +36,7 @@ void undo_differences(const PredictedRows& layout, std::span<std::byte> row) {
   }
 }
 
-/// The first bytes are the most significant ones, in files of either order.
+/// First bytes are the most significant ones, in files of either order.
 void gather_bytes(const PredictedRows& layout, std::vector<std::byte>& apart,
                   std::span<std::byte> row) {
   if (layout.are_swapped) swap_values(row, layout.value_bytes);

@@ -13,14 +13,17 @@ namespace octavo {
 /// What stands in rows in place of their values.
 enum class TiffPrediction {
   none,         ///< the values
-  differences,  ///< integers: each but the first ones is the step from the pixel before it
-  float_bytes,  ///< floats: first bytes of all values, then all second ones; of these the steps
+  differences,  ///< of values as integers: each but the first is the step from the pixel before it
+  float_bytes,  ///< of floats: all first bytes, then all second ones, and of these the differences
 };
 
-/// What libtiff leaves in the rows of a page: it undoes a predictor for LZW and LZMA, while others
-/// write one with PackBits and LERC as well. For ZSTD, which is decoded without libtiff, and for
-/// Deflate, which may be, what stands in the stream. That of an uncompressed page or of a picture
-/// codec (JPEG, WebP) is a tag that nobody heeds.
+/// What is left to undo in decoded rows.
+///
+///     LZW, LZMA                  nothing: libtiff undoes their predictor
+///     PackBits, LERC             the predictor: some programs write one, and libtiff leaves it
+///     Deflate, ZSTD              the predictor: their streams are decoded here
+///     none, JPEG, WebP, others   nothing: the tag means nothing
+///
 /// predictor  the tag; 1: none
 /// Returns    nothing for a predictor that such values cannot have
 /// Source     TIFF 6.0, section 14; Adobe Photoshop TIFF Technical Note 3
@@ -32,7 +35,7 @@ struct PredictedRows {
   std::size_t row_values = 1;   ///< of all samples; with what fills a tile
   std::size_t step = 1;         ///< values from a sample to the same of the next pixel
   std::size_t value_bytes = 1;  ///< 1, 2, 4 or 8
-  bool are_swapped = false;     ///< libtiff reversed the bytes of each value after decoding
+  bool are_swapped = false;     ///< the bytes of each value were reversed after decoding
 };
 
 /// Gives decoded rows their values, in native order. Requires whole rows.

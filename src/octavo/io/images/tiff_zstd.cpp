@@ -20,13 +20,12 @@ struct ContextEnd {
 MadeBytes unpack_zstd_rows(const SourceFile& file, const CodedBlock& block,
                            std::span<std::byte> rows, std::uint64_t most) {
   const std::unique_ptr<ZSTD_DCtx, ContextEnd> context(ZSTD_createDCtx());
+  if (context == nullptr) throw Error(ErrorKind::out_of_memory, "no memory for decompression");
   BlockPieces pieces(file, block);
   RowSink sink(rows);
   ZSTD_inBuffer input{};
   MadeBytes made;
-  std::size_t state = context == nullptr ? 0 : 1;
-  if (context == nullptr) throw Error(ErrorKind::out_of_memory, "no memory for decompression");
-  // The frame ends with the state 0, behind its checksum.
+  std::size_t state = 1;  // 0 behind the checksum, where the frame ends
   while (state != 0 && made.damage.empty() && sink.taken() <= most) {
     if (input.pos == input.size) {
       const std::span<const std::byte> piece = pieces.next();
