@@ -7,7 +7,6 @@
 #include "octavo/core/crc32c.h"
 #include "octavo/file/bit_flip.h"
 #include "octavo/file/layer_order.h"
-#include "octavo/file/storage/fetched_source.h"
 #include "octavo/octree/o_code.h"
 
 namespace octavo {
@@ -83,17 +82,20 @@ auto OpenFile::named(F read) const {
   }
 }
 
-// The same; bytes of `range` that are damaged are asked for once more.
+// The same as asked_again.
 template <class F>
-auto OpenFile::named_twice(const ByteRange& range, F read) const {
-  return named([&] { return read_twice(*source_, {&range, 1}, read); });
+auto OpenFile::named_again(const ByteRange& range, F read) const {
+  return named([&] { return asked_again(range, read); });
 }
 
 OpenFile::OpenFile(std::shared_ptr<const ByteSource> source, const ReaderOptions& options)
-    : source_(std::move(source)), page_cache_(kPageCacheBytes), codec_cache_(kCodecCacheCount) {
+    : source_(std::move(source)),
+      asks_again_(options.asks_again),
+      page_cache_(kPageCacheBytes),
+      codec_cache_(kCodecCacheCount) {
   const std::uint64_t source_bytes = source_->size();
   const ByteRange all{0, source_bytes};
-  named_twice(all, [&] {
+  named_again(all, [&] {
     header_ = parse_header(read_bytes(0, std::min(kHeaderBytes, source_bytes)), source_bytes);
     levels_ = Levels(header_.description.size, header_.halvings);
     read_tail(options);
@@ -150,7 +152,7 @@ std::shared_ptr<const IndexPage> OpenFile::page(int tier, std::size_t number) co
   const PageRef& ref = root_.tiers[static_cast<std::size_t>(tier)].pages[number];
   const Section section{ref.offset, ref.length, ref.crc};
   bool is_first = true;
-  return named_twice({ref.offset, ref.length}, [&] {
+  return named_again({ref.offset, ref.length}, [&] {
     const bool is_kept = std::exchange(is_first, false) && !pages_.empty();
     const Bytes read = is_kept ? Bytes{} : read_bytes(section.offset, section.length);
     const ByteSpan bytes = is_kept ? ByteSpan(pages_).subspan(section.offset - header_.pages.offset,
@@ -221,7 +223,7 @@ Bytes OpenFile::read_piece(const Piece& piece) const {
 }
 
 void OpenFile::read_piece(const Piece& piece, Bytes& bytes) const {
-  named_twice({piece.offset, piece.length}, [&] {
+  named_again({piece.offset, piece.length}, [&] {
     read_arriving(*source_, piece.offset, piece.length, bytes);
     const std::uint32_t found = piece_crc(header_.build_id, piece.level, piece.code, bytes);
     if (!checksum_matches(found, piece.crc)) {
@@ -285,7 +287,7 @@ SlabTrailer OpenFile::slab_trailer(std::int64_t slab) const {
   const std::uint64_t offset = root_.slab_trailer_offset(slab);
   const auto length = root_.slab_trailer_bytes[static_cast<std::size_t>(slab)];
   try {
-    return named_twice({offset, length},
+    return named_again({offset, length},
                        [&] { return parse_trailer_of(slab, read_bytes(offset, length)); });
   } catch (const Error& error) {
     if (!error.detail().starts_with(kSlabTrailer)) throw;
@@ -329,7 +331,7 @@ void OpenFile::copy_part(const PartEntry& part, const std::function<void(ByteSpa
 }
 
 Bytes OpenFile::read_section(const Section& section, const char* what) const {
-  return named_twice({section.offset, section.length}, [&] {
+  return named_again({section.offset, section.length}, [&] {
     Bytes bytes = read_bytes(section.offset, section.length);
     check_section(bytes, section, what);
     return bytes;

@@ -15,6 +15,7 @@
 #include "octavo/file/lru_cache.h"
 #include "octavo/file/reader.h"
 #include "octavo/file/slab_trailer.h"
+#include "octavo/file/storage/read_twice.h"
 
 namespace octavo {
 
@@ -115,16 +116,24 @@ class OpenFile {
 
   BrickEntry entry_at(int tier, const Index3& position) const;
 
+  /// What `read` returns, which may find bytes of `range` damaged: they are asked for once more
+  /// (read_twice.h). No other member but read_within may be called in it.
+  template <class Read>
+  auto asked_again(const ByteRange& range, Read read) const {
+    return asks_again_ ? read_twice(*source_, {&range, 1}, read) : read();
+  }
+
  private:
   template <class F>
   auto named(F read) const;
   template <class F>
-  auto named_twice(const ByteRange& range, F read) const;
+  auto named_again(const ByteRange& range, F read) const;
   void read_tail(const ReaderOptions& options);
   void fetch_pieces(const BrickEntry& entry, int first) const;
   Bytes read_bytes(std::uint64_t offset, std::uint64_t length) const;
 
   std::shared_ptr<const ByteSource> source_;
+  bool asks_again_;
   FileHeader header_;
   FileTrailer trailer_;
   Levels levels_;

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "octavo/file/held_planes.h"
-#include "octavo/file/storage/fetched_source.h"
 
 namespace octavo {
 
@@ -241,25 +240,27 @@ bool PartReader::reads(const BrickEntry& entry) const {
 
 void PartReader::read(std::span<const BrickEntry> entries, const Box& box,
                       const BrickReading& how, const BoxTarget& out) const {
+  const auto bricks = opened(entries);
   if (entries.size() > 1) {
     try {
-      return read_together(entries, box, how, out);
+      return read_together(entries, bricks, box, how, out);
     } catch (const Error& error) {
       if (error.kind() == ErrorKind::cancelled) throw;
       // Which of them is damaged is found below, and nothing of those behind it is read.
     }
   }
-  for (const BrickEntry& entry : entries) {
-    const Piece finest = file_.piece_of(entry, 0);
-    const ByteRange bytes{finest.offset, finest.length};
-    read_twice(file_.source(), {&bytes, 1},
-               [&] { read_together(std::span(&entry, 1), box, how, out); });
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    const Piece finest = file_.piece_of(entries[i], 0);
+    file_.asked_again({finest.offset, finest.length}, [&] {
+      read_together(entries.subspan(i, 1), std::span(bricks).subspan(i, 1), box, how, out);
+    });
   }
 }
 
-void PartReader::read_together(std::span<const BrickEntry> entries, const Box& box,
-                               const BrickReading& how, const BoxTarget& out) const {
-  const auto bricks = opened(entries);
+void PartReader::read_together(std::span<const BrickEntry> entries,
+                               std::span<const std::shared_ptr<const Opened>> bricks,
+                               const Box& box, const BrickReading& how,
+                               const BoxTarget& out) const {
   std::vector<Request> requests;
   requests.reserve(entries.size());  // what is found points to them
   std::vector<PartBytes> reads;

@@ -92,8 +92,9 @@ class PartReader {
                                      const BrickShape& shape) const;
   Error error_in(const BrickEntry& entry, int level, std::uint64_t offset,
                  const Error& error) const;
-  void read_together(std::span<const BrickEntry> entries, const Box& box, const BrickReading& how,
-                     const BoxTarget& out) const;
+  void read_together(std::span<const BrickEntry> entries,
+                     std::span<const std::shared_ptr<const Opened>> bricks, const Box& box,
+                     const BrickReading& how, const BoxTarget& out) const;
   std::vector<Missing> copy_kept(const Request& request) const;
   void read_bytes(const Request& request, std::span<const Missing> missing,
                   std::vector<PartBytes>& reads, std::vector<Found>& found) const;

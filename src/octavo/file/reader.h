@@ -36,6 +36,8 @@ struct ReaderOptions {
   /// Where bytes have to be fetched, so many that stand before the index come along when a file is
   /// opened: those of the coarsest levels.
   std::uint64_t lead_bytes = std::uint64_t{1} << 18;
+  /// Whether damaged bytes are asked for once more, where their source can bring them anew.
+  bool asks_again = true;
   /// Its is_cancelled() ends every reading of voxels at the next brick, with Error{cancelled}. It
   /// outlives the reader; may be null.
   const Progress* watcher = nullptr;

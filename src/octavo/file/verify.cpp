@@ -14,7 +14,7 @@
 #include "octavo/file/open_file.h"
 #include "octavo/file/plane_digests.h"
 #include "octavo/file/slab_trailer.h"
-#include "octavo/file/storage/fetched_source.h"
+#include "octavo/file/storage/read_twice.h"
 #include "octavo/file/thumbnail_check.h"
 
 namespace octavo {
@@ -45,7 +45,7 @@ class Verifier {
  public:
   Verifier(std::shared_ptr<const ByteSource> source, const WorkPart& part,
            const VerifyOptions& options, Progress& progress)
-      : file_(std::move(source), {}),
+      : file_(std::move(source), {.asks_again = false}),
         options_(with_defaults(options)),
         progress_(progress),
         planes_(file_.description(), file_.levels(), options_.make_hasher) {
@@ -583,15 +583,18 @@ VerifyReport verify_file(std::shared_ptr<const ByteSource> source, const VerifyO
     const VerifiedPart whole = Verifier(source, {}, options, progress).run();
     return joined_report({&whole, 1}, options.max_listed);
   };
-  return found_twice(*source, verify, [](const VerifyReport& all) { return all.is_sound(); });
+  const ByteRange all{0, source->size()};
+  return read_twice(*source, {&all, 1}, verify,
+                    [](const VerifyReport& report) { return report.is_sound(); });
 }
 
 VerifiedPart verify_part(std::shared_ptr<const ByteSource> source, const WorkPart& part,
                          const VerifyOptions& options, Progress& progress) {
   require_part(part);
   const auto verify = [&] { return Verifier(source, part, options, progress).run(); };
-  return found_twice(*source, verify,
-                     [](const VerifiedPart& own) { return own.report.is_sound(); });
+  const ByteRange all{0, source->size()};
+  return read_twice(*source, {&all, 1}, verify,
+                    [](const VerifiedPart& own) { return own.report.is_sound(); });
 }
 
 }  // namespace octavo

@@ -23,10 +23,13 @@ struct VerifyOptions {
 
 /// Checks all of `source`. A file whose header, trailer or index root is damaged, or whose metadata
 /// do not match their checksum, cannot be looked into: then it throws what FileReader::open throws.
+/// Where damage is found in bytes that can be asked for anew, they all are, and what is found then
+/// counts.
 /// Throws  also Error{io} when reading fails, Error{cancelled}
 /// Memory  that of the index, one brick per thread and a row of bricks, 64 MiB of it
 /// Time    reads the file twice, and bricks of higher tiers once more for each layer below them;
-///         where a row of bricks takes more than 64 MiB, those of tier 0 once for each such share
+///         where a row of bricks takes more than 64 MiB, those of tier 0 once for each such share;
+///         all of that once more where bytes are asked for anew
 VerifyReport verify_file(std::shared_ptr<const ByteSource> source, const VerifyOptions& options,
                          Progress& progress);
 

@@ -213,6 +213,56 @@ TEST(ReaderParts, ADamagedPartIsNamedAndTheOthersAreRead) {
 }
 
 /// One brick fails while the parts of others wait for their turn.
+/// A file of which one byte is wrong until it was forgotten `heals_after` times.
+class DamagedSource final : public ByteSource {
+ public:
+  DamagedSource(const std::vector<std::uint8_t>& file, std::uint64_t at, int heals_after)
+      : file_(byte_source_of(file, "damaged")), at_(at), heals_after_(heals_after) {}
+  std::uint64_t size() const override { return file_->size(); }
+  const std::string& name() const override { return file_->name(); }
+  void read(std::uint64_t offset, std::span<std::uint8_t> out) const override {
+    file_->read(offset, out);
+    const bool is_in = at_ >= offset && at_ - offset < out.size();
+    if (is_in && forgotten < heals_after_) out[at_ - offset] ^= 4;
+  }
+  bool forget(std::span<const ByteRange> ranges) const override {
+    for (const ByteRange& range : ranges) {
+      if (at_ >= range.offset && at_ < range.end()) ++forgotten;
+    }
+    return true;
+  }
+
+  mutable std::atomic<int> forgotten = 0;
+
+ private:
+  std::shared_ptr<ByteSource> file_;
+  std::uint64_t at_;
+  int heals_after_;
+};
+
+TEST(ReaderParts, DamagedBytesAreAskedForOnceMoreAndNotTwice) {
+  const Box box{{3, 5, 7}, {99, 69, 66}};
+  for (const Access access : {Access::slices, Access::boxes}) {
+    const auto bytes = built(VoxelType::int16, {.preset = Preset::fast, .access = access});
+    const Bytes expected = box_of_reader(*FileReader::open(byte_source_of(bytes, "sound")), box);
+    int damaged_count = 0;
+    for (std::uint64_t step = 0; step < 30; ++step) {
+      const std::uint64_t at = step * (bytes.size() - 1) / 29;
+      const auto once = std::make_shared<DamagedSource>(bytes, at, 1);
+      EXPECT_EQ(box_of_reader(*FileReader::open(once), box), expected) << at;
+      EXPECT_LE(once->forgotten, 1) << at;
+      const auto always = std::make_shared<DamagedSource>(bytes, at, 1000);
+      try {
+        EXPECT_EQ(box_of_reader(*FileReader::open(always), box), expected) << at;
+      } catch (const Error&) {
+        ++damaged_count;
+        EXPECT_EQ(always->forgotten, 1) << at;
+      }
+    }
+    EXPECT_GT(damaged_count, 15);
+  }
+}
+
 TEST(ReaderParts, OfManyThreadsADamagedPartFailsOnceAndForAll) {
   auto bytes = built(VoxelType::int16, {.preset = Preset::fast, .access = Access::boxes});
   const auto good = FileReader::open(byte_source_of(bytes, "good"));

@@ -42,6 +42,10 @@ class ByteSource {
   virtual std::shared_ptr<const void> hold(std::span<const ByteRange> /*ranges*/) const {
     return nullptr;
   }
+
+  /// Keeps nothing of these ranges, also where they are held: they are asked for anew when they are
+  /// read again. False where nobody is asked: the bytes stay what they are.
+  virtual bool forget(std::span<const ByteRange> /*ranges*/) const { return false; }
 };
 
 /// The bytes [offset, offset + length) of a source. They are asked for in parts, the first of at

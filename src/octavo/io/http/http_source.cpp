@@ -13,7 +13,6 @@
 #include "octavo/core/error.h"
 #include "octavo/core/url_text.h"
 #include "octavo/file/lru_cache.h"
-#include "octavo/file/storage/fetched_source.h"
 #include "octavo/file/storage/sparse_source.h"
 #include "octavo/file/storage/storage.h"
 #include "octavo/io/http/http_range.h"
@@ -67,7 +66,7 @@ class EndInProgress {
   std::jthread thread_;
 };
 
-class HttpSource final : public FetchedSource {
+class HttpSource final : public ByteSource {
  public:
   HttpSource(const std::string& url, const HttpOptions& options)
       : client_(url, options),
@@ -134,7 +133,7 @@ class HttpSource final : public FetchedSource {
     return fetched_.hold(ranges);
   }
 
-  void forget(std::span<const ByteRange> ranges) const override {
+  bool forget(std::span<const ByteRange> ranges) const override {
     const std::lock_guard lock(mutex_);
     fetched_.drop(ranges);
     ++generation_;
@@ -142,6 +141,7 @@ class HttpSource final : public FetchedSource {
       return range.offset < head_->size();
     };
     if (std::ranges::any_of(ranges, begins_in_head)) has_head_ = false;
+    return true;
   }
 
   void fetch(std::span<const ByteRange> ranges) const override {

@@ -15,7 +15,7 @@ namespace octavo {
 /// of 16 MB, or of one brick, each, where that is more. Every answer must be a 206 that begins as
 /// asked, of a file of the same length and validator (ETag, else Last-Modified) as the first; the
 /// rest of a short one is asked for. Lost connections and answers 429 and 5xx are tried again three
-/// times. What a reader finds damaged is asked for once more (fetched_source.h). Its name is the
+/// times. What a reader finds damaged is asked for once more (read_twice.h). Its name is the
 /// URL without its secrets.
 /// Throws Error{invalid_argument} when it is no URL; Error{io} when the server is out of reach or
 ///        too slow, answers an error, ignores ranges, compresses, or when the file was replaced

@@ -8,7 +8,7 @@
 
 #include "octavo/core/error.h"
 #include "octavo/core/url_text.h"
-#include "octavo/file/storage/fetched_source.h"
+#include "octavo/file/storage/read_twice.h"
 #include "octavo/file/storage/storage.h"
 #include "octavo/file/storage/temporary.h"
 #include "octavo/file/verify.h"
