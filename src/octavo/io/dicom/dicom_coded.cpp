@@ -192,19 +192,22 @@ std::optional<PictureHead> proven_head(const DicomLayout& layout, std::int64_t f
   return head;
 }
 
-/// What the bits of a decoded number mean. In JPEG, which knows 8, 12 and 16 bits alone, those
-/// beside the stored ones may hold anything, as in uncompressed pictures.
+/// True of plain JPEG that codes voxels with all bits allocated: those beside the stored ones may
+/// hold anything, as in uncompressed pictures.
+bool has_whole_voxels(const DicomLayout& layout, const PictureHead& head) {
+  return is_plain_jpeg(layout) && head.bits == layout.bits_allocated;
+}
+
+/// What the bits of a decoded number mean.
 class DecodedBits {
  public:
   DecodedBits(const DicomLayout& layout, const PictureHead& head)
       : stored_(layout.bits_stored),
-        whole_(is_plain_jpeg(layout) ? layout.bits_stored : head.bits),
+        whole_(whole_bits(layout, head)),
         mask_((std::uint64_t{1} << whole_) - 1),
         is_signed_(layout.is_signed),
         is_sure_(head.is_signed) {
-    if (is_plain_jpeg(layout) && head.bits == layout.bits_allocated) {
-      shift_ = layout.high_bit + 1 - layout.bits_stored;
-    }
+    if (has_whole_voxels(layout, head)) shift_ = layout.high_bit + 1 - layout.bits_stored;
   }
 
   std::int64_t value(std::uint64_t raw) const {
@@ -218,6 +221,11 @@ class DecodedBits {
   }
 
  private:
+  static std::int64_t whole_bits(const DicomLayout& layout, const PictureHead& head) {
+    if (has_whole_voxels(layout, head)) return layout.bits_stored;
+    return is_plain_jpeg(layout) ? std::max(layout.bits_stored, head.bits) : head.bits;
+  }
+
   std::int64_t stored_;
   std::int64_t whole_;
   std::uint64_t mask_;
@@ -269,15 +277,15 @@ bool has_run_lengths(const DicomLayout& layout) {
 
 std::optional<PictureHead> first_picture_head(const DicomLayout& layout) {
   if (!layout.pixels.is_encapsulated || layout.pixels.fragments.empty() ||
-      is_plain_jpeg(layout) || has_run_lengths(layout)) {
+      has_run_lengths(layout)) {
     return std::nullopt;
   }
   return early_head(SourceFile(layout.path), fragments_of(layout, 0));
 }
 
 bool has_more_bits(const DicomLayout& layout, const PictureHead& head) {
-  return !is_plain_jpeg(layout) && head.bits > layout.bits_stored &&
-         head.bits <= layout.bits_allocated;
+  return head.bits > layout.bits_stored && head.bits <= layout.bits_allocated &&
+         !has_whole_voxels(layout, head);
 }
 
 bool has_wide_number(const DicomSlice& slice) {

@@ -47,6 +47,21 @@ class SourceDicomCoded : public ::testing::Test {
     return coded_picture_of(path(), syntax);
   }
 
+  /// A lossless JPEG of values of fewer than 16 bits. The first value alone is coded by how many
+  /// there are: as its distance from the middle of what they hold.
+  std::string jpeg_of_bits(const std::vector<std::uint16_t>& values, Syntax::TSType syntax,
+                           int bits) {
+    std::vector<std::uint16_t> raised;
+    for (const std::uint16_t value : values) {
+      raised.push_back(static_cast<std::uint16_t>(value + (1 << 15) - (1 << (bits - 1))));
+    }
+    std::string picture = picture_of(raised, syntax);
+    const std::size_t frame = picture.find("\xff\xc3");
+    EXPECT_EQ(picture.at(frame + 4), 16);
+    picture.at(frame + 4) = static_cast<char>(bits);
+    return picture;
+  }
+
   std::unique_ptr<PlaneSource> open(DicomElements elements, const std::string& picture,
                                     const char* syntax) {
     elements.set_fragments({picture}, true);
@@ -99,7 +114,29 @@ TEST_F(SourceDicomCoded, NumbersWiderThanTheHeaderSaysAreKeptWithAWarning) {
   }
 }
 
-TEST_F(SourceDicomCoded, JpegMayHoldAnythingBesideTheStoredBits) {
+TEST_F(SourceDicomCoded, NumbersOfLosslessJpegThatAreNoWholeVoxelsAreKeptWithAWarning) {
+  const std::vector<Coding> codings = {
+      kCodings[2], {"1.2.840.10008.1.2.4.57", Syntax::JPEGLosslessProcess14}};
+  for (const Coding& coding : codings) {
+    for (const int bits : {12, 14}) {
+      std::vector<std::uint16_t> values;
+      for (int i = 0; i < kSide * kSide; ++i) {
+        values.push_back(static_cast<std::uint16_t>(i << (bits - 8)));
+      }
+      const std::string picture = jpeg_of_bits(values, coding.type, bits);
+      for (const std::uint16_t high : std::vector<std::uint16_t>{9, 15}) {
+        const auto source = open(header(16, 10, high), picture, coding.uid);
+        EXPECT_EQ(voxels_of(*source), bytes_of(values)) << coding.uid << " " << bits;
+        const bool is_told = std::ranges::any_of(source->warnings(), [](const Warning& warning) {
+          return contains(warning, "Bits Stored (0028,0101) says, 10 of 16 allocated");
+        });
+        EXPECT_TRUE(is_told) << coding.uid << " " << bits;
+      }
+    }
+  }
+}
+
+TEST_F(SourceDicomCoded, JpegOfWholeVoxelsMayHoldAnythingBesideTheStoredBits) {
   const auto values = ramp<std::uint16_t>(1);
   const std::string picture = picture_of(values, Syntax::JPEGLosslessProcess14_1);
   std::vector<std::uint16_t> low;
