@@ -106,7 +106,7 @@ void write_nrrd(const std::string& path, const std::string& lines);
 struct NiftiSample {
   std::vector<std::int16_t> size = {4, 3, 2};
   std::int16_t datatype = 4;
-  std::int16_t bits = 16;
+  std::int16_t bits = 0;  ///< 0: not said
   bool big_endian = false;
   float slope = 0;
   float intercept = 0;

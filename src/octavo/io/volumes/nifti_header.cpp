@@ -47,6 +47,7 @@ NiftiHeader parse_version_1(const HeaderBytes& read) {
   read.fill<std::int16_t>(40, h.dim);
   h.intent = read.at<std::int16_t>(68);
   h.datatype = read.at<std::int16_t>(70);
+  h.voxel_bits = read.at<std::int16_t>(72);
   read.fill<float>(76, h.pixdim);
   constexpr float kMostOffset = 1e15F;
   const auto offset = read.at<float>(108);
@@ -71,6 +72,7 @@ NiftiHeader parse_version_2(const HeaderBytes& read) {
   NiftiHeader h;
   h.version = 2;
   h.datatype = read.at<std::int16_t>(12);
+  h.voxel_bits = read.at<std::int16_t>(14);
   read.fill<std::int64_t>(16, h.dim);
   read.fill<double>(104, h.pixdim);
   h.voxel_offset = read.at<std::int64_t>(168);
@@ -91,6 +93,20 @@ NiftiHeader parse_version_2(const HeaderBytes& read) {
 
 /// A 3x4 matrix from index to world in RAS and the header's unit.
 using Affine = std::array<double, 12>;
+
+/// Takes an sform that says nothing for none.
+void pass_over_void_sform(NiftiHeader& h) {
+  if (h.sform_code <= 0) return;
+  const auto is_zero_axis = [&](std::size_t axis) {
+    return h.srow[axis] == 0 && h.srow[4 + axis] == 0 && h.srow[8 + axis] == 0;
+  };
+  if (!std::ranges::all_of(h.srow, [](double value) { return std::isfinite(value); })) {
+    h.sform_fault = "has numbers that are not finite";
+  } else if (is_zero_axis(0) && is_zero_axis(1) && is_zero_axis(2)) {
+    h.sform_fault = "is all zeros";
+  }
+  if (!h.sform_fault.empty()) h.sform_code = 0;
+}
 
 /// True when the header counts the axis: a 2-D image has no third one.
 bool counts_axis(const NiftiHeader& h, std::size_t axis) {
@@ -300,6 +316,7 @@ NiftiHeader read_nifti_header(const std::string& path) {
       continue;
     }
     header.big_endian = big_endian;
+    pass_over_void_sform(header);
     if (header.is_pair) {
       const auto taken = static_cast<std::uint64_t>(length);
       const std::uint64_t left = deflated ? stream.finish() : SourceFile(path).size() - taken;
@@ -326,6 +343,9 @@ bool nifti_geometry(const NiftiHeader& h, const std::string& path, Geometry& geo
   if (h.spatial_unit != kMeter && h.spatial_unit != kMillimeter && h.spatial_unit != kMicrometer) {
     warnings.emplace_back(
         "the header does not name the unit of its lengths, millimeters are assumed", "spacing_mm");
+  }
+  if (!h.sform_fault.empty()) {
+    warnings.push_back("the sform of the header " + h.sform_fault + ": it is not used");
   }
   const double unit_mm = form_unit_in_mm(h.spatial_unit);
   Geometry sform;

@@ -22,6 +22,7 @@ struct NiftiHeader {
   std::array<std::int64_t, 8> dim{};    ///< [0]: how many of the others count
   std::array<double, 8> pixdim{};       ///< [0]: the sign of the third qform axis
   std::int64_t datatype = 0;
+  std::int64_t voxel_bits = 0;          ///< bitpix; 0: not said
   /// Nothing where the header has no number, or one beyond all files.
   std::optional<std::int64_t> voxel_offset;
   double slope = 0;
@@ -33,6 +34,7 @@ struct NiftiHeader {
   std::array<double, 3> quaternion{};   ///< b, c, d
   std::array<double, 3> qoffset{};
   std::array<double, 12> srow{};        ///< 3 rows of 4
+  std::string sform_fault;              ///< why sform_code is 0 here, where the file has another
   std::map<std::string, std::string> texts;  ///< "descrip", "aux_file", ...: those not empty
 };
 
@@ -49,7 +51,8 @@ std::string nifti_type_name(std::int64_t datatype);
 
 /// Geometry from sform or qform in LPS and millimeters; false when the header carries no spacing.
 /// Warns when sform and qform disagree beyond a thousandth or 0.01 mm, with both values; when
-/// neither is set; and when the unit of lengths is not named.
+/// neither is set; when an sform of zeros, or of numbers that are not finite, is passed over; and
+/// when the unit of lengths is not named.
 /// A length that pixdim lacks is 1 mm along an axis that is not counted, otherwise 0.
 /// Throws  Error{source_rejected} when the form to use is sheared or no rotation
 bool nifti_geometry(const NiftiHeader& header, const std::string& path, Geometry& geometry,

@@ -34,6 +34,20 @@ StoredType stored_type_of(const NiftiHeader& header, const std::string& path) {
   return found->second;
 }
 
+/// Values of one voxel: a color has several.
+std::int64_t values_of_type(std::int64_t datatype) {
+  return datatype == kRgb ? 3 : datatype == kRgba ? 4 : 1;
+}
+
+void require_bits(const NiftiHeader& header, StoredType type, const std::string& path) {
+  const std::int64_t bits = 8 * static_cast<std::int64_t>(bytes_per_value(type)) *
+                            values_of_type(header.datatype);
+  if (header.voxel_bits == 0 || header.voxel_bits == bits) return;
+  reject(path, "bitpix says that a voxel has " + std::to_string(header.voxel_bits) +
+                   " bits, datatype " + std::to_string(header.datatype) + " has " +
+                   std::to_string(bits) + "; repair the header");
+}
+
 Size3 read_size(const NiftiHeader& header, const std::string& path) {
   const std::int64_t count = header.dim[0];
   if (count < 1 || count > 7) reject(path, "it claims " + std::to_string(count) + " dimensions");
@@ -63,7 +77,7 @@ SourceComponents components_of(const NiftiHeader& header, const std::string& pat
   SourceComponents components;
   components.times = length_of(header, 4);
   components.channels = length_of(header, 5);
-  const std::int64_t colors = header.datatype == kRgb ? 3 : header.datatype == kRgba ? 4 : 1;
+  const std::int64_t colors = values_of_type(header.datatype);
   if (colors == 1) return components;
   if (components.channels > 1) {
     reject(path, std::to_string(components.channels) + " channels of " +
@@ -138,7 +152,9 @@ std::unique_ptr<PlaneSource> open_nifti_source(const std::string& path,
   facts.file_count = header.is_pair ? 2 : 1;
   VolumeDescription& description = facts.description;
   description.size = read_size(header, path);
-  take_stored_type(facts, stored_type_of(header, path));
+  const StoredType type = stored_type_of(header, path);
+  require_bits(header, type, path);
+  take_stored_type(facts, type);
   facts.components = components_of(header, path);
   const bool may_be_whole = is_integer(description.type) || facts.wide.has_value();
   const bool is_color = !facts.components.channel_names.empty();

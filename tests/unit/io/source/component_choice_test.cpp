@@ -86,7 +86,6 @@ void write_nifti(const std::string& path, const std::vector<std::int16_t>& size,
   NiftiSample sample;
   sample.size = size;
   sample.datatype = datatype;
-  sample.bits = 8;
   const std::string bytes = nifti_header(sample) + voxels;
   write_file(path, path.ends_with("gz") ? gzip(bytes) : bytes);
 }
@@ -96,7 +95,6 @@ TEST(SourceComponents, OfColorAreNoLabelsWhateverTheHeaderMeansThemFor) {
   NiftiSample sample;
   sample.size = {4, 3, 2};
   sample.datatype = 2304;
-  sample.bits = 8;
   std::string bytes = nifti_header(sample) + alternating(4);
   bytes.replace(68, 2, bytes_of<std::int16_t>({1002}));  // intent: label
   write_file(folder.file("rgba.nii"), bytes);

@@ -195,6 +195,53 @@ TEST(NiftiHeader, TheAxesOfAQformStayWhereItsSpacingIsMissing) {
   EXPECT_EQ(geometry_of(path, with_spacing(1, 1, 3)).spacing_mm, (Point3{1, 1, 3}));
 }
 
+/// An sform that says nothing, in a file of 2 x 3 x 4 mm.
+std::string with_sform(const std::array<float, 12>& sform, bool has_qform) {
+  Forms forms;
+  forms.qform = has_qform ? 1 : 0;
+  std::string bytes = with_forms(forms);
+  for (std::size_t i = 0; i < sform.size(); ++i) {
+    bytes.replace(280 + 4 * i, 4, bytes_of<float>({sform[i]}));
+  }
+  return bytes;
+}
+
+TEST(NiftiHeader, ASformThatSaysNothingGivesWayToTheQformOrTheSpacing) {
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  const TempFolder folder;
+  const std::string path = folder.file("a.nii");
+  struct Case {
+    std::array<float, 12> sform;
+    std::string fault;
+  };
+  for (const Case& one :
+       {Case{{}, "is all zeros"}, Case{{0, 0, 0, 10, 0, 0, 0, 20, 0, 0, 0, 30}, "is all zeros"},
+        Case{{2, 0, 0, 10, 0, kNan, 0, 20, 0, 0, 4, 30}, "has numbers that are not finite"},
+        Case{{2, 0, 0, kInfinity, 0, 3, 0, 20, 0, 0, 4, 30}, "has numbers that are not finite"}}) {
+    write_file(path, with_sform(one.sform, true));
+    auto source = open_source({path}, {});
+    EXPECT_EQ(source->description().geometry.spacing_mm, (Point3{2, 3, 4}));
+    EXPECT_EQ(source->description().geometry.origin_mm, (Point3{-10, -20, 30}));
+    std::string warnings = with_hints(source->warnings());
+    EXPECT_TRUE(contains(warnings, "the sform of the header " + one.fault + ": it is not used"));
+    EXPECT_FALSE(contains(warnings, "sheared")) << warnings;
+
+    write_file(path, with_sform(one.sform, false));
+    source = open_source({path}, {});
+    EXPECT_EQ(source->description().geometry.spacing_mm, (Point3{2, 3, 4}));
+    EXPECT_EQ(source->description().geometry.origin_mm, (Point3{0, 0, 0}));
+    warnings = with_hints(source->warnings());
+    EXPECT_TRUE(contains(warnings, one.fault + ": it is not used")) << warnings;
+    EXPECT_TRUE(contains(warnings, "does not say where left and right are")) << warnings;
+    EXPECT_TRUE(contains(source->description().metadata.text(), "\"place_known\":false"))
+        << source->description().metadata.text();
+  }
+  // An axis without a length beside others that have one is a fault.
+  write_file(path, with_sform({2, 0, 0, 10, 0, 0, 0, 20, 0, 0, 4, 30}, false));
+  expect_rejected(path, {"axis y no length", "repair the header"});
+}
+
 TEST(NiftiHeader, ASformOfTwoDimensionsGetsTheNormalOfItsPlane) {
   const TempFolder folder;
   const std::string path = folder.file("a.nii");

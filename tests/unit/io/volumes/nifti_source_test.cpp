@@ -96,6 +96,31 @@ TEST(NiftiSource, WhatIsNoScalarVolumeIsRejectedByName) {
   EXPECT_TRUE(contains(source_error({folder.file("a.nii")}), "5 points in time"));
 }
 
+TEST(NiftiSource, BitsOfAVoxelMayNotContradictItsType) {
+  const TempFolder folder;
+  const std::string path = folder.file("a.nii");
+  const auto write = [&](std::int16_t datatype, std::int16_t bits) {
+    NiftiSample sample;
+    sample.datatype = datatype;
+    sample.bits = bits;
+    write_file(path, nifti_header(sample) + std::string(24 * 8, '\0'));
+  };
+  SourceOptions options;
+  for (const auto& [datatype, bits] : std::vector<std::pair<std::int16_t, std::int16_t>>{
+           {2, 8}, {4, 16}, {8, 32}, {16, 32}, {64, 64}, {128, 24}, {256, 8}, {512, 16},
+           {768, 32}, {1024, 64}, {1280, 64}, {2304, 32}}) {
+    options.channel = bits == 24 || datatype == 2304 ? "red" : "";
+    for (const std::int16_t said : {bits, std::int16_t{0}}) {  // 0: not said
+      write(datatype, said);
+      EXPECT_EQ(open_source({path}, options)->description().size, (Size3{4, 3, 2})) << datatype;
+    }
+    write(datatype, 12);
+    expect_rejected(path, {"bitpix says that a voxel has 12 bits, datatype " +
+                           std::to_string(datatype) + " has " + std::to_string(bits)},
+                    options);
+  }
+}
+
 TEST(NiftiSource, EveryTruncationIsRejected) {
   const TempFolder folder;
   const std::string whole = nifti_header({}) + bytes_of(kStoredValues);
