@@ -1,7 +1,9 @@
 #include "octavo/io/source/header_text.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <optional>
 
 #include "octavo/core/error.h"
 
@@ -17,14 +19,25 @@ constexpr std::string_view kBlanks = " \t\r\n";
 }
 
 template <class T>
-T parse_number(const FieldText& field, std::string_view word) {
+std::optional<T> number_in(std::string_view word) {
   T value{};
   if (word.starts_with('+')) word.remove_prefix(1);
   const auto [end, failure] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (failure != std::errc() || end != word.data() + word.size()) {
-    reject(field, escaped(word) + " is not a number it can hold");
-  }
+  if (failure != std::errc() || end != word.data() + word.size()) return std::nullopt;
   return value;
+}
+
+template <class T>
+T parse_number(const FieldText& field, std::string_view word) {
+  const std::optional<T> value = number_in<T>(word);
+  if (!value) reject(field, escaped(word) + " is not a number it can hold");
+  return *value;
+}
+
+bool is_same_word(std::string_view a, std::string_view b) {
+  if (a == b) return true;
+  const std::optional<double> in_a = number_in<double>(a);
+  return in_a && in_a == number_in<double>(b);
 }
 
 }  // namespace
@@ -43,6 +56,10 @@ std::vector<std::string> words(std::string_view text) {
     text.remove_prefix(end);
   }
   return result;
+}
+
+bool FieldText::says_same(const FieldText& other) const {
+  return std::ranges::equal(words(value), words(other.value), is_same_word);
 }
 
 std::vector<double> FieldText::numbers() const {

@@ -20,6 +20,8 @@ struct FieldText {
   std::string_view name;
   std::string_view value;
 
+  /// Whether another field has the same words; numbers count by their values.
+  bool says_same(const FieldText& other) const;
   /// Every word as a number; "nan" is one. Throws Error{source_rejected} naming field and word.
   std::vector<double> numbers() const;
   /// Exactly `count` finite numbers. Throws Error{source_rejected} with both counts.

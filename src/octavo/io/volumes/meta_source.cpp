@@ -4,7 +4,6 @@
 #include <cmath>
 #include <map>
 #include <optional>
-#include <set>
 #include <utility>
 #include <vector>
 
@@ -17,101 +16,11 @@
 #include "octavo/io/source/length_unit.h"
 #include "octavo/io/source/source_file.h"
 #include "octavo/io/source/streamed_source.h"
+#include "octavo/io/volumes/meta_header.h"
 
 namespace octavo {
 
 namespace {
-
-constexpr std::size_t kMaxMetaHeaderBytes = std::size_t{1} << 16;
-constexpr std::size_t kMaxListBytes = std::size_t{1} << 20;
-
-/// The fields of a header up to ElementDataFile, and where the bytes behind it start.
-class MetaHeader {
- public:
-  explicit MetaHeader(const std::string& path) : path_(path) {
-    const std::vector<std::byte> head = file_head(path, kMaxMetaHeaderBytes);
-    const std::string_view text(reinterpret_cast<const char*>(head.data()), head.size());
-    std::size_t at = 0;
-    while (at < text.size()) {
-      const std::size_t end = std::min(text.find('\n', at), text.size());
-      const std::string_view line = text.substr(at, end - at);
-      at = std::min(end + 1, text.size());
-      const std::size_t equals = line.find('=');
-      if (equals == std::string_view::npos) {
-        if (trimmed(line).empty()) continue;
-        break;
-      }
-      const std::string name(trimmed(line.substr(0, equals)));
-      fields_[name] = trimmed(line.substr(equals + 1));
-      if (name == "ElementDataFile") {
-        data_offset_ = at;
-        return;
-      }
-    }
-    reject(path, "not a MetaImage header: no ElementDataFile line found in its first 64 KiB");
-  }
-
-  const std::string& path() const { return path_; }
-  std::uint64_t data_offset() const { return data_offset_; }
-
-  /// The names behind "ElementDataFile = LIST".
-  DataFileNames file_list() const {
-    const std::vector<std::byte> head = file_head(path_, kMaxListBytes + 1);
-    if (head.size() > kMaxListBytes) reject(path_, "the list of data files exceeds 1 MiB");
-    const std::string_view text(reinterpret_cast<const char*>(head.data()), head.size());
-    return DataFileNames::of_list(text.substr(std::min(data_offset_, text.size())));
-  }
-
-  bool has(const std::string& name) const { return fields_.contains(name); }
-
-  /// The first of several spellings that is there, as a field; an empty value when none is.
-  FieldText field(std::initializer_list<const char*> names) const {
-    for (const char* name : names) {
-      const auto found = fields_.find(name);
-      if (found != fields_.end()) return {path_, found->first, found->second};
-    }
-    return {path_, *names.begin(), {}};
-  }
-
-  /// What says nothing of the voxels.
-  SourceIdentity identity() const {
-    SourceIdentity identity;
-    for (const auto& [name, value] : fields_) {
-      if (name == "Comment" || name == "Name" || name == "AcquisitionDate") {
-        identity.note(name, value);
-      } else if (!is_of_the_format(name)) {
-        identity.note("other field", name + " = " + value);
-      }
-    }
-    return identity;
-  }
-
-  std::string text(const std::string& name) const {
-    return std::string(field({name.c_str()}).value);
-  }
-  bool is_true(std::initializer_list<const char*> names) const {
-    const std::string_view value = field(names).value;
-    return !value.empty() && (value[0] == 'T' || value[0] == 't' || value[0] == '1');
-  }
-
- private:
-  static bool is_of_the_format(const std::string& name) {
-    static const std::set<std::string> kNames = {
-        "AnatomicalOrientation", "BinaryData", "BinaryDataByteOrderMSB", "CenterOfRotation",
-        "Color", "CompressedData", "CompressedDataSize", "CompressionLevel", "DimSize",
-        "DistanceUnits", "ElementByteOrderMSB", "ElementDataFile", "ElementMax", "ElementMin",
-        "ElementNBits", "ElementNumberOfChannels", "ElementSize", "ElementSpacing",
-        "ElementToIntensityFunctionOffset", "ElementToIntensityFunctionSlope", "ElementType",
-        "HeaderSize", "ID", "Modality", "NDims", "ObjectSubType", "ObjectType", "Offset",
-        "Orientation", "Origin", "ParentID", "Position", "Rotation", "SequenceID",
-        "TransformMatrix", "TransformType"};
-    return kNames.contains(name);
-  }
-
-  std::string path_;
-  std::map<std::string, std::string> fields_;
-  std::uint64_t data_offset_ = 0;
-};
 
 StoredType stored_type_of(const MetaHeader& header) {
   static const std::map<std::string, StoredType> kTypes = {
@@ -193,7 +102,7 @@ void settle_axis_lengths(const FieldText& matrix, const SourceOptions& options,
 /// A 2-D image lies in the plane z = 0; of time nothing is taken.
 void read_direction(const MetaHeader& header, std::size_t dimensions, const SourceOptions& options,
                     Geometry& geometry) {
-  const FieldText matrix = header.field({"TransformMatrix", "Rotation", "Orientation"});
+  const FieldText matrix = header.agreed_field({"TransformMatrix", "Rotation", "Orientation"});
   if (matrix.value.empty()) return;
   const std::vector<double> rows = matrix.numbers(dimensions * dimensions);
   const std::size_t axes = std::min<std::size_t>(dimensions, 3);
@@ -220,7 +129,7 @@ bool read_lengths(const FieldText& field, std::size_t dimensions, double unit_mm
 bool read_geometry(const MetaHeader& header, std::size_t dimensions, const SourceOptions& options,
                    Geometry& geometry) {
   const double unit_mm = unit_of(header, options);
-  read_lengths(header.field({"Offset", "Position", "Origin"}), dimensions, unit_mm,
+  read_lengths(header.agreed_field({"Offset", "Position", "Origin"}), dimensions, unit_mm,
                geometry.origin_mm);
   read_direction(header, dimensions, options, geometry);
   return read_lengths(header.field({"ElementSpacing", "ElementSize"}), dimensions, unit_mm,
@@ -271,7 +180,13 @@ std::vector<std::string> several_files(const MetaHeader& header,
   if (data[0] == "LIST") {
     const std::int64_t asked = data.size() > 1 ? integer(dimension_digits(data[1])) : 0;
     const std::int64_t dimension = asked < 1 || asked > all ? all - 1 : asked;
-    return find_data_files(header.path(), header.file_list(), sizes, dimension);
+    const DataFileNames names = header.file_list();
+    if (dimension == all && names.count() != 1) {
+      reject(header.path(), "the header names " + std::to_string(names.count()) +
+                                " data files of all its " + std::to_string(all) +
+                                " dimensions, 1 expected; repair the header");
+    }
+    return find_data_files(header.path(), names, sizes, dimension);
   }
   const NumberedNames names{data[0], number(1, 1), number(2, sizes.back()), number(3, 1)};
   return find_data_files(header.path(), DataFileNames::of_pattern(names), sizes, all - 1);
@@ -287,22 +202,11 @@ std::optional<std::uint64_t> header_size(const MetaHeader& header, StreamCoding 
   reject(header.path(), "HeaderSize " + std::to_string(bytes) + " is not usable");
 }
 
-/// The order has a key for each kind of header; both may be there.
-bool is_big_endian(const MetaHeader& header) {
-  constexpr const char* kElement = "ElementByteOrderMSB";
-  constexpr const char* kBinary = "BinaryDataByteOrderMSB";
-  const bool is_big = header.is_true({kElement, kBinary});
-  if (header.has(kElement) && header.has(kBinary) && header.is_true({kBinary}) != is_big) {
-    reject(header.path(), std::string(kElement) + " and " + kBinary +
-                              " contradict each other; take out the wrong one");
-  }
-  return is_big;
-}
-
 /// voxel_bytes  of all volumes of the file
 VoxelRun locate_voxels(const MetaHeader& header, std::uint64_t voxel_bytes) {
   VoxelRun run;
-  run.big_endian = is_big_endian(header);
+  // The order has a key for each kind of header; both may be there.
+  run.big_endian = header.is_true({"ElementByteOrderMSB", "BinaryDataByteOrderMSB"});
   if (header.is_true({"CompressedData"})) run.coding = StreamCoding::deflated;
   const std::optional<std::uint64_t> start = header_size(header, run.coding);
   if (const std::vector<std::string> data = several_files_words(header); !data.empty()) {

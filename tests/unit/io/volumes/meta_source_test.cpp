@@ -68,6 +68,84 @@ TEST(MetaSource, KeysOfTheByteOrderMayNotContradictEachOther) {
   }
 }
 
+TEST(MetaSource, WordsThatAreNeitherTrueNorFalseAreRejected) {
+  const TempFolder folder;
+  const std::string path = folder.file("a.mha");
+  const auto write = [&](const std::string& line, const std::string& voxels) {
+    write_file(path, "NDims = 3\nDimSize = 4 3 2\nElementType = MET_SHORT\n" + line +
+                         "\nElementDataFile = LOCAL\n" + voxels);
+  };
+  for (const char* word : {"True", "true", "TRUE", "T", "t", "1"}) {
+    write("ElementByteOrderMSB = " + std::string(word), bytes_of(kStoredValues, true));
+    EXPECT_EQ(voxels_of(*open_source({path}, {})), bytes_of(kStoredValues)) << word;
+    write("CompressedData = " + std::string(word), zlib_stream(bytes_of(kStoredValues)));
+    EXPECT_EQ(voxels_of(*open_source({path}, {})), bytes_of(kStoredValues)) << word;
+    write("BinaryData = " + std::string(word), bytes_of(kStoredValues));
+    EXPECT_EQ(voxels_of(*open_source({path}, {})), bytes_of(kStoredValues)) << word;
+  }
+  for (const char* word : {"False", "false", "FALSE", "F", "f", "0", "No", "off"}) {
+    write("ElementByteOrderMSB = " + std::string(word), bytes_of(kStoredValues));
+    EXPECT_EQ(voxels_of(*open_source({path}, {})), bytes_of(kStoredValues)) << word;
+  }
+  for (const std::string field :
+       {"ElementByteOrderMSB", "BinaryDataByteOrderMSB", "CompressedData", "BinaryData"}) {
+    for (const std::string word : {"yes", "Y", "on", "maybe", "2", "-1", "10", "=rue", "Trues",
+                                   "True False", ""}) {
+      write(field + " = " + word, bytes_of(kStoredValues));
+      expect_rejected(path, {field, "\"" + word + "\"", "True or False expected"});
+    }
+  }
+}
+
+TEST(MetaSource, FieldsThatContradictEachOtherAreRejected) {
+  struct Case {
+    std::string name;
+    std::string first;
+    std::string other_name;
+    std::string other;
+    bool is_same;
+  };
+  const TempFolder folder;
+  const std::string path = folder.file("a.mha");
+  const std::string unit = "1 0 0 0 1 0 0 0 1";
+  const std::string turned = "0 1 0 1 0 0 0 0 1";
+  for (const Case& one : std::vector<Case>{
+           {"ElementSpacing", "1 1 2", "ElementSpacing", "1 1 3", false},
+           {"ElementSpacing", "1 1 2", "ElementSpacing", "1.0  1 2.0", true},
+           {"DimSize", "4 3 2", "DimSize", "3 4 2", false},
+           {"ElementType", "MET_UCHAR", "ElementType", "MET_CHAR", false},
+           {"ElementType", "MET_UCHAR", "ElementType", "MET_UCHAR", true},
+           {"Offset", "1 1 1", "Offset", "5 5 5", false},
+           {"Offset", "1 1 1", "Position", "5 5 5", false},
+           {"Offset", "1 1 1", "Origin", "1 1 1", true},
+           {"Position", "1 1 1", "Origin", "1 1 2", false},
+           {"TransformMatrix", unit, "TransformMatrix", turned, false},
+           {"TransformMatrix", unit, "Rotation", turned, false},
+           {"Rotation", unit, "Orientation", turned, false},
+           {"TransformMatrix", unit, "Orientation", unit, true},
+           {"ElementByteOrderMSB", "False", "ElementByteOrderMSB", "True", false},
+           {"HeaderSize", "0", "HeaderSize", "-1", false},
+           {"Comment", "one", "Comment", "two", true},
+           {"Scanner", "one", "Scanner", "two", true},
+           // The extent of a voxel may be another than the distance to the next one.
+           {"ElementSpacing", "1 1 2", "ElementSize", "1 1 5", true}}) {
+    write_meta(path, one.name + " = " + one.first + "\n" + one.other_name + " = " + one.other);
+    if (one.is_same) {
+      EXPECT_EQ(voxels_of(*open_source({path}, {})), std::string(24, '\1')) << one.name;
+    } else {
+      expect_rejected(path, {one.name, one.first, one.other_name, one.other, "contradict"});
+    }
+  }
+}
+
+TEST(MetaSource, AListOfFilesThatHoldAllNamesOne) {
+  const TempFolder folder;
+  write_parts(folder, 2);
+  write_file(folder.file("a.mhd"), "NDims = 3\nDimSize = 4 3 2\nElementType = MET_SHORT\n"
+                                   "ElementDataFile = LIST 3\np1.raw\np2.raw\n");
+  expect_rejected(folder.file("a.mhd"), {"names 2 data files", "1 expected"});
+}
+
 TEST(MetaSource, VoxelsMayStandInSeveralFiles) {
   struct Case {
     std::size_t files;
