@@ -193,6 +193,12 @@ OmeTiffImage read_image(std::string_view image) {
   return result;
 }
 
+/// Its name here where it has one, else that of OME.
+std::string voxel_type_of(std::string_view pixels) {
+  const std::string type = text_of(pixels, "Type");
+  return type == "float" ? "float32" : type == "double" ? "float64" : type;
+}
+
 }  // namespace
 
 void read_ome_description(std::string_view text, std::size_t image, TiffDescription& result) {
@@ -206,9 +212,15 @@ void read_ome_description(std::string_view text, std::size_t image, TiffDescript
   const std::string_view pixels = pixels_tag(images[image]);
   result.program = "OME";
   result.counts_samples = true;
-  result.channels = std::max<std::int64_t>(count_of(pixels, "SizeC").value_or(0), 0);
-  result.frames = std::max<std::int64_t>(count_of(pixels, "SizeT").value_or(0), 0);
-  result.slices = std::max<std::int64_t>(count_of(pixels, "SizeZ").value_or(0), 0);
+  const auto size_of = [&](const std::string& name) {
+    return std::max<std::int64_t>(count_of(pixels, name).value_or(0), 0);
+  };
+  result.channels = size_of("SizeC");
+  result.frames = size_of("SizeT");
+  result.slices = size_of("SizeZ");
+  result.columns = size_of("SizeX");
+  result.rows = size_of("SizeY");
+  result.voxel_type = voxel_type_of(pixels);
   const std::string order = text_of(pixels, "DimensionOrder");
   if (order.starts_with("XY")) result.order = order.substr(2);
   result.x_mm = length_mm(pixels, "X", result);

@@ -56,6 +56,9 @@ struct TiffDescription {
   std::optional<Point3> origin_mm;  ///< of the center of the first voxel, noted by our exports
   std::optional<std::array<double, 9>> direction;  ///< as in Geometry, noted by our exports
   bool is_place_known = false;  ///< these two lead to places in a body
+  std::int64_t columns = 0;  ///< OME: of each plane
+  std::int64_t rows = 0;
+  std::string voxel_type;    ///< OME: "uint16", "float32"; empty where the description is silent
   std::vector<OmeTiffImage> ome_images;
   std::vector<OmePages> ome_pages; ///< of the image read; empty until read_ome_pages
   std::string file_id;             ///< OME: the UUID of this file

@@ -180,11 +180,25 @@ class TiffSource final : public IndexedPlaneSource {
   TiffStack stack_;
 };
 
+/// Where OME's description says planes of another size or type than the pages have; else empty.
+std::string contradiction_of(const TiffDescription& text, const TiffPage& page) {
+  const std::string found_type(stored_type_name(page.type));
+  const std::int64_t columns = text.columns > 0 ? text.columns : page.width;
+  const std::int64_t rows = text.rows > 0 ? text.rows : page.height;
+  const std::string type = text.voxel_type.empty() ? found_type : text.voxel_type;
+  if (columns == page.width && rows == page.height && type == found_type) return {};
+  return "its " + text.program + " description says " + size_text(columns, rows) + " pixels of " +
+         escaped(type) + ", the pages have " + size_text(page.width, page.height) + " of " +
+         found_type + ", which counts";
+}
+
 void add_warnings(const TiffStack& stack, SourceFacts& facts) {
   const TiffPage& first = stack.planes.front().page;
   if (stack.reduced_pages > 0) {
     facts.warnings.push_back(std::to_string(stack.reduced_pages) + " thumbnail pages left out");
   }
+  const std::string contradiction = contradiction_of(stack.description, first);
+  if (!contradiction.empty()) facts.warnings.push_back(contradiction);
   if (!stack.order_warning.empty()) facts.warnings.push_back(stack.order_warning);
   if (!stack.series_warning.empty()) facts.warnings.push_back(stack.series_warning);
   if (!stack.count_warning.empty()) facts.warnings.push_back(stack.count_warning);

@@ -203,6 +203,50 @@ TEST(TiffSource, OmeSpacingIsUsed) {
             (Point3{0.0005, 0.0005, 0.002}));
 }
 
+TEST(TiffSource, PagesCountWhereTheOmeDescriptionContradictsThem) {
+  const TempFolder folder;
+  const std::string path = folder.file("a.ome.tif");
+  struct Case {
+    std::uint16_t bits;
+    std::uint16_t format;
+    std::string pixels;
+    std::string warning;  ///< none: empty
+  };
+  for (const Case& one : std::vector<Case>{
+           {8, 1, R"(SizeX="4" SizeY="3" Type="uint8")", ""},
+           {16, 2, R"(SizeX="4" SizeY="3" Type="int16")", ""},
+           {32, 3, R"(SizeX="4" SizeY="3" Type="float")", ""},
+           {64, 3, R"(SizeX="4" SizeY="3" Type="double")", ""},
+           {8, 1, R"(SizeX="some" SizeY="")", ""},
+           {8, 1, R"(SizeX="5" SizeY="3" Type="uint8")",
+            "says 5 x 3 pixels of uint8, the pages have 4 x 3 of uint8, which counts"},
+           {8, 1, R"(SizeY="4" Type="uint8")",
+            "says 4 x 4 pixels of uint8, the pages have 4 x 3 of uint8, which counts"},
+           {8, 1, R"(SizeX="4" SizeY="3" Type="uint16")",
+            "says 4 x 3 pixels of uint16, the pages have 4 x 3 of uint8, which counts"},
+           {16, 1, R"(SizeX="4" SizeY="3" Type="int16")",
+            "says 4 x 3 pixels of int16, the pages have 4 x 3 of uint16, which counts"},
+           {8, 1, R"(Type="bit")",
+            "says 4 x 3 pixels of bit, the pages have 4 x 3 of uint8, which counts"}}) {
+    TiffSample sample;
+    sample.bits = one.bits;
+    sample.format = one.format;
+    sample.description = "<OME><Image><Pixels SizeZ=\"2\" SizeC=\"1\" SizeT=\"1\" " + one.pixels +
+                         R"( PhysicalSizeX="1" PhysicalSizeY="1" PhysicalSizeZ="1"/>)" +
+                         "</Image></OME>";
+    const std::string zeros(12U * one.bits / 8, '\0');
+    sample.pages = {zeros, zeros};
+    write_tiff(path, sample);
+    const auto source = open_source({path}, {});
+    EXPECT_EQ(source->description().size, (Size3{4, 3, 2})) << one.pixels;
+    if (one.warning.empty()) {
+      EXPECT_TRUE(source->warnings().empty()) << with_hints(source->warnings());
+    } else {
+      EXPECT_TRUE(contains(first_warning(*source), one.warning)) << first_warning(*source);
+    }
+  }
+}
+
 TEST(TiffSource, FilesThatAreNoVolumeAreRejected) {
   const TempFolder folder;
   TiffSample sample;

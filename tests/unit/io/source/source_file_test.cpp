@@ -5,6 +5,7 @@
 
 #include <filesystem>
 
+#include "octavo/io/source/source_file.h"
 #include "support/dicom_samples.h"
 #include "support/image_samples.h"
 #include "support/source_files.h"
@@ -171,6 +172,15 @@ TEST(SourcePaths, InADicomDirectoryAreNotFollowed) {
   write_dicom(folder.file("disc/inside"), sample);
   const auto source = open_source({directory}, {});
   EXPECT_EQ(source->description().geometry.origin_mm[2], 5);
+}
+
+TEST(SourceFiles, APipeAmongThoseOfAFolderIsPassedOver) {
+  const TempFolder folder;
+  write_file(folder.file("a.tif"), "x");
+  ASSERT_EQ(::mkfifo(folder.file("b.tif").c_str(), 0600), 0);
+  EXPECT_EQ(files_in_folder(folder.path(), true), std::vector{folder.file("a.tif")});
+  const Error error = source_error({folder.file("b.tif")});
+  EXPECT_TRUE(contains(error, "is not a regular file")) << error.what();
 }
 
 TEST(SourceFiles, ALinkToNothingIsNotPassedOver) {
