@@ -2,6 +2,7 @@
 
 #include <nanobind/stl/string.h>
 
+#include <algorithm>
 #include <condition_variable>
 
 #include "octavo/core/error.h"
@@ -28,7 +29,24 @@ call_detail::Current::Current(const Call* call) : before_(this_threads_call) {
 
 call_detail::Current::~Current() { this_threads_call = before_; }
 
-Call::Call(nb::object on_progress) : on_progress_(std::move(on_progress)) {}
+void Waiters::add(const Call& call) {
+  const std::lock_guard guard(lock_);
+  calls_.push_back(&call);
+}
+
+void Waiters::remove(const Call& call) {
+  const std::lock_guard guard(lock_);
+  calls_.erase(std::ranges::find(calls_, &call));
+}
+
+bool Waiters::are_stopped() const {
+  const std::lock_guard guard(lock_);
+  return !calls_.empty() &&
+         std::ranges::all_of(calls_, [](const Call* call) { return call->is_over(); });
+}
+
+Call::Call(nb::object on_progress)
+    : on_progress_(std::move(on_progress)), around_(this_threads_call) {}
 
 Call::~Call() = default;
 
@@ -45,8 +63,12 @@ void Call::throw_kept() {
 
 void Call::throw_cancelled() { throw Error(ErrorKind::cancelled, "stopped"); }
 
+bool Call::is_over() const noexcept {
+  return is_cancelled_ || (around_ != nullptr && around_->is_over());
+}
+
 bool Call::is_cancelled() const {
-  if (is_cancelled_) return true;
+  if (is_over()) return true;
   if (std::this_thread::get_id() != owner_) return false;
   const Clock::time_point now = Clock::now();
   if (now - polled_ < kPause) return false;
@@ -68,6 +90,7 @@ void Call::run_apart(const std::function<void()>& work) {
     std::mutex lock;
     std::condition_variable ended;
     std::thread apart([&] {
+      const call_detail::Current current(this);
       try {
         work();
       } catch (...) {

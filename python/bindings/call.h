@@ -9,18 +9,41 @@
 #include <cstdint>
 #include <exception>
 #include <functional>
+#include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <thread>
+#include <type_traits>
 #include <utility>
+#include <vector>
 
 #include "octavo/core/progress.h"
 
 namespace octavo::python {
 
+class Call;
+
+/// The calls that wait for the bytes of one file.
+class Waiters {
+ public:
+  void add(const Call& call);
+  void remove(const Call& call);
+  /// Whether there are some, and none of them wants the bytes any more.
+  bool are_stopped() const;
+
+ private:
+  mutable std::mutex lock_;
+  std::vector<const Call*> calls_;
+};
+
+/// Those of the files that a call reads.
+using FilesRead = std::vector<std::shared_ptr<Waiters>>;
+
 class Call final : public Progress {
  public:
+  /// Ends with the call of this thread, if there is one.
   /// on_progress  called as (done, total, what), at most ten times a second and at the end, or None
   /// Requires the GIL
   explicit Call(nanobind::object on_progress = nanobind::none());
@@ -36,6 +59,12 @@ class Call final : public Progress {
   /// waits for others.
   void run_apart(const std::function<void()>& work);
 
+  /// run(), and run_apart() where servers may let the work wait: whatever thread asks them, Ctrl-C
+  /// ends it.
+  /// files  null where all is at hand
+  template <class Work>
+  auto run_reading(FilesRead files, Work&& work);
+
   void begin(std::string_view what, std::int64_t total, std::string_view unit) override;
   void advance(std::int64_t units) override;
   void end() override;
@@ -44,6 +73,8 @@ class Call final : public Progress {
   void end_with_raised() const noexcept { keep_failure(); }
   /// True from when a signal handler or `on_progress` raised on.
   bool is_cancelled() const override;
+  /// The same as far as it is known: runs no handler.
+  bool is_over() const noexcept;
 
   /// Throws what Python code raised, where nothing has thrown it yet: at the very end of the work.
   void throw_kept();
@@ -61,6 +92,7 @@ class Call final : public Progress {
   void tell();
 
   nanobind::object on_progress_;
+  const Call* const around_;  // the call of whose work this one is a part, or null
   const std::thread::id owner_ = std::this_thread::get_id();
   mutable std::atomic<bool> is_cancelled_{false};
   mutable std::mutex lock_;              // of failure_
@@ -119,8 +151,31 @@ decltype(auto) Call::run(Work&& work) {
 }
 
 template <class Work>
+auto Call::run_reading(FilesRead files, Work&& work) {
+  using Result = decltype(work());
+  std::erase(files, nullptr);
+  if (files.empty()) return run(std::forward<Work>(work));
+  for (const auto& file : files) file->add(*this);
+  struct Leaving {
+    const FilesRead& files;
+    const Call& call;
+    ~Leaving() {
+      for (const auto& file : files) file->remove(call);
+    }
+  } const leaving{files, *this};
+  if constexpr (std::is_void_v<Result>) {
+    run_apart([&] { work(); });
+  } else {
+    std::optional<Result> result;
+    run_apart([&] { result.emplace(work()); });
+    return std::move(*result);
+  }
+}
+
+template <class Work>
 void Call::with_python(Work&& work) {
   {
+    const call_detail::Current current(this);
     const nanobind::gil_scoped_acquire acquire;
     try {
       std::forward<Work>(work)();

@@ -66,8 +66,9 @@ LabelMap threshold_map(const OpenFile& file, const std::string& name,
   ThresholdOptions options{.input = name, .tissues = tissues, .is_stored = is_stored};
   for (const auto& [low, high] : ranges) options.ranges.push_back({low, high});
   Work work(given);
-  return work.run(
-      [&] { return LabelMap(threshold_mask(file.reader(), options, work.context())); });
+  return work.run({{name, &file}}, [&] {
+    return LabelMap(threshold_mask(file.reader(), options, work.context()));
+  });
 }
 
 /// The labels of a file, all of them or those asked for by number or name.
@@ -75,7 +76,7 @@ LabelMap label_map_of(const OpenFile& file, const std::string& name,
                       const std::vector<Label>& numbers, const std::vector<std::string>& names,
                       const nb::dict& given) {
   Work work(given);
-  return work.run([&] {
+  return work.run({{name, &file}}, [&] {
     const FileReader& reader = file.reader();
     VolumeDescription volume = reader.description();
     if (volume.kind != VolumeKind::labels) {

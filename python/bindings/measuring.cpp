@@ -94,7 +94,7 @@ nb::list measure_file(const OpenFile& labels, const std::string& name, const Ope
 nb::dict compare_files(const OpenFile& a, const OpenFile& b, double max_error,
                        const nb::dict& given) {
   Work work(given);
-  const Comparison found = work.run([&] {
+  const Comparison found = work.run({{"a", &a}, {"b", &b}}, [&] {
     const FileReader& first = a.reader();
     const FileReader& second = b.reader();
     if (max_error == 0 && first.voxel_digest() == second.voxel_digest()) {

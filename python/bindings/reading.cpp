@@ -4,6 +4,7 @@
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
+#include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/string_view.h>
 #include <nanobind/stl/tuple.h>
@@ -16,7 +17,7 @@
 #include <tuple>
 #include <vector>
 
-#include "call.h"
+#include "asked.h"
 #include "octavo/core/sha256.h"
 #include "octavo/file/parallel_read.h"
 #include "octavo/file/storage/round_meter.h"
@@ -32,26 +33,30 @@ using namespace nb::literals;
 namespace {
 
 /// Bytes that Python functions give, on whatever thread they are asked for: some at a time, and
-/// where there is a function for that, all ranges of a read in one call.
+/// those of a server all that a read needs in one call.
 class PythonBytes final : public ByteSource {
  public:
-  /// fetch    (offsets, lengths) -> (bytes of each, seconds that it took, bytes that were asked of
-  ///          the server); or None
-  /// answers  that came before: seconds and bytes
-  PythonBytes(nb::object read_at, nb::object fetch, std::uint64_t size, std::string name,
-              const OpenFile::Answers& answers)
-      : read_at_(std::move(read_at)),
-        fetch_(std::move(fetch)),
-        has_fetch_(!fetch_.is_none()),
-        size_(size),
-        name_(std::move(name)) {
-    for (const auto& [seconds, bytes] : answers) meter_.add(seconds, bytes);
+  /// given  as OpenFile gets it
+  PythonBytes(const nb::dict& given, std::shared_ptr<const Waiters> waiters)
+      : read_at_(given["read_at"]),
+        waiters_(std::move(waiters)),
+        has_fetch_(waiters_ != nullptr),
+        size_(asked_for<std::uint64_t>(given, "size")),
+        name_(asked_for<std::string>(given, "name")) {
+    if (!has_fetch_) return;
+    fetch_ = given["fetch"];
+    forget_ = given["forget"];
+    using Answers = std::vector<std::pair<double, std::uint64_t>>;
+    for (const auto& [seconds, bytes] : asked_for<Answers>(given, "answers")) {
+      meter_.add(seconds, bytes);
+    }
   }
 
   ~PythonBytes() override {
     const nb::gil_scoped_acquire acquire;
     read_at_.reset();
     fetch_.reset();
+    forget_.reset();
   }
 
   std::uint64_t fetched_bytes_kept() const override {
@@ -74,9 +79,12 @@ class PythonBytes final : public ByteSource {
     return kept_.hold(ranges);
   }
 
-  void forget() {
+  bool forget(std::span<const ByteRange> ranges) const override {
+    if (!has_fetch_) return false;
+    called(0, [&] { forget_(); });
     const std::lock_guard guard(lock_);
-    kept_ = SparseBytes{};
+    kept_.drop(ranges);
+    return true;
   }
 
   void fetch(std::span<const ByteRange> ranges) const override {
@@ -140,12 +148,17 @@ class PythonBytes final : public ByteSource {
         if (const Call* const call = current_call()) call->end_with_raised();
         throw Error(ErrorKind::cancelled, "stopped", name_);
       }
+      if (waiters_ && waiters_->are_stopped()) {
+        throw Error(ErrorKind::cancelled, "stopped", name_);
+      }
       throw Error(ErrorKind::io, escaped(nb::str(error.value()).c_str()), name_, offset);
     }
   }
 
   nb::object read_at_;
   nb::object fetch_;
+  nb::object forget_;
+  std::shared_ptr<const Waiters> waiters_;
   bool has_fetch_;
   std::uint64_t size_;
   std::string name_;
@@ -224,7 +237,8 @@ void read_box(const OpenFile& file, const Zyx& start, const Zyx& stop, int level
   require_room(file.reader(), box, out);
   void* const voxels = out.data();
   Call call;
-  call.run([&] { read_parallel(file.reader(), box, level, voxels, threads); });
+  call.run_reading({file.waiters()},
+                   [&] { read_parallel(file.reader(), box, level, voxels, threads); });
 }
 
 /// The smallest and the largest voxel of each brick of level 0, as the index has them.
@@ -243,7 +257,7 @@ void read_brick_ranges(const OpenFile& file, nb::ndarray<double, nb::c_contig, n
     return volume.is_unbounded(code) ? (code > 0 ? INFINITY : -INFINITY) : volume.voxel_of(code);
   };
   Call call;
-  call.run([&] {
+  call.run_reading({file.waiters()}, [&] {
     visit_cells(box_of(grid), {1, 1, 1}, [&](const Index3& at) {
       const ValueRange range = reader.brick(0, at).range;
       *lowest++ = end_of(range.min);
@@ -264,24 +278,22 @@ OpenFile::OpenFile(const std::string& path, std::uint64_t cache_bytes) {
   });
 }
 
-OpenFile::OpenFile(nb::object read_at, nb::object fetch, std::uint64_t size,
-                   const std::string& name, std::uint64_t cache_bytes, const Answers& answers) {
-  const auto source =
-      std::make_shared<PythonBytes>(std::move(read_at), std::move(fetch), size, name, answers);
-  forget_ = [source] { source->forget(); };
-  source_ = source;
+OpenFile::OpenFile(const nb::dict& bytes, std::uint64_t cache_bytes) {
+  if (bytes.contains("waiters")) waiters_ = asked_for<std::shared_ptr<Waiters>>(bytes, "waiters");
+  source_ = std::make_shared<PythonBytes>(bytes, waiters_);
   Call call;
-  call.run([&] { reader_ = FileReader::open(source_, options_with(cache_bytes)); });
+  call.run_reading({waiters_},
+                   [&] { reader_ = FileReader::open(source_, options_with(cache_bytes)); });
 }
 
 void bind_reading(nb::module_& module) {
+  nb::class_<Waiters>(module, "Waiters")
+      .def(nb::init<>())
+      .def("are_stopped", &Waiters::are_stopped);
   nb::class_<OpenFile>(module, "OpenFile")
       .def(nb::init<const std::string&, std::uint64_t>(), "path"_a, "cache_bytes"_a)
-      .def(nb::init<nb::object, nb::object, std::uint64_t, const std::string&, std::uint64_t,
-                    const OpenFile::Answers&>(),
-           "read_at"_a, "fetch"_a.none(), "size"_a, "name"_a, "cache_bytes"_a, "answers"_a)
+      .def(nb::init<const nb::dict&, std::uint64_t>(), "bytes"_a, "cache_bytes"_a)
       .def("facts", &facts_of)
-      .def("forget", &OpenFile::forget)
       .def("read", &read_box, "start"_a, "stop"_a, "level"_a, "out"_a, "threads"_a)
       .def("read_brick_ranges", &read_brick_ranges, "low"_a, "high"_a);
 }

@@ -94,8 +94,9 @@ nb::tuple surface_arrays(const OpenFile& file, const std::string& name, const nb
                          const nb::dict& given) {
   const SurfaceOptions options = surface_options(name, asked);
   Work work(given);
-  SurfaceMesh made =
-      work.run([&] { return surface_mesh(file.reader(), options, false, work.context()); });
+  SurfaceMesh made = work.run({{name, &file}}, [&] {
+    return surface_mesh(file.reader(), options, false, work.context());
+  });
   for (MeshPoint& point : made.mesh.points) point = in_space(point, options.space);
   return nb::make_tuple(rows_of_three<float>(std::move(made.mesh.points)),
                         rows_of_three<std::uint32_t>(std::move(made.mesh.triangles)),

@@ -34,6 +34,7 @@ class BorrowedSource final : public ByteSource {
   std::shared_ptr<const void> hold(std::span<const ByteRange> ranges) const override {
     return source_->hold(ranges);
   }
+  bool forget(std::span<const ByteRange> ranges) const override { return source_->forget(ranges); }
 
  private:
   std::shared_ptr<const ByteSource> source_;
@@ -63,6 +64,12 @@ Work::Inputs::Inputs(const std::vector<NamedFile>& files) {
 }
 
 Work::Inputs::~Inputs() { named_sources.clear(); }
+
+FilesRead Work::files_read(const std::vector<NamedFile>& files) {
+  FilesRead read;
+  for (const NamedFile& file : files) read.push_back(file.file->waiters());
+  return read;
+}
 
 Work::Work(const nb::dict& given) : call_(given["progress"]) {
   context_.threads = nb::cast<int>(given["threads"]);

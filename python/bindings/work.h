@@ -34,19 +34,23 @@ class Work {
   /// Runs `work` without the GIL, with the files of that call in the place of their names.
   template <class Task>
   auto run(const std::vector<NamedFile>& files, Task&& task) {
-    const Inputs inputs(files);
-    return run(std::forward<Task>(task));
-  }
-  template <class Task>
-  auto run(Task&& task) {
+    const auto with_inputs = [&] {
+      const Inputs inputs(files);
+      return task();
+    };
     if constexpr (std::is_void_v<decltype(task())>) {
-      call_.run(std::forward<Task>(task));
+      call_.run_reading(files_read(files), with_inputs);
       call_.throw_kept();
     } else {
-      auto result = call_.run(std::forward<Task>(task));
+      auto result = call_.run_reading(files_read(files), with_inputs);
       call_.throw_kept();
       return result;
     }
+  }
+  /// The same for work that reads no file.
+  template <class Task>
+  auto run(Task&& task) {
+    return run({}, std::forward<Task>(task));
   }
 
  private:
@@ -58,6 +62,8 @@ class Work {
     Inputs(const Inputs&) = delete;
     Inputs& operator=(const Inputs&) = delete;
   };
+
+  static FilesRead files_read(const std::vector<NamedFile>& files);
 
   Call call_;
   TaskContext context_;

@@ -1,5 +1,6 @@
 """Where the bytes of a file come from: a path, bytes in memory, a URL, a file object."""
 
+import asyncio
 import concurrent.futures
 import io
 import os
@@ -98,9 +99,6 @@ class _Path:
         self.place = os.path.abspath(path)
         self._was_opened = False  # until then messages name a path as it was given
 
-    def forget(self):
-        """Nothing is kept."""
-
     def open(self, cache_bytes):
         handle = _octavo.OpenFile(self.place if self._was_opened else self.name, cache_bytes)
         self._was_opened = True
@@ -113,13 +111,10 @@ class _Bytes:
     def __init__(self, held):
         self.place = held
 
-    def forget(self):
-        """Nothing is kept."""
-
     def open(self, cache_bytes):
         held = self.place
-        return _octavo.OpenFile(lambda at, length: held[at:at + length], None, len(held),
-                                self.name, cache_bytes, [])
+        return _octavo.OpenFile({"read_at": lambda at, length: held[at:at + length],
+                                 "size": len(held), "name": self.name}, cache_bytes)
 
 
 class _Stream:
@@ -132,9 +127,6 @@ class _Stream:
         name = getattr(file, "name", None)
         self.name = name if isinstance(name, str) else type(file).__name__
 
-    def forget(self):
-        """Nothing is kept."""
-
     def open(self, cache_bytes):
         # In a forked process the one of before may be held by a thread that is not there.
         self._lock = threading.Lock()
@@ -146,7 +138,8 @@ class _Stream:
             raise StorageError(f"{self.name}: {error}", path=self.name) from None
         if not is_binary:
             raise ArgumentError(f"{self.name}: is a file of text; open it with the mode \"rb\"")
-        return _octavo.OpenFile(self._read, None, size, self.name, cache_bytes, [])
+        return _octavo.OpenFile({"read_at": self._read, "size": size, "name": self.name},
+                                cache_bytes)
 
     def _read(self, at, length):
         parts = []
@@ -191,6 +184,7 @@ class _Url:
     _SILENT_SECONDS = 60  # that a server may be
     _PAUSES = 0.2, 0.4, 0.8  # before what failed for a while is asked for again
     _LONGEST_PAUSE = 60  # that a busy server may ask for
+    _LOOK_SECONDS = 0.1  # between two looks whether an answer is still wanted
 
     def __init__(self, url, options=None, file=None):
         """file  an OpenFile of it, where there is one"""
@@ -200,15 +194,15 @@ class _Url:
         self._of_file = None if file is None else (file.fs, file.path)
         self._process = os.getpid()
         self._blocks = None
+        self._waiters = None
         self._ends = {}  # offset: bytes that came with the length of the file
         self._answers = []  # seconds and bytes of what was asked for when it was opened
         self.name = without_secrets(url)
 
-    def forget(self):
+    def _forget(self):
         """Fetches everything anew from now on: some of it was not as it should be."""
         self._ends = {}
-        if self._blocks is not None:
-            self._blocks.forget()
+        self._blocks.forget()
 
     def open(self, cache_bytes):
         try:
@@ -216,9 +210,10 @@ class _Url:
         except ImportError:
             raise ArgumentError(f"{self.name}: URLs are read through fsspec, which is not "
                                 "installed (pip install fsspec aiohttp)") from None
+        self._waiters = _octavo.Waiters()
         try:
             files, path = self._found(fsspec)
-            size = self._tried(lambda: self._opened(files, path))
+            size = self._opened(files, path)
         except (ImportError, ValueError) as error:
             raise ArgumentError(f"{self.name}: {self._words_of(error)}",
                                 path=self.name) from None
@@ -234,7 +229,7 @@ class _Url:
             if held is not None:
                 return held
             try:
-                return self._tried(lambda: files.cat_file(path, start=start, end=stop))
+                return self._tried(lambda: _asked(files, "cat_file", path, start=start, end=stop))
             except Exception as error:
                 raise OSError(self._words_of(error)) from None
 
@@ -247,14 +242,16 @@ class _Url:
             asked = time.perf_counter()
             try:
                 if wanted:
-                    found.update(zip(wanted, self._tried(lambda: _all_ranges(files, path, wanted))))
+                    found.update(zip(wanted, self._all_ranges(files, path, wanted)))
             except Exception as error:
                 raise OSError(self._words_of(error)) from None
             taken = time.perf_counter() - asked if wanted else 0.0
             return [found[one] for one in ranges], taken, sum(b - a for a, b in wanted)
 
-        return _octavo.OpenFile(self._blocks.read, fetch_all, size, self.name, cache_bytes,
-                                self._answers)
+        return _octavo.OpenFile(
+            {"read_at": self._blocks.read, "fetch": fetch_all, "forget": self._forget,
+             "size": size, "name": self.name, "answers": self._answers, "waiters": self._waiters},
+            cache_bytes)
 
     def _found(self, fsspec):
         """(file system, path)"""
@@ -274,27 +271,25 @@ class _Url:
         self._ends = {}
         self._answers = []
         if not self._is_http():
-            return files.size(path)
-        import asyncio
-        import fsspec
+            return self._tried(lambda: _asked(files, "size", path))
 
         async def timed(answer):
             start = time.perf_counter()
             return await answer, time.perf_counter() - start
 
         async def asked():
-            return await asyncio.gather(
+            info, *parts = await asyncio.gather(
                 timed(files._info(path)), timed(self._part(files, path, f"0-{self._HEAD - 1}")),
                 timed(self._part(files, path, f"-{self._TAIL}")), return_exceptions=True)
+            for answer in info, *(part for part in parts if isinstance(part, _NoRanges)):
+                if isinstance(answer, BaseException):
+                    raise answer
+            return info, *parts
 
-        info, *parts = fsspec.asyn.sync(files.loop, asked)
-        if isinstance(info, BaseException):
-            raise info
-        info, seconds = info
+        (info, seconds), *parts = self._tried(
+            lambda: asyncio.run_coroutine_threadsafe(asked(), files.loop))
         self._answers.append((seconds, 0))
         for part in parts:
-            if isinstance(part, _NoRanges):
-                raise part
             # What failed is asked for again when it is read, and fails then.
             if isinstance(part, BaseException):
                 continue
@@ -354,17 +349,47 @@ class _Url:
                                        sock_read=self._SILENT_SECONDS)
         return {**given, "client_kwargs": {"timeout": silent, **given.get("client_kwargs", {})}}
 
-    def _tried(self, ask):
-        """What `ask` returns; asked again as long as a server is busy or loses connections."""
+    def _all_ranges(self, files, path, ranges):
+        """The bytes of each; raises what any of them failed with."""
+        def ask():
+            # Some versions of fsspec return errors even where they are asked to raise them.
+            return _asked(files, "cat_ranges", [path] * len(ranges), *map(list, zip(*ranges)),
+                          on_error="return")
+
+        return map(bytes, self._tried(ask, _first_error_of))
+
+    def _tried(self, ask, error_in=lambda answer: None):
+        """What the future of `ask` holds; asked again as long as a server is busy or loses
+        connections. Raises OSError when nobody waits for it any more."""
         for pause in (*self._PAUSES, None):
             try:
-                return ask()
+                answer = self._awaited(ask())
+                error = error_in(answer)
+                if error is None:
+                    return answer
+                raise error
             except Exception as error:
                 if pause is not None:
                     pause = self._pause_before(error, pause)
                 if pause is None:
                     raise
-            time.sleep(pause)
+            until = time.monotonic() + pause
+            while (left := until - time.monotonic()) > 0:
+                time.sleep(min(left, self._LOOK_SECONDS))
+                self._require_waiters()
+
+    def _awaited(self, future):
+        try:
+            while not concurrent.futures.wait([future], timeout=self._LOOK_SECONDS).done:
+                self._require_waiters()
+        except BaseException:
+            future.cancel()
+            raise
+        return future.result()
+
+    def _require_waiters(self):
+        if self._waiters.are_stopped():
+            raise OSError("stopped")
 
     def _pause_before(self, error, pause):
         """Seconds until it is worth asking again: at least `pause`. None: it is not."""
@@ -408,14 +433,27 @@ class _NoRanges(OSError):
     """A server sends whole files alone, and this one is large."""
 
 
-def _all_ranges(files, path, ranges):
-    """The bytes of each; raises what any of them failed with."""
-    # Some versions of fsspec return errors even where they are asked to raise them.
-    parts = files.cat_ranges([path] * len(ranges), *map(list, zip(*ranges)), on_error="return")
-    for part in parts:
-        if isinstance(part, BaseException):
-            raise part
-    return map(bytes, parts)
+def _asked(files, name, *args, **options):
+    """The future of what a method of a file system returns. Who cancels it does not wait."""
+    if getattr(files, "async_impl", False) and not getattr(files, "asynchronous", False):
+        ask = getattr(files, "_" + name)
+        return asyncio.run_coroutine_threadsafe(ask(*args, **options), files.loop)
+    future = concurrent.futures.Future()
+
+    def work():
+        try:
+            future.set_result(getattr(files, name)(*args, **options))
+        except concurrent.futures.InvalidStateError:
+            pass  # cancelled
+        except BaseException as error:
+            future.set_exception(error)
+
+    threading.Thread(target=work, daemon=True).start()
+    return future
+
+
+def _first_error_of(answers):
+    return next((one for one in answers if isinstance(one, BaseException)), None)
 
 
 def _reason_of(error):

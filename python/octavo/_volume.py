@@ -7,7 +7,7 @@ import os
 
 import numpy as np
 
-from ._errors import ArgumentError, CorruptError, StorageError
+from ._errors import ArgumentError, StorageError
 from ._indexing import Selection, centers_within, read_chosen
 from ._sources import source_of
 from ._tasks import VolumeTasks
@@ -450,13 +450,8 @@ class _File:
 
     def read(self, start, stop, level, out, threads):
         handle = self._opened()
-        try:
-            handle.read(tuple(map(int, start)), tuple(map(int, stop)), level, out,
-                        1 if self._only_thread else int(threads))
-        except CorruptError:
-            self._source.forget()
-            handle.forget()
-            raise
+        handle.read(tuple(map(int, start)), tuple(map(int, stop)), level, out,
+                    1 if self._only_thread else int(threads))
 
     def read_brick_ranges(self, low, high):
         self._opened().read_brick_ranges(low, high)

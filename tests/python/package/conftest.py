@@ -1,6 +1,7 @@
 """Arrays and files that the tests of the package share."""
 
 import os
+import signal
 import subprocess
 
 import numpy as np
@@ -32,6 +33,14 @@ def path(voxels, tmp_path_factory):
 def volume(path):
     with octavo.open(path) as volume:
         yield volume
+
+
+@pytest.fixture
+def with_interrupts():
+    """A process that a shell started in the background does not get them."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
 
 
 @pytest.fixture(scope="session")

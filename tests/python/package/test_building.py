@@ -230,14 +230,6 @@ def test_progress_is_told_and_may_end_the_work(tmp_path, voxels):
     assert [p.name for p in tmp_path.iterdir()] == ["a.8vo"]
 
 
-@pytest.fixture
-def with_interrupts():
-    """A process that a shell started in the background does not get them."""
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    yield
-    signal.signal(signal.SIGINT, before)
-
-
 def test_an_interrupt_ends_a_build(tmp_path, with_interrupts):
     array = steps((300, 300, 200), np.int16)
     threading.Timer(0.2, lambda: os.kill(os.getpid(), signal.SIGINT)).start()

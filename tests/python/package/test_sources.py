@@ -3,7 +3,6 @@
 import concurrent.futures
 import errno
 import gc
-import http.server
 import io
 import multiprocessing
 import os
@@ -17,6 +16,7 @@ import numpy as np
 import pytest
 
 import octavo
+from ranged_files import serving
 
 
 def test_what_is_not_there_is_a_missing_file(tmp_path, voxels):
@@ -62,76 +62,11 @@ def forked(holds):
     return lambda: os.waitpid(pid, 0)[1]
 
 
-class RangedFiles(http.server.SimpleHTTPRequestHandler):
-    """A server of ranges that counts what it sends."""
-
-    sent = 0
-    asked = []     # methods and ranges
-    has_ranges = True
-    has_suffixes = True
-    status = None  # that every answer has
-    wanted = None  # that requests are authorized by
-    busy = []      # statuses of the answers that come next
-    flips = 0      # answers of more than this many bytes have a wrong one; 0: none has
-
-    def log_message(self, *_):
-        pass
-
-    def do_HEAD(self):
-        self.answer(False)
-
-    def do_GET(self):
-        self.answer(True)
-
-    def answer(self, has_body):
-        file = pathlib.Path(self.directory, self.path.partition("?")[0].lstrip("/"))
-        if not file.exists():
-            self.send_error(404)
-            return
-        if self.status or self.busy:
-            self.send_error(self.status or self.busy.pop())
-            return
-        if self.wanted and self.headers.get("Authorization") != self.wanted:
-            self.send_error(401)
-            return
-        held = file.read_bytes()
-        span = self.headers.get("Range", "")
-        self.asked.append((self.command, span))
-        asked = re.fullmatch(r"bytes=(\d*)-(\d+)", span)
-        part = held
-        if asked and self.has_ranges and (asked[1] or self.has_suffixes):
-            first, last = int(asked[1] or max(0, len(held) - int(asked[2]))), int(asked[2])
-            last = last if asked[1] else len(held) - 1
-            part = held[first:last + 1]
-            self.send_response(206)
-            self.send_header("Content-Range", f"bytes {first}-{first + len(part) - 1}/{len(held)}")
-        else:
-            self.send_response(200)
-        if self.has_ranges:
-            self.send_header("Accept-Ranges", "bytes")
-        self.send_header("Content-Length", str(len(part)))
-        self.end_headers()
-        if has_body:
-            type(self).sent += len(part)
-            if self.flips and len(part) > self.flips:
-                part = part[:self.flips] + bytes([part[self.flips] ^ 1]) + part[self.flips + 1:]
-            try:
-                self.wfile.write(part)
-            except ConnectionError:
-                pass  # who asked had enough
-
-
 @pytest.fixture
 def served(path, monkeypatch):
     monkeypatch.setattr("octavo._sources._Url._PAUSES", (0.01, 0.02, 0.03))
-    handler = type("Handler", (RangedFiles,), {"directory": os.path.dirname(path), "asked": [],
-                                               "busy": []})
-    server = http.server.ThreadingHTTPServer(
-        ("127.0.0.1", 0), lambda *a: handler(*a, directory=os.path.dirname(path)))
-    threading.Thread(target=server.serve_forever, daemon=True).start()
-    yield handler, f"http://127.0.0.1:{server.server_port}"
-    server.shutdown()
-    server.server_close()
+    with serving(os.path.dirname(path)) as (handler, root):
+        yield handler, root
 
 
 def test_of_a_url_only_what_is_needed_is_fetched(served, voxels, path):
@@ -176,7 +111,9 @@ def test_bricks_come_whole_where_that_is_sooner_than_a_round(tmp_path, answers, 
     def read_at(at, length):
         return held[at:at + length]
 
-    file = _octavo.OpenFile(read_at, fetch, len(held), "cut", 1 << 24, answers)
+    file = _octavo.OpenFile(
+        {"read_at": read_at, "fetch": fetch, "forget": None, "answers": answers,
+         "waiters": _octavo.Waiters(), "size": len(held), "name": "cut"}, 1 << 24)
     calls.clear()
     out = np.empty((8, 130, 8), np.int16)
     file.read((2, 0, 60), (10, 130, 68), 0, out, 1)
@@ -439,7 +376,7 @@ def test_what_interrupts_a_fetch_is_what_is_raised(path):
             raise KeyboardInterrupt
         return held[at:at + length]
 
-    file = _octavo.OpenFile(read_at, None, len(held), "a", 1 << 20, [])
+    file = _octavo.OpenFile({"read_at": read_at, "size": len(held), "name": "a"}, 1 << 20)
     is_over.append(True)
     with pytest.raises(KeyboardInterrupt):
         file.read((0, 0, 0), (5, 5, 5), 0, np.empty((5, 5, 5), np.int16), 1)

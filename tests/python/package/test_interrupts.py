@@ -1,0 +1,95 @@
+"""Ctrl-C while a server is silent: every call that reads a URL ends soon and leaves nothing."""
+
+import os
+import signal
+import threading
+import time
+import types
+
+import numpy as np
+import pytest
+
+import octavo
+from ranged_files import serving
+
+# Of volumes behind URLs and a folder: grey values, labels, a mask, the same mask elsewhere.
+CALLS = {
+    "align": lambda a: a.mask.align(a.other, output=a.out("o.txt"), picture=a.out("p.png")),
+    "build": lambda a: octavo.build(a.grey, a.out("o.8vo")),
+    "build real": lambda a: octavo.build(a.grey.real, a.out("o.8vo")),
+    "classify": lambda a: a.grey.classify({1: (0, 100)}),
+    "compare": lambda a: a.grey.compare(a.mask),
+    "condense": lambda a: a.grey.condense(a.out("o.8vo"), 2),
+    "distance": lambda a: a.mask.distance(a.out("o.8vo")),
+    "export": lambda a: octavo.export(a.grey, a.out("o.ome.zarr")),
+    "label_map": lambda a: a.labels.label_map(),
+    "mask": lambda a: a.labels.mask(1),
+    "measure": lambda a: a.labels.measure(),
+    "measure of": lambda a: a.labels.measure(a.grey),
+    "morphometry": lambda a: a.mask.morphometry(),
+    "open": lambda a: octavo.open(a.url),
+    "read": lambda a: a.grey[...],
+    "read a voxel": lambda a: a.grey[3, 4, 5],
+    "render cubes": lambda a: a.mask.render("cubes"),
+    "render rays": lambda a: a.grey.render("mip"),
+    "save_hexahedra": lambda a: a.mask.save_hexahedra(a.out("o.vtu")),
+    "save_label_surfaces": lambda a: a.labels.save_label_surfaces(a.out("o")),
+    "save_surface": lambda a: a.grey.save_surface(a.out("o.stl"), 0),
+    "self_similarity": lambda a: a.grey.self_similarity(),
+    "shell": lambda a: a.mask.shell(),
+    "slice": lambda a: a.grey.slice("z", 5),
+    "surface": lambda a: a.grey.surface(0),
+    "threshold": lambda a: a.grey.threshold(0),
+    "touch": lambda a: a.labels.touch(),
+    "touch masks": lambda a: a.mask.touch(a.other),
+    "transform": lambda a: a.grey.transform(a.out("o.8vo"), mirror="x"),
+}
+
+
+@pytest.fixture(scope="module")
+def far(tmp_path_factory):
+    """Volumes of which most bytes are not fetched when they are opened."""
+    pytest.importorskip("aiohttp")
+    folder = tmp_path_factory.mktemp("far")
+    random = np.random.default_rng(2)
+    shape = (176, 160, 161)
+    for name, voxels, kind in (
+            ("grey", random.integers(-9, 9, shape, np.int16), "grey"),
+            ("labels", random.integers(0, 9, shape, np.uint8), "labels"),
+            ("mask", random.random(shape) < 0.5, "labels")):
+        octavo.build(voxels, folder / f"{name}.8vo", kind=kind, spacing=(1, 1, 1),
+                     preset="small").close()
+    (folder / "other.8vo").write_bytes((folder / "mask.8vo").read_bytes())
+    with serving(str(folder)) as (handler, root):
+        yield types.SimpleNamespace(
+            handler=handler, url=f"{root}/grey.8vo",
+            **{name: octavo.open(f"{root}/{name}.8vo", cache_bytes=0)
+               for name in ("grey", "labels", "mask", "other")})
+
+
+@pytest.mark.parametrize("name", CALLS)
+def test_an_interrupt_ends_every_call_that_waits_for_a_server(name, far, tmp_path, with_interrupts):
+    far.out = lambda name: tmp_path / name
+    far.handler.is_waiting.clear()
+    far.handler.silence = threading.Event()
+    sent = []
+
+    def interrupt():
+        if far.handler.is_waiting.wait(20):
+            time.sleep(0.1)
+            sent.append(time.monotonic())
+            os.kill(os.getpid(), signal.SIGINT)
+
+    threading.Thread(target=interrupt).start()
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            CALLS[name](far)
+        assert time.monotonic() - sent[0] < 3
+    finally:
+        far.handler.silence.set()
+        far.handler.silence = None
+    assert not list(tmp_path.iterdir())
+
+
+def test_what_was_interrupted_is_read_later(far):
+    assert far.grey.threshold(0).voxels == np.count_nonzero(far.grey[...] >= 0)
