@@ -32,6 +32,9 @@ class Error(ValueError):
     def __str__(self):
         return str(self.args[0])
 
+    def __reduce__(self):
+        return type(self), (self.args[0], self.detail, self.path, self.offset)
+
 
 class ArgumentError(Error):
     """What was asked for makes no sense, or not for this file."""
@@ -118,6 +121,10 @@ _ADVICE = (
 )
 
 
+# The field of a failure of a path where nothing is.
+_MISSING_PATH = "path.missing"
+
+
 def _advice_of(kind, hints):
     for field, value in hints:
         for row_kind, row_field, row_value, text in _ADVICE:
@@ -135,6 +142,6 @@ def make_error(kind, detail, path="", offset=None, hints=()):
     advice = _advice_of(kind, hints)
     if advice:
         text = f"{text} ({advice})"
-    if kind == "io" and path and detail.endswith(os.strerror(errno.ENOENT)):
+    if path and any(field == _MISSING_PATH for field, _ in hints):
         return MissingError(text, detail, path)
     return _CLASSES.get(kind, InternalError)(text, detail, path, offset)

@@ -20,7 +20,7 @@ import warnings
 
 from ._building import _error_of_program, _given, _output, _reporter, _words_of
 from ._errors import ArgumentError, Error, StorageError
-from ._sources import require_name
+from ._sources import require_name, require_there
 from ._volume import Volume
 from ._work import warn_of, whole_number
 
@@ -70,6 +70,8 @@ def build(source, path, *, client=None, parts=None, part_size=None, bands=None, 
 
     Raises
     ------
+    octavo.MissingError
+        Where there is no source.
     octavo.Error
         Of the kind that the program names. distributed.KilledWorker, where worker after worker
         dies.
@@ -220,6 +222,7 @@ def _sources(source):
                             "octavo.build")
     for path in map(os.fspath, paths):
         require_name(path)
+        require_there(path)
     return list(map(os.path.abspath, paths))
 
 

@@ -138,8 +138,9 @@ def test_what_cannot_be_built_is_said(folder, voxels, monkeypatch):
                         ({"parts": 0}, "parts")):
         with pytest.raises(octavo.ArgumentError, match=said):
             build(**{"source": "scan.raw", "path": "scan.8vo", **PLANNED, **wrong})
-    with pytest.raises(octavo.StorageError, match="none.raw"):
-        build("none.raw", "scan.8vo", **PLANNED)
+    with pytest.raises(octavo.MissingError, match="none.raw") as raised:
+        build(["scan.raw", "none.raw"], "scan.8vo", **PLANNED)
+    assert raised.value.filename == "none.raw"
     pathlib.Path("there.8vo").write_bytes(b"kept")
     with pytest.raises(octavo.StorageError, match="overwrite=True"):
         build("scan.raw", "there.8vo", **PLANNED)

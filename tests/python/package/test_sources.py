@@ -1,6 +1,7 @@
 """Where files come from: bytes, URLs; damage; processes and threads that share a volume."""
 
 import concurrent.futures
+import contextlib
 import errno
 import gc
 import io
@@ -36,6 +37,9 @@ def test_a_missing_file_is_the_same_where_it_was_pickled(tmp_path):
     absent = str(tmp_path / "a.8vo")
     with pytest.raises(octavo.MissingError) as raised:
         octavo.open(absent)
+    with contextlib.suppress(ImportError):  # with which distributed has errors pickled
+        from tblib import pickling_support
+        pickling_support.install()
     for error in raised.value, pickle.loads(pickle.dumps(raised.value)):
         assert isinstance(error, octavo.MissingError) and error.path == absent
         assert (error.errno, error.filename) == (errno.ENOENT, absent)

@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "octavo/core/error.h"
+#include "octavo/core/missing_path.h"
 #include "octavo/file/storage/plane_folder.h"
 #include "octavo/file/storage/storage.h"
 #include "octavo/file/storage/temporary.h"
@@ -40,7 +41,8 @@ std::string room_text(std::uint64_t bytes) {
 }
 
 [[noreturn]] void fail(const std::string& what, const std::string& path, int code) {
-  throw Error(ErrorKind::io, what + ": " + std::generic_category().message(code), path);
+  const std::string cause = std::generic_category().message(code);
+  throw told_missing(Error(ErrorKind::io, what + ": " + cause, path), code);
 }
 
 // Calls `f` until no signal interrupts it.

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "octavo/core/error.h"
+#include "octavo/core/missing_path.h"
 #include "octavo/io/source/natural_order.h"
 #include "octavo/io/source/reader_notes.h"
 
@@ -22,7 +23,8 @@ namespace fs = std::filesystem;
 namespace {
 
 Error system_failure(const std::string& path, const std::string& doing) {
-  return Error(ErrorKind::io, doing + ": " + std::strerror(errno), path);
+  const int code = errno;
+  return told_missing(Error(ErrorKind::io, doing + ": " + std::strerror(code), path), code);
 }
 
 template <class Iterator>
