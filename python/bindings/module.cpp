@@ -5,6 +5,7 @@
 #include "errors.h"
 #include "label_maps.h"
 #include "measuring.h"
+#include "octavo/core/text_order.h"
 #include "pictures.h"
 #include "reading.h"
 #include "remaking.h"
@@ -14,6 +15,7 @@
 
 NB_MODULE(_octavo, module) {
   module.attr("version") = OCTAVO_VERSION;
+  octavo::set_text_order(octavo::TextOrder::zyx);
   octavo::python::register_errors();
   octavo::python::bind_reading(module);
   octavo::python::bind_building(module);

@@ -2,13 +2,24 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
 
+#include "octavo/core/text_order.h"
+
 namespace octavo {
 
 namespace {
+
+std::atomic<TextOrder> text_order = TextOrder::xyz;
+
+/// Of three axes in the order of texts.
+std::string joined_axes(std::array<std::string, 3> texts, const std::string& separator) {
+  if (text_order == TextOrder::zyx) std::swap(texts.front(), texts.back());
+  return texts[0] + separator + texts[1] + separator + texts[2];
+}
 
 /// At most 63 characters of printf.
 template <class... Values>
@@ -19,6 +30,8 @@ std::string formatted(const char* format, Values... values) {
 }
 
 }  // namespace
+
+void set_text_order(TextOrder order) noexcept { text_order = order; }
 
 std::string exact_text(double value) {
   char text[32];
@@ -42,8 +55,8 @@ std::pair<std::string, std::string> unlike_texts(double a, double b) {
 std::string precise_text(double value) { return formatted("%.7g", value); }
 
 std::string point_text(const Point3& point, const std::string& separator) {
-  return number_text(point[0]) + separator + number_text(point[1]) + separator +
-         number_text(point[2]);
+  return joined_axes({number_text(point[0]), number_text(point[1]), number_text(point[2])},
+                     separator);
 }
 
 std::string size_text(std::int64_t x, std::int64_t y) {
@@ -51,7 +64,8 @@ std::string size_text(std::int64_t x, std::int64_t y) {
 }
 
 std::string size_text(const Size3& size) {
-  return size_text(size.x, size.y) + " x " + std::to_string(size.z);
+  return joined_axes({std::to_string(size.x), std::to_string(size.y), std::to_string(size.z)},
+                     " x ");
 }
 
 std::string count_text(std::int64_t count) {

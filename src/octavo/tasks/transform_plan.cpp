@@ -447,9 +447,11 @@ void Planner::warn_if_apart() {
   const auto* const shift =
       options_.steps.size() == 1 ? std::get_if<ShiftStep>(&options_.steps.front()) : nullptr;
   if (shift != nullptr && options_.grid_of.empty()) {
-    context_.warn(fmt::format("{}: a shift by {},{},{} moves all of its {} voxels out of the grid",
-                              path_, shift->voxels.x, shift->voxels.y, shift->voxels.z,
-                              size_text(plan_.size)));
+    const Index3& by = shift->voxels;
+    const Point3 numbers = {static_cast<double>(by.x), static_cast<double>(by.y),
+                            static_cast<double>(by.z)};
+    context_.warn(fmt::format("{}: a shift by {} moves all of its {} voxels out of the grid", path_,
+                              point_text(numbers, ","), size_text(plan_.size)));
     return;
   }
   context_.warn(fmt::format("{}: none of it lies in the new grid, every voxel comes from outside; "

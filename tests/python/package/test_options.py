@@ -26,6 +26,16 @@ def scan(folder):
                         origin=(5, 6, 7), unit="HU")
 
 
+def test_messages_count_z_y_x(scan, folder):
+    other = octavo.build(np.ones((3, 4, 5), np.int16), folder / "other.8vo", spacing=(3, 2, 1))
+    with pytest.raises(octavo.ArgumentError, match="has 3 x 4 x 5 voxels, .* has 40 x 70 x 66"):
+        scan.threshold(0) & other.threshold(0)
+    with pytest.raises(octavo.ArgumentError, match="seed 90,2,3 lies outside its 40 x 70 x 66"):
+        scan.surface(0, seed=(90, 2, 3))
+    with pytest.warns(UserWarning, match="a shift by 99,0,1 moves all of its 40 x 70 x 66"):
+        scan.transform(folder / "moved.8vo", shift=(99, 0, 1), in_place=True)
+
+
 @pytest.fixture(scope="module")
 def labels(folder):
     at = np.indices((40, 70, 66)) - np.array([20, 35, 33]).reshape(3, 1, 1, 1)

@@ -124,8 +124,7 @@ LayeredSurface piece_at_seed(const FileReader& reader, const SurfaceField& field
                            SurfaceResult& result) {
   const Point3& seed = *options.seed;
   const Size3 size = reader.levels().size(options.level);
-  const std::string place =
-      fmt::format("{},{},{}", number_text(seed[0]), number_text(seed[1]), number_text(seed[2]));
+  const std::string place = point_text(seed, ",");
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto limit = static_cast<double>(size[static_cast<int>(axis)]);
     if (seed[axis] >= -0.5 && seed[axis] <= limit - 0.5) continue;
