@@ -11,6 +11,7 @@ import subprocess
 import numpy as np
 
 from . import _octavo
+from ._coordinates import facts_of_coordinates
 from ._errors import ArgumentError, Error, SourceError
 from ._sources import require_there, written_path
 from ._volume import RealView, View, Volume
@@ -35,7 +36,8 @@ def build(source, path, *, kind=None, spacing=None, origin=None, direction=None,
         and byte order. Or a path that the program `octavo` reads: a folder of DICOM or TIFF
         slices, NIfTI, NRRD, MetaImage and others; the program has to be on PATH. OME-Zarr images
         and arrays of zarr, a folder or an .ozx file, are read without it. Of a volume or one of its
-        levels, what is not given below stays as it is. Of a LabelMap, what `LabelMap.save`
+        levels, what is not given below stays as it is; of an array of `octavo.xarray`, its kind
+        and the place of its voxels. Of a LabelMap, what `LabelMap.save`
         writes. Or an iterator of planes [y, x], with `shape`.
     path : str or os.PathLike
         Ends in .8vo. Nothing stands there before the file is whole.
@@ -121,6 +123,8 @@ def build(source, path, *, kind=None, spacing=None, origin=None, direction=None,
         said = {**kept, **{k: v for k, v in said.items() if v is not None}}
     else:
         shape, dtype = _shape_and_type(source)
+        kept = facts_of_coordinates(source)
+        said = {name: kept.get(name) if value is None else value for name, value in said.items()}
     facts = _facts(dtype, **said)
     read = source.__getitem__
     planes = _Planes(read, shape, np.dtype(facts["dtype"]), dtype, getattr(source, "chunks", None))

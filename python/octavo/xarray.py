@@ -25,8 +25,9 @@ class _LevelArray(BackendArray):
 class OctavoBackend(BackendEntrypoint):
     """Opens .8vo files: one variable, ``voxels``, over z, y, x.
 
-    Coordinates are the centers of voxels in mm, LPS; where the axes of the grid are not those of
-    the world, they count along the grid from its first voxel.
+    Coordinates are the centers of voxels in mm, LPS, or in voxels where the spacing is not known;
+    where the axes of the grid are not those of the world, they count along the grid from its first
+    voxel.
     """
 
     description = "Octavo volumes (.8vo)"
@@ -47,10 +48,12 @@ class OctavoBackend(BackendEntrypoint):
         direction = volume.affine[:3, :3] / np.array(volume.spacing)
         is_upright = np.allclose(direction, np.eye(3)[:, ::-1], atol=1e-6)
         start = view.origin if is_upright else view.translation
+        units = {"units": "mm"} if volume._file.facts["is_spacing_known"] else {}
         coordinates = {
-            axis: DataArray(first + step * np.arange(count), dims=(axis,), attrs={"units": "mm"})
+            axis: DataArray(first + step * np.arange(count), dims=(axis,), attrs=units)
             for axis, first, step, count in zip("zyx", start, view.spacing, view.shape)}
-        attributes = {"kind": volume.kind, "affine": view.affine.tolist(), "level": level}
+        attributes = {"kind": volume.kind, "affine": view.affine.tolist(), "level": level,
+                      "translation": list(view.translation)}
         if volume.unit:
             attributes["units"] = "HU" if volume.unit == "[hnsf'U]" else volume.unit
         data = indexing.LazilyIndexedArray(_LevelArray(view))

@@ -260,6 +260,29 @@ def test_xarray_opens_files_by_its_engine(path, volume, voxels):
         assert np.array_equal(dataset["voxels"].values, volume.real.levels[1][...])
 
 
+@pytest.mark.parametrize("direction", (None, [[0, 1, 0], [-1, 0, 0], [0, 0, 1]]))
+def test_an_array_of_xarray_stands_where_it_did_when_it_is_built_again(direction, tmp_path, voxels):
+    xarray = pytest.importorskip("xarray", minversion="2023.1")
+    from octavo.xarray import OctavoBackend
+    first = octavo.build(voxels % 7, tmp_path / "a.8vo", kind="labels", spacing=(2, 0.5, 0.25),
+                         origin=(30, 20, 10), direction=direction)
+    for level in 0, 1:
+        with xarray.open_dataset(first.name, engine=OctavoBackend, level=level) as dataset:
+            held = dataset["voxels"]
+            again = octavo.build(held, tmp_path / "b.8vo", overwrite=True)
+            assert np.allclose(again.affine, first.levels[level].affine) and again.kind == "labels"
+            cut = octavo.build(held[10:, ::2, 7:], tmp_path / "c.8vo", overwrite=True)
+            step = np.diag((1, 2, 1, 1))
+            step[:3, 3] = 10, 0, 7
+            assert np.allclose(cut.affine, first.levels[level].affine @ step)
+            assert octavo.build(held, tmp_path / "d.8vo", spacing=(1, 1, 1),
+                                overwrite=True).spacing == (1, 1, 1)
+    plain = octavo.build(voxels, tmp_path / "plain.8vo")
+    with xarray.open_dataset(plain.name, engine=OctavoBackend) as dataset:
+        again = octavo.build(dataset["voxels"], tmp_path / "b.8vo", overwrite=True)
+        assert not again._file.facts["is_spacing_known"]
+
+
 @pytest.fixture
 def served(path):
     """The address at which the program gives out the volume as zarr."""
