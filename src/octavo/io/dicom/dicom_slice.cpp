@@ -162,6 +162,7 @@ DicomLayout read_layout(const DicomFile& file) {
   layout.was_lossy = data.text(0x00282110) == "01" || is_lossy_syntax(file.transfer_syntax);
   layout.has_burned_in_text = data.text(0x00280301) == "YES";
   layout.shows_who_it_is = data.text(0x00280302) == "YES";
+  layout.counts = read_dicom_counts(data);
   layout.pixels = file.pixels;
   layout.elements.assign(file.element_counts.begin(), file.element_counts.end());
   layout.private_elements = file.private_count;

@@ -13,6 +13,7 @@
 
 #include "octavo/core/geometry.h"
 #include "octavo/core/label_names.h"
+#include "octavo/io/dicom/dicom_counts.h"
 #include "octavo/io/dicom/dicom_file.h"
 #include "octavo/io/dicom/dicom_moment.h"
 #include "octavo/io/dicom/dicom_values.h"
@@ -80,6 +81,7 @@ struct DicomLayout {
   std::int64_t tiles_across = 1;  ///< of a mosaic in each direction; columns and rows are a tile's
   std::int64_t tile_count = 1;    ///< of a mosaic
   std::shared_ptr<const DicomColorTable> color_table;  ///< of the color that is taken; null: none
+  DicomCounts counts;
   DicomPixels pixels;
   std::vector<std::pair<DicomTag, std::int64_t>> elements;  ///< and how often each is there
   std::int64_t private_elements = 0;

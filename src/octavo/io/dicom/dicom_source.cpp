@@ -6,6 +6,7 @@
 
 #include "octavo/io/dicom/dicom_attributes.h"
 #include "octavo/io/dicom/dicom_coded.h"
+#include "octavo/io/dicom/dicom_counts.h"
 #include "octavo/io/dicom/dicom_extent.h"
 #include "octavo/io/dicom/dicom_identity.h"
 #include "octavo/io/dicom/dicom_palette.h"
@@ -221,6 +222,10 @@ std::unique_ptr<PlaneSource> open_dicom_source(const std::vector<std::string>& f
   }
   check_slices(slices, warnings);
   warn_of_more_bits(slices, warnings);
+  if (!options.excerpt) {
+    require_whole_concatenations(slices);
+    tell_of_missing_images(slices, warnings);
+  }
   if (options.on_gap == GapPolicy::ignore) {
     throw Error(ErrorKind::invalid_argument,
                 "DICOM slices say where they lie: gaps between them are not ignored", source)
@@ -233,6 +238,7 @@ std::unique_ptr<PlaneSource> open_dicom_source(const std::vector<std::string>& f
   const ComponentChoice choice =
       choose_component(components, options, times.volumes.front().front().layout->path);
   slices = std::move(times.volumes[static_cast<std::size_t>(choice.time)]);
+  if (!options.excerpt) tell_of_missing_slices(slices, components.times, warnings);
   if (has_palette(*slices.front().layout)) {
     slices = choose_palette_color(std::move(slices), choice.channel);
   } else {
