@@ -9,6 +9,8 @@
 #include <string>
 #include <string_view>
 
+#include "octavo/core/error.h"
+#include "octavo/core/text.h"
 #include "octavo/io/source/axis_check.h"
 #include "octavo/io/source/length_unit.h"
 #include "octavo/io/source/source_file.h"
@@ -76,9 +78,11 @@ std::vector<std::string> quoted_words(std::string_view text) {
   }
 }
 
-/// Millimeters in each unit of a field, of which `count` are expected; 1 where none is named.
+/// Millimeters in each unit of a field, of which `count` are expected; 1 where none is named, and
+/// where it is none of `lengths`.
 std::vector<double> units_in_mm(const NrrdHeader& header, const std::string& field,
-                                std::size_t count, const SourceOptions& options) {
+                                std::size_t count, const std::vector<std::size_t>& lengths,
+                                const SourceOptions& options) {
   std::vector<double> factors(count, 1.0);
   if (!header.has(field)) return factors;
   const std::vector<std::string> units = quoted_words(header.text(field));
@@ -86,7 +90,7 @@ std::vector<double> units_in_mm(const NrrdHeader& header, const std::string& fie
     reject(header.path(), "\"" + field + "\" names " + std::to_string(units.size()) +
                               " units in quotes, " + std::to_string(count) + " expected");
   }
-  for (std::size_t i = 0; i < count; ++i) {
+  for (const std::size_t i : lengths) {
     if (units[i].empty() || units[i] == "???") continue;
     const std::optional<double> factor = unit_in_mm(units[i]);
     if (!factor && !options.spacing_mm) {
@@ -101,14 +105,85 @@ std::vector<double> units_in_mm(const NrrdHeader& header, const std::string& fie
   return factors;
 }
 
-void read_space_directions(const NrrdHeader& header, std::size_t dimension,
+/// Millimeters in the unit of each axis of the world.
+std::vector<double> units_in_space(const NrrdHeader& header, const SourceOptions& options) {
+  return units_in_mm(header, "space units", 3, {0, 1, 2}, options);
+}
+
+/// "spacings", one for each axis, "nan" where an axis has none.
+std::vector<double> given_spacings(const NrrdHeader& header, std::size_t axis_count) {
+  if (!header.has("spacings")) {
+    return std::vector<double>(axis_count, std::numeric_limits<double>::quiet_NaN());
+  }
+  std::vector<double> given = header.field("spacings").numbers();
+  if (given.size() != axis_count) {
+    reject(header.path(), "spacings: " + std::to_string(axis_count) + " numbers expected, " +
+                              std::to_string(given.size()) + " found");
+  }
+  return given;
+}
+
+bool are_alike(double a, double b) { return std::abs(a - b) <= kAxisTolerance * std::abs(a); }
+
+/// name   of the other field
+/// other  what it says of the axis
+[[noreturn]] void reject_spacing(const NrrdHeader& header, std::size_t axis, double spacing,
+                                 const char* name, double other) {
+  throw Error(ErrorKind::source_rejected,
+              std::string("the lengths of axis ") + axis_name(axis) +
+                  " contradict each other: spacings says " + precise_text(spacing) + ", " + name +
+                  " " + precise_text(other) + "; take out the wrong one",
+              header.path())
+      .with_field("spacing_mm");
+}
+
+/// The format gives an axis a direction or a spacing; both are read where they agree.
+void check_spacings_beside_directions(const NrrdHeader& header, const NrrdSpaceAxes& space,
+                                      const SourceOptions& options, const Geometry& geometry) {
+  if (!header.has("spacings") || options.spacing_mm) return;
+  const std::vector<double> given = given_spacings(header, space.axis_count);
+  const std::vector<double> units =
+      units_in_mm(header, "units", space.axis_count, space.axes, options);
+  const std::vector<double> space_units = units_in_space(header, options);
+  for (std::size_t i = 0; i < space.axes.size(); ++i) {
+    const std::size_t axis = space.axes[i];
+    if (!std::isfinite(given[axis])) continue;
+    const double unit_mm = header.has("units") ? units[axis] : space_units.front();
+    const double spacing_mm = std::abs(given[axis]) * unit_mm;
+    if (are_alike(spacing_mm, geometry.spacing_mm[i])) continue;
+    reject_spacing(header, i, spacing_mm, "space directions", geometry.spacing_mm[i]);
+  }
+}
+
+/// The format gives an axis a direction or borders.
+void tell_of_borders_beside_directions(const NrrdHeader& header, SourceFacts& facts) {
+  for (const char* name : {"axis mins", "axis maxs"}) {
+    const std::vector<double> borders = header.field(name).numbers();
+    if (std::ranges::none_of(borders, [](double v) { return std::isfinite(v); })) continue;
+    facts.warnings.push_back("\"" + std::string(name) + "\" beside \"space directions\" are left "
+                             "out: " + escaped(header.path()));
+  }
+}
+
+/// Vectors of three numbers are those of a space of three dimensions.
+void require_space_of_three(const NrrdHeader& header) {
+  if (!header.has("space dimension")) return;
+  const std::int64_t dimension = header.field("space dimension").integer();
+  if (dimension == 3) return;
+  reject(header.path(), "space dimension is " + std::to_string(dimension) +
+                            ", 3 expected; repair the header");
+}
+
+void read_space_directions(const NrrdHeader& header, const NrrdSpaceAxes& space,
                            const SourceOptions& options, SourceFacts& facts) {
+  const std::size_t dimension = space.axes.size();
   const std::vector<Point3> axes = vectors(header.field("space directions"));
   if (axes.size() != dimension || dimension != 3) {
     reject(header.path(), "space directions: " + std::to_string(dimension) +
                               " vectors of 3 numbers expected, " + std::to_string(axes.size()) +
                               " found");
   }
+  require_space_of_three(header);
   const WorldAxes world = world_axes_of(header);
   facts.place_known = world.doubt.empty();
   if (!world.doubt.empty()) {
@@ -117,7 +192,7 @@ void read_space_directions(const NrrdHeader& header, std::size_t dimension,
   }
   Geometry& geometry = facts.description.geometry;
   Point3 signs = world.to_lps;
-  const std::vector<double> units = units_in_mm(header, "space units", 3, options);
+  const std::vector<double> units = units_in_space(header, options);
   for (std::size_t row = 0; row < 3; ++row) signs[row] *= units[row];
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const Point3 v = {signs[0] * axes[axis][0], signs[1] * axes[axis][1],
@@ -133,6 +208,8 @@ void read_space_directions(const NrrdHeader& header, std::size_t dimension,
     }
   }
   reject_shear(geometry, "space directions", header.path());
+  check_spacings_beside_directions(header, space, options, geometry);
+  tell_of_borders_beside_directions(header, facts);
   if (!header.has("space origin")) return;
   const std::vector<Point3> origin = vectors(header.field("space origin"));
   if (origin.size() != 1) reject(header.path(), "space origin: one vector expected");
@@ -179,54 +256,84 @@ void take_axis_mins(const NrrdHeader& header, const NrrdSpaceAxes& space,
                            "as the borders of the first voxels: " + escaped(header.path()));
 }
 
-/// The distances that "axis mins" and "axis maxs" make, below 0 where an axis runs backwards; "nan"
-/// for axes of which they say none. They are borders of cells or centers of nodes, as above.
-/// sizes  voxels along each axis in space
-std::vector<double> steps_between(const NrrdHeader& header, const NrrdSpaceAxes& space,
-                                  const Size3& sizes) {
-  std::vector<double> steps(space.axis_count, std::numeric_limits<double>::quiet_NaN());
-  if (!header.has("axis mins") || !header.has("axis maxs")) return steps;
-  const std::vector<double> mins = header.field("axis mins").numbers();
-  const std::vector<double> maxs = header.field("axis maxs").numbers();
-  if (mins.size() != space.axis_count || maxs.size() != space.axis_count) {
-    reject(header.path(), "axis mins and axis maxs: " + std::to_string(space.axis_count) +
-                              " numbers expected, " + std::to_string(mins.size()) + " and " +
-                              std::to_string(maxs.size()) + " found");
+/// What "axis mins" and "axis maxs" say of each axis in space.
+class AxisBorders {
+ public:
+  /// sizes  voxels along each axis in space
+  AxisBorders(const NrrdHeader& header, const NrrdSpaceAxes& space, const Size3& sizes) {
+    if (!header.has("axis mins") || !header.has("axis maxs")) return;
+    const std::vector<double> mins = header.field("axis mins").numbers();
+    const std::vector<double> maxs = header.field("axis maxs").numbers();
+    if (mins.size() != space.axis_count || maxs.size() != space.axis_count) {
+      reject(header.path(), "axis mins and axis maxs: " + std::to_string(space.axis_count) +
+                                " numbers expected, " + std::to_string(mins.size()) + " and " +
+                                std::to_string(maxs.size()) + " found");
+    }
+    const std::vector<std::string> centers = centers_of(header, space.axis_count);
+    const std::array<std::int64_t, 3> counts = {sizes.x, sizes.y, sizes.z};
+    for (std::size_t i = 0; i < space.axes.size(); ++i) {
+      const std::size_t axis = space.axes[i];
+      axes_.push_back({maxs[axis] - mins[axis], counts[i], centers[axis]});
+    }
   }
-  const std::vector<std::string> centers = centers_of(header, space.axis_count);
-  const std::array<std::int64_t, 3> counts = {sizes.x, sizes.y, sizes.z};
-  for (std::size_t i = 0; i < space.axes.size(); ++i) {
-    const std::size_t axis = space.axes[i];
-    const std::int64_t count = counts[i] - (centers[axis] == "node" ? 1 : 0);
-    const double step = (maxs[axis] - mins[axis]) / static_cast<double>(count);
-    if (count > 0 && std::isfinite(step) && step != 0) steps[axis] = step;
+
+  /// The distance of voxels along the axis `i` in space, below 0 where it runs backwards: between
+  /// centers of nodes, else borders of cells. Nothing where they say none.
+  std::optional<double> step(std::size_t i) const {
+    return i < axes_.size() ? axes_[i].step(axes_[i].center == "node") : std::nullopt;
   }
-  return steps;
-}
+
+  /// Whether a spacing contradicts them, be they of cells or of nodes where "centers" is silent.
+  bool contradict(std::size_t i, double spacing) const {
+    if (i >= axes_.size() || !step(i)) return false;
+    const Axis& axis = axes_[i];
+    const bool may_be_node = axis.center != "cell";
+    const bool may_be_cell = axis.center != "node";
+    const auto agrees = [&](bool is_node) {
+      const std::optional<double> found = axis.step(is_node);
+      return found && are_alike(*found, spacing);
+    };
+    return !(may_be_cell && agrees(false)) && !(may_be_node && agrees(true));
+  }
+
+ private:
+  struct Axis {
+    double length = 0;
+    std::int64_t count = 0;
+    std::string center;
+
+    std::optional<double> step(bool is_node) const {
+      const std::int64_t steps = count - (is_node ? 1 : 0);
+      const double found = length / static_cast<double>(steps);
+      return steps > 0 && std::isfinite(found) && found != 0 ? std::optional(found) : std::nullopt;
+    }
+  };
+
+  std::vector<Axis> axes_;
+};
 
 /// Headers without space directions: spacings only, below 0 where an axis runs backwards; "nan"
 /// says that an axis has none, which may have borders instead. False when an axis in space has
 /// neither.
 bool read_spacings(const NrrdHeader& header, const NrrdSpaceAxes& space,
                    const SourceOptions& options, SourceFacts& facts) {
-  std::vector<double> steps = steps_between(header, space, facts.description.size);
-  if (header.has("spacings")) {
-    const std::vector<double> given = header.field("spacings").numbers();
-    if (given.size() != space.axis_count) {
-      reject(header.path(), "spacings: " + std::to_string(space.axis_count) +
-                                " numbers expected, " + std::to_string(given.size()) + " found");
+  const std::vector<double> given = given_spacings(header, space.axis_count);
+  const AxisBorders borders(header, space, facts.description.size);
+  std::vector<double> steps;
+  for (std::size_t i = 0; i < space.axes.size(); ++i) {
+    const double spacing = given[space.axes[i]];
+    const bool is_given = std::isfinite(spacing);
+    if (is_given && !options.spacing_mm && borders.contradict(i, spacing)) {
+      reject_spacing(header, i, spacing, "axis mins and axis maxs", *borders.step(i));
     }
-    for (const std::size_t axis : space.axes) {
-      if (std::isfinite(given[axis])) steps[axis] = given[axis];
-    }
+    if (!is_given && !borders.step(i)) return false;
+    steps.push_back(is_given ? spacing : *borders.step(i));
   }
-  for (const std::size_t axis : space.axes) {
-    if (!std::isfinite(steps[axis])) return false;
-  }
-  const std::vector<double> units = units_in_mm(header, "units", space.axis_count, options);
+  const std::vector<double> units =
+      units_in_mm(header, "units", space.axis_count, space.axes, options);
   Geometry& geometry = facts.description.geometry;
   for (std::size_t i = 0; i < space.axes.size(); ++i) {
-    const double step_mm = steps[space.axes[i]] * units[space.axes[i]];
+    const double step_mm = steps[i] * units[space.axes[i]];
     geometry.spacing_mm[i] = std::abs(step_mm);
     if (!(step_mm < 0)) continue;
     geometry.direction[i * 3 + i] = -1;
@@ -253,7 +360,7 @@ void tell_what_is_left_out(const NrrdHeader& header, SourceFacts& facts) {
 void read_nrrd_geometry(const NrrdHeader& header, const NrrdSpaceAxes& space,
                         const SourceOptions& options, SourceFacts& facts) {
   if (header.has("space directions")) {
-    read_space_directions(header, space.axes.size(), options, facts);
+    read_space_directions(header, space, options, facts);
     facts.spacing_known = true;
     return;
   }

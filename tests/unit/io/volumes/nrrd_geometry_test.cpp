@@ -137,8 +137,8 @@ TEST(NrrdGeometry, BordersOfAxesGiveTheirSpacing) {
             {2, 3, 5}, {0, 10, 20}},
            {"axis mins: 2 10 20\naxis maxs: 0 16 25\ncenters: cell cell cell",
             {0.5, 2, 2.5}, {1.75, 11, 21.25}},
-           {"spacings: nan 7 nan\naxis mins: 0 10 20\naxis maxs: 2 16 25\ncenters: cell cell cell",
-            {0.5, 7, 2.5}, {0.25, 13.5, 21.25}},
+           {"spacings: nan 2 nan\naxis mins: 0 10 20\naxis maxs: 2 16 25\ncenters: cell cell cell",
+            {0.5, 2, 2.5}, {0.25, 11, 21.25}},
            {"axis mins: 0 10 20\naxis maxs: 2 16 25\ncenters: cell cell cell\n"
             "units: \"cm\" \"mm\" \"mm\"", {5, 2, 2.5}, {2.5, 11, 21.25}}}) {
     write_nrrd(path, lines);
@@ -155,6 +155,73 @@ TEST(NrrdGeometry, BordersOfAxesGiveTheirSpacing) {
   }
   write_nrrd(path, "axis mins: 0 10 20\naxis maxs: 2 16");
   expect_rejected(path, {"3 numbers expected, 3 and 2 found"});
+}
+
+TEST(NrrdGeometry, LengthsThatContradictEachOtherAreRejectedUnlessASpacingIsGiven) {
+  const TempFolder folder;
+  const std::string path = folder.file("a.nrrd");
+  const std::string space = "space: LPS\n" + kDirections + "\n";
+  // Of 4 x 3 x 2 voxels
+  for (const auto& [lines, word] :
+       Rows{{space + "spacings: 2 3 5", "axis z"},
+            {space + "spacings: nan 1 nan", "axis y"},
+            {space + "spacings: 2 3 4\nunits: \"cm\" \"cm\" \"cm\"", "axis x"},
+            {"spacings: 1 1 2\naxis mins: 0 0 0\naxis maxs: 4 30 4", "axis y"},
+            {"spacings: 1 1 2\naxis mins: 0 0 0\naxis maxs: 4 3 2\ncenters: cell cell cell",
+             "axis z"},
+            {"spacings: 1 1 2\naxis mins: 4 0 0\naxis maxs: 0 3 4", "axis x"}}) {
+    write_nrrd(path, lines);
+    expect_rejected(path, {word, "spacings", "contradict", "[spacing_mm]"});
+    EXPECT_EQ(geometry_of(path, with_spacing(3, 4, 5)).spacing_mm, (Point3{3, 4, 5})) << lines;
+  }
+  for (const std::string& lines :
+       {space + "spacings: 2 -3 4.0001", space + "spacings: nan nan nan",
+        space + "space units: \"mm\" \"mm\" \"mm\"\nspacings: 0.2 0.3 0.4\n"
+                "units: \"cm\" \"cm\" \"cm\"",
+        // Where "centers" is silent, voxels may be cells or nodes.
+        std::string("spacings: 2 3 4\naxis mins: 0 0 0\naxis maxs: 8 6 8"),
+        std::string("spacings: -2 3 4\naxis mins: 8 0 0\naxis maxs: 0 nan 8")}) {
+    write_nrrd(path, lines);
+    EXPECT_EQ(spacing_of(path), (Point3{2, 3, 4})) << lines;
+  }
+}
+
+TEST(NrrdGeometry, TheUnitOfTimeIsNoLength) {
+  const TempFolder folder;
+  const std::string path = folder.file("a.nrrd");
+  const std::string units = "units: \"mm\" \"mm\" \"mm\" \"s\"\n";
+  for (const std::string& lines :
+       {"spacings: 2 3 4 0.5\n" + units + "kinds: space space space time\n",
+        "spacings: nan nan 4 0.5\n" + units + "space: LPS\n"
+        "space directions: (2,0,0) (0,3,0) (0,0,4) none\nkinds: space space space time\n"}) {
+    write_file(path, "NRRD0005\ntype: uchar\ndimension: 4\nsizes: 4 3 2 1\nencoding: raw\n" +
+                         lines + "\n" + std::string(24, '\1'));
+    EXPECT_EQ(spacing_of(path), (Point3{2, 3, 4})) << lines;
+  }
+}
+
+TEST(NrrdGeometry, MinsAndMaxsBesideDirectionsAreLeftOutWithAWarning) {
+  const TempFolder folder;
+  const std::string path = folder.file("a.nrrd");
+  for (const auto& [lines, is_told] : std::vector<std::pair<std::string, bool>>{
+           {"axis mins: 5 5 5", true}, {"axis maxs: nan nan 9", true},
+           {"axis mins: nan nan nan\naxis maxs: nan nan nan", false}}) {
+    write_nrrd(path, "space: LPS\n" + kDirections + "\n" + lines);
+    const auto source = open_source({path}, {});
+    EXPECT_EQ(source->description().geometry.origin_mm, (Point3{1, 2, 3}));
+    EXPECT_EQ(contains(with_hints(source->warnings()), "are left out"), is_told) << lines;
+  }
+}
+
+TEST(NrrdGeometry, ASpaceOfAnotherDimensionIsRejected) {
+  const TempFolder folder;
+  const std::string path = folder.file("a.nrrd");
+  for (const std::string line : {"space: LPS\n", "space: scanner-xyz\n", ""}) {
+    write_nrrd(path, line + "space dimension: 2\n" + kDirections);
+    expect_rejected(path, {"space dimension is 2, 3 expected"});
+  }
+  write_nrrd(path, "space: LPS\nspace dimension: 3\n" + kDirections);
+  EXPECT_EQ(spacing_of(path), (Point3{2, 3, 4}));
 }
 
 TEST(NrrdGeometry, AnAxisRunsBackwardsWhereItsSpacingIsNegative) {
