@@ -9,6 +9,8 @@
 #include <fstream>
 #include <iterator>
 
+#include "support/source_files.h"
+
 namespace octavo::testing {
 
 /// value  bytes of one pixel in this plane of samples
@@ -114,6 +116,38 @@ void write_tiff(const std::string& path, const TiffSample& s) {
   }
   TIFFClose(tiff);
   if (!s.further_description.empty()) rename_stand_in(path, s.big_endian);
+}
+
+std::size_t entry_of(const std::string& bytes, std::uint16_t tag) {
+  for (const bool is_list : {false, true}) {
+    for (const std::uint16_t type : {std::uint16_t{TIFF_SHORT}, std::uint16_t{TIFF_LONG}}) {
+      std::vector<std::uint16_t> start = {tag, type, 1, 0};
+      if (is_list) start.resize(2);
+      const std::size_t at = bytes.rfind(bytes_of(start));
+      if (at != std::string::npos) return at;
+    }
+  }
+  ADD_FAILURE() << "no tag " << tag;
+  return 0;
+}
+
+std::uint32_t number_of(const std::string& bytes, std::uint16_t tag) {
+  std::uint32_t number = 0;
+  std::memcpy(&number, bytes.data() + entry_of(bytes, tag) + 8, sizeof number);
+  return number;
+}
+
+void set_number(std::string& bytes, std::uint16_t tag, std::uint32_t number) {
+  bytes.replace(entry_of(bytes, tag), 12,
+                bytes_of<std::uint16_t>({tag, TIFF_LONG}) + bytes_of<std::uint32_t>({1, number}));
+}
+
+void set_numbers(std::string& bytes, std::uint16_t tag, const std::vector<std::uint32_t>& numbers) {
+  const auto end = static_cast<std::uint32_t>(bytes.size());
+  const auto count = static_cast<std::uint32_t>(numbers.size());
+  bytes.replace(entry_of(bytes, tag), 12,
+                bytes_of<std::uint16_t>({tag, TIFF_LONG}) + bytes_of<std::uint32_t>({count, end}));
+  bytes += bytes_of(numbers);
 }
 
 void write_png(const std::string& path, std::uint32_t width, std::uint32_t height, int bits,

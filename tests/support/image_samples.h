@@ -43,6 +43,15 @@ struct TiffSample {
 };
 void write_tiff(const std::string& path, const TiffSample& sample);
 
+/// Where a little-endian TIFF has the last entry of a tag of one number, or of one that lists some.
+std::size_t entry_of(const std::string& bytes, std::uint16_t tag);
+/// The number of that entry.
+std::uint32_t number_of(const std::string& bytes, std::uint16_t tag);
+/// Gives that tag another number, as LONG.
+void set_number(std::string& bytes, std::uint16_t tag, std::uint32_t number);
+/// Gives it several, behind all other bytes of the file.
+void set_numbers(std::string& bytes, std::uint16_t tag, const std::vector<std::uint32_t>& numbers);
+
 /// A PNG of 8 or 16 bits; color_type as libpng counts (0 grey, 2 RGB).
 void write_png(const std::string& path, std::uint32_t width, std::uint32_t height, int bits,
                int color_type, const std::string& big_endian_rows);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <span>
 
 namespace octavo {
@@ -10,11 +11,46 @@ namespace {
 
 constexpr std::uint64_t kBigTiffVersion = 43;
 constexpr std::uint64_t kAsciiType = 2;
-constexpr std::uint64_t kShortType = 3;
-constexpr std::uint64_t kLongType = 4;
 constexpr std::uint64_t kMostEntries = std::uint64_t{1} << 16;
 constexpr std::uint64_t kMaxTextBytes = std::uint64_t{1} << 20;
 constexpr std::size_t kMostTexts = 8;
+
+/// Of tags whose numbers are read here, for messages.
+std::string name_of(std::uint16_t tag) {
+  static const std::map<std::uint16_t, const char*> kNames = {
+      {254, "NewSubfileType"},  {256, "ImageWidth"},          {257, "ImageLength"},
+      {258, "BitsPerSample"},   {259, "Compression"},         {262, "PhotometricInterpretation"},
+      {266, "FillOrder"},       {273, "StripOffsets"},        {274, "Orientation"},
+      {277, "SamplesPerPixel"}, {278, "RowsPerStrip"},        {279, "StripByteCounts"},
+      {317, "Predictor"},       {284, "PlanarConfiguration"}, {322, "TileWidth"},
+      {323, "TileLength"},      {324, "TileOffsets"},         {325, "TileByteCounts"},
+      {339, "SampleFormat"},    {32997, "ImageDepth"}};
+  const auto found = kNames.find(tag);
+  const std::string number = std::to_string(tag);
+  return found == kNames.end() ? number : number + " (" + found->second + ")";
+}
+
+struct IntegerType {
+  std::size_t bytes = 0;
+  bool is_signed = false;
+};
+
+/// BYTE, SHORT, LONG, LONG8, those with a sign, and offsets of directories.
+std::optional<IntegerType> integer_type(std::uint64_t type) {
+  switch (type) {
+    case 1: return IntegerType{1, false};
+    case 3: return IntegerType{2, false};
+    case 4:
+    case 13: return IntegerType{4, false};
+    case 16:
+    case 18: return IntegerType{8, false};
+    case 6: return IntegerType{1, true};
+    case 8: return IntegerType{2, true};
+    case 9: return IntegerType{4, true};
+    case 17: return IntegerType{8, true};
+    default: return std::nullopt;
+  }
+}
 
 }  // namespace
 
@@ -37,6 +73,8 @@ TiffDirectory::TiffDirectory(const SourceFile& file, std::uint64_t offset, bool 
                              std::to_string(end) + ", the file has " +
                              std::to_string(file_.size()) + "; copy it again from its origin");
   }
+  begin_ = offset;
+  end_ = end;
   entries_.resize(bytes);
   file_.read_exactly(offset + count_bytes, entries_);
 }
@@ -57,17 +95,71 @@ std::vector<std::string> TiffDirectory::texts(std::uint16_t tag, std::size_t ski
   return found;
 }
 
-std::optional<std::uint64_t> TiffDirectory::number(std::uint16_t tag) const {
-  const std::size_t width = is_big_tiff_ ? 8 : 4;
+std::optional<std::span<const std::byte>> TiffDirectory::entry_of(std::uint16_t tag) const {
+  std::optional<std::span<const std::byte>> found;
   const std::span<const std::byte> all(entries_);
   for (std::size_t at = 0; at < all.size(); at += entry_bytes()) {
     if (number_at(all.subspan(at, 2)) != tag) continue;
-    const std::uint64_t type = number_at(all.subspan(at + 2, 2));
-    const std::size_t bytes = type == kShortType ? 2 : type == kLongType ? 4 : 0;
-    if (bytes == 0 || number_at(all.subspan(at + 4, width)) != 1) return std::nullopt;
-    return number_at(all.subspan(at + 4 + width, bytes));
+    const std::span<const std::byte> entry = all.subspan(at, entry_bytes());
+    if (found && !std::ranges::equal(*found, entry)) {
+      reject_tag(tag, "stands in two entries that differ");
+    }
+    found = entry;
   }
-  return std::nullopt;
+  return found;
+}
+
+void TiffDirectory::reject_tag(std::uint16_t tag, const std::string& why) const {
+  reject(file_.path(), "tag " + name_of(tag) + " of its directory at byte " +
+                           std::to_string(begin_) + " " + why +
+                           "; save it again with another program");
+}
+
+std::optional<std::uint64_t> TiffDirectory::value_count(std::uint16_t tag) const {
+  const auto entry = entry_of(tag);
+  if (!entry) return std::nullopt;
+  return number_at(entry->subspan(4, is_big_tiff_ ? 8 : 4));
+}
+
+std::optional<std::uint64_t> TiffDirectory::number(std::uint16_t tag) const {
+  const std::optional<std::uint64_t> count = value_count(tag);
+  if (!count) return std::nullopt;
+  if (*count != 1) reject_tag(tag, "has " + std::to_string(*count) + " values, one expected");
+  return numbers(tag).front();
+}
+
+std::vector<std::uint64_t> TiffDirectory::numbers(std::uint16_t tag) const {
+  const auto entry = entry_of(tag);
+  if (!entry) return {};
+  const std::uint64_t type = number_at(entry->subspan(2, 2));
+  const std::optional<IntegerType> integers = integer_type(type);
+  if (!integers) {
+    reject_tag(tag, "is of type " + std::to_string(type) + ", which is none of whole numbers");
+  }
+  const std::size_t width = is_big_tiff_ ? 8 : 4;
+  const std::uint64_t count = number_at(entry->subspan(4, width));
+  std::span<const std::byte> raw = entry->subspan(4 + width, width);
+  std::vector<std::byte> elsewhere;
+  if (count > width / integers->bytes) {
+    const std::uint64_t start = number_at(raw);
+    if (start > file_.size() || count > (file_.size() - start) / integers->bytes) {
+      reject_tag(tag, "has " + std::to_string(count) + " values from byte " +
+                          std::to_string(start) + " on, and the file ends at byte " +
+                          std::to_string(file_.size()));
+    }
+    elsewhere.resize(static_cast<std::size_t>(count) * integers->bytes);
+    file_.read_exactly(start, elsewhere);
+    raw = elsewhere;
+  }
+
+  std::vector<std::uint64_t> values(static_cast<std::size_t>(count));
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    values[i] = number_at(raw.subspan(i * integers->bytes, integers->bytes));
+    if (integers->is_signed && values[i] >> (8 * integers->bytes - 1) != 0) {
+      reject_tag(tag, "has a value below 0");
+    }
+  }
+  return values;
 }
 
 std::uint64_t TiffDirectory::longest_text() const {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cstdarg>
 #include <cstdio>
 #include <cstring>
@@ -21,13 +22,14 @@
 #include "octavo/io/source/alternating_values.h"
 #include "octavo/io/source/byte_order.h"
 #include "octavo/io/source/claimed_bytes.h"
+#include "octavo/io/source/header_text.h"
 
 namespace octavo {
 
 namespace {
 
-constexpr std::uint32_t kZeissTag = 34412;       // CZ_LSMINFO
-constexpr std::uint32_t kMetaMorphTag = 33629;   // UIC2, a value of which is a plane
+constexpr std::uint16_t kNoDataTag = 42113;  // GDAL_NODATA
+constexpr std::uint64_t kAbsentRatio = std::uint64_t{1} << 17;  // a tile of 1 MiB in two numbers
 constexpr std::uint64_t kMaxDescriptionBytes = std::uint64_t{1} << 27;  // OME's tells of each plane
 
 /// libtiff's hook for errors.
@@ -83,6 +85,12 @@ std::string compression_name(std::uint16_t compression) {
   if (const auto found = kNames.find(compression); found != kNames.end()) return found->second;
   const TIFFCodec* codec = TIFFFindCODEC(compression);
   return codec == nullptr ? "kind " + std::to_string(compression) : codec->name;
+}
+
+bool is_zero(std::string_view text) {
+  double value = 1;
+  const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return failure == std::errc() && value == 0 && end == text.data() + text.size();
 }
 
 /// How many bytes of voxels a byte of the file can stand for; nothing where that is not known.
@@ -175,6 +183,7 @@ TiffPage TiffFile::page() {
     reject("a text of " + std::to_string(whole.longest_text()) + " bytes in its tags; at most " +
            std::to_string(kMaxDescriptionBytes) + " are read. Save it without its description");
   }
+  require_single_numbers(whole);
   page.width = tag_or<std::uint32_t>(handle_, TIFFTAG_IMAGEWIDTH, 0);
   page.height = tag_or<std::uint32_t>(handle_, TIFFTAG_IMAGELENGTH, 0);
   if (page.width == 0 || page.height == 0) reject("a page without width or height");
@@ -218,7 +227,11 @@ TiffPage TiffFile::page() {
   const std::uint64_t predictor = whole.number(TIFFTAG_PREDICTOR).value_or(PREDICTOR_NONE);
   const auto prediction = prediction_left(compression, predictor, *type);
   const bool is_predicted = predictor != PREDICTOR_NONE && compression != COMPRESSION_NONE;
-  if (!prediction || (page.packed_bits > 0 && is_predicted)) {
+  // Where libtiff undoes it, it must have read the same number.
+  const bool is_passed_over =
+      (compression == COMPRESSION_LZW || compression == COMPRESSION_LZMA) &&
+      tag_or<std::uint16_t>(handle_, TIFFTAG_PREDICTOR, PREDICTOR_NONE) != predictor;
+  if (!prediction || is_passed_over || (page.packed_bits > 0 && is_predicted)) {
     reject("predictor " + std::to_string(predictor) + " of " +
            (page.packed_bits > 0 ? std::to_string(bits) + " bits"
                                  : std::string(stored_type_name(*type))) +
@@ -226,20 +239,38 @@ TiffPage TiffFile::page() {
            " is not read; save it with Deflate or LZW, or uncompressed");
   }
   page.prediction = *prediction;
-  if (const auto ratio = ratio_of(compression)) {
-    const std::uint64_t pixels =
-        static_cast<std::uint64_t>(page.width) * static_cast<std::uint64_t>(page.height);
-    const auto pixel_bits = static_cast<std::uint64_t>(page.samples) * bits;
-    require_holdable(path_, file_.size(), checked_mul(pixels, pixel_bits, "bits of a page") / 8,
-                     *ratio);
-  }
   const auto subfile = tag_or<std::uint32_t>(handle_, TIFFTAG_SUBFILETYPE, 0);
   page.is_reduced = (subfile & FILETYPE_REDUCEDIMAGE) != 0;
   page.orientation = tag_or<std::uint16_t>(handle_, TIFFTAG_ORIENTATION, ORIENTATION_TOPLEFT);
   if (tag_or<std::uint32_t>(handle_, TIFFTAG_IMAGEDEPTH, 1) > 1) {
     reject("a page of several planes (ImageDepth) is not read; save it with a page for each plane");
   }
+  take_layout(whole, bits, compression, page);
   return page;
+}
+
+void TiffFile::take_layout(const TiffDirectory& directory, std::uint64_t bits,
+                           std::uint16_t compression, TiffPage& page) {
+  directories_[directory.begin()] = directory.end();
+  layout_ = tiff_layout(directory, {number_, bits, compression != COMPRESSION_NONE}, directories_);
+  page.has_absent_blocks = layout_.absent_blocks > 0;
+  page.excess_bytes = layout_.excess_bytes;
+  // Programs of GDAL take this text for a number that stands for values that are not there.
+  const std::vector<std::string> absent_values = directory.texts(kNoDataTag, 0);
+  if (page.has_absent_blocks && !absent_values.empty() &&
+      !is_zero(trimmed(absent_values.front()))) {
+    reject("nothing is stored of " + std::to_string(layout_.absent_blocks) +
+           " strips or tiles of page " + std::to_string(number_) +
+           ", which stand for GDAL's no-data value, \"" + escaped(absent_values.front()) +
+           "\"; save it with all of them, for instance with gdal_translate");
+  }
+  const auto ratio = page.has_absent_blocks ? kAbsentRatio : ratio_of(compression);
+  if (!ratio) return;
+  const std::uint64_t pixels =
+      static_cast<std::uint64_t>(page.width) * static_cast<std::uint64_t>(page.height);
+  const std::uint64_t pixel_bits = static_cast<std::uint64_t>(page.samples) * bits;
+  require_holdable(path_, file_.size(), checked_mul(pixels, pixel_bits, "bits of a page") / 8,
+                   *ratio);
 }
 
 std::optional<std::uint64_t> TiffFile::plain_run(const TiffPage& page) const {
@@ -249,6 +280,7 @@ std::optional<std::uint64_t> TiffFile::plain_run(const TiffPage& page) const {
       TIFFIsTiled(handle_) != 0 || bit_order != FILLORDER_MSB2LSB) {
     return std::nullopt;
   }
+  if (page.has_absent_blocks) return std::nullopt;
   const std::uint32_t strips = TIFFNumberOfStrips(handle_);
   const auto rows = tag_or<std::uint32_t>(handle_, TIFFTAG_ROWSPERSTRIP, 1);
   const auto height = static_cast<std::uint64_t>(page.height);
@@ -325,6 +357,10 @@ void TiffFile::read_strips(const TiffPage& page, std::int64_t sample,
     const std::int64_t row_count = std::min(rows_per_strip, page.height - y);
     const std::span<std::byte> taken =
         plane.subspan(at_voxel(page, 0, y), at_voxel(page, 0, row_count));
+    if (layout_.is_absent(strip)) {
+      std::ranges::fill(taken, std::byte{0});
+      continue;
+    }
     std::span<std::byte> rows = taken;
     if (!is_as_stored) {
       const std::uint64_t strip_bytes =
@@ -361,7 +397,11 @@ void TiffFile::read_tiles(const TiffPage& page, std::int64_t sample, std::span<s
   TiffBlockDecoder decoder = block_decoder(page, layout);
   for (std::int64_t y = 0; y < page.height; y += tile_height) {
     for (std::int64_t x = 0; x < page.width; x += tile_width, ++number) {
-      decoder.decode(number, tile, tile.size());
+      if (layout_.is_absent(number)) {
+        std::ranges::fill(tile, std::byte{0});
+      } else {
+        decoder.decode(number, tile, tile.size());
+      }
       const std::size_t bytes = static_cast<std::size_t>(std::min(tile_width, page.width - x)) *
                                 bytes_per_value(page.type);
       const std::int64_t rows = std::min(tile_height, page.height - y);

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "octavo/io/images/tiff_block.h"
+#include "octavo/io/images/tiff_layout.h"
 #include "octavo/io/images/tiff_predictor.h"
 #include "octavo/io/source/source_file.h"
 #include "octavo/io/source/source_identity.h"
@@ -34,6 +35,8 @@ struct TiffPage {
   bool is_reduced = false;        ///< a thumbnail of another page
   bool is_lossy = false;          ///< the compression may have changed values
   TiffPrediction prediction = TiffPrediction::none;  ///< that libtiff does not undo
+  bool has_absent_blocks = false; ///< strips or tiles of which nothing is stored, read as 0
+  std::uint64_t excess_bytes = 0; ///< behind the rows of an uncompressed strip or tile
   int orientation = 1;            ///< 1: first row at the top, first column at the left
 };
 
@@ -46,8 +49,8 @@ class TiffFile {
   TiffFile(const TiffFile&) = delete;
   TiffFile& operator=(const TiffFile&) = delete;
 
-  /// The page the file stands at. Throws Error{source_rejected} on color that is not RGB or a type
-  /// that is no voxel type.
+  /// The page the file stands at. Throws Error{source_rejected} on color that is not RGB, a type
+  /// that is no voxel type, and a directory that contradicts itself.
   TiffPage page();
   /// Goes to the next page; false behind the last one. Throws Error{source_rejected} on a damaged
   /// one.
@@ -55,8 +58,8 @@ class TiffFile {
   /// Goes to the page at an offset. Throws Error{source_rejected}.
   /// number  of the page, for messages
   void go_to(std::uint64_t directory_offset, std::int64_t number);
-  /// Decodes one sample of the current page, rows of `page.width` values of page.type in
-  /// native order.
+  /// Decodes one sample of the current page, which page() gave: rows of `page.width` values of
+  /// page.type in native order.
   /// Throws Error{source_rejected} when data are missing or damaged.
   void read_voxels(const TiffPage& page, std::int64_t sample, std::span<std::byte> plane);
 
@@ -83,6 +86,9 @@ class TiffFile {
 
  private:
   [[noreturn]] void reject(const std::string& why) const;
+  /// Takes the blocks of the current page.
+  void take_layout(const TiffDirectory& directory, std::uint64_t bits, std::uint16_t compression,
+                   TiffPage& page);
   /// Of the current page.
   bool is_lossy(const StoredType& type, std::uint16_t compression) const;
   /// How the values of a strip or tile stand in its rows.
@@ -95,6 +101,8 @@ class TiffFile {
   std::string path_;
   SourceFile file_;
   std::int64_t number_ = 0;  // of the current page
+  TiffDirectories directories_;  // of the pages so far
+  TiffLayout layout_;            // of the last page()
   std::unique_ptr<TiffMessages> messages_;
   tiff* handle_ = nullptr;
 };

@@ -192,6 +192,20 @@ std::string contradiction_of(const TiffDescription& text, const TiffPage& page) 
          found_type + ", which counts";
 }
 
+/// Bytes behind rows are those of planes that have no page, or a sign of a wrong compression tag.
+void add_excess_warning(const TiffStack& stack, SourceFacts& facts) {
+  if (stack.planes.back().page.directory_offset == 0) return;
+  const auto found = std::ranges::find_if(
+      stack.planes, [](const TiffPlane& plane) { return plane.page.excess_bytes > 0; });
+  if (found == stack.planes.end()) return;
+  facts.warnings.push_back(
+      "uncompressed page " + std::to_string(found->number) +
+      (stack.files.size() > 1 ? " of " + escaped(base_name(stack.files[found->file])) : "") +
+      " has " + std::to_string(found->page.excess_bytes) +
+      " bytes more in a strip or tile than its rows need; they are not read. Where the voxels look "
+      "like noise, the page is compressed and its tags do not say so");
+}
+
 void add_warnings(const TiffStack& stack, SourceFacts& facts) {
   const TiffPage& first = stack.planes.front().page;
   if (stack.reduced_pages > 0) {
@@ -207,6 +221,13 @@ void add_warnings(const TiffStack& stack, SourceFacts& facts) {
                              std::to_string(stack.silent_files) +
                              " of the others do not; it is taken for all");
   }
+  const auto absent = std::ranges::count_if(
+      stack.planes, [](const TiffPlane& plane) { return plane.page.has_absent_blocks; });
+  if (absent > 0) {
+    facts.warnings.push_back("nothing is stored of some strips or tiles of " +
+                             std::to_string(absent) + " planes; their voxels are 0");
+  }
+  add_excess_warning(stack, facts);
   if (first.has_palette) {
     facts.warnings.push_back("the color table was left out; voxels are the stored numbers");
   }

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <limits>
+#include <utility>
 
 #include "support/source_files.h"
 
@@ -64,7 +66,21 @@ TEST(TiffDirectory, GivesTheTextsOfATagInOrder) {
   }
 }
 
-TEST(TiffDirectory, GivesTheOneNumberOfATag) {
+/// What is wrong with the number of a tag in a directory of some entries; empty where nothing is.
+std::string number_error(const std::vector<DirectoryEntry>& entries, std::uint16_t tag) {
+  const TempFolder folder;
+  write_file(folder.file("a"), directory_file(entries, false, false, ""));
+  const SourceFile file(folder.file("a"));
+  try {
+    TiffDirectory(file, 16, false).number(tag);
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::source_rejected);
+    return with_hints(error);
+  }
+  return {};
+}
+
+TEST(TiffDirectory, GivesTheOneNumberOfATagOfAnyTypeOfIntegers) {
   const TempFolder folder;
   for (const bool big : {false, true}) {
     for (const bool big_endian : {false, true}) {
@@ -72,20 +88,57 @@ TEST(TiffDirectory, GivesTheOneNumberOfATag) {
       const auto first = [&](std::uint64_t value, int bytes) {
         return big_endian ? value << 8 * ((big ? 8 : 4) - bytes) : value;
       };
-      const std::vector<DirectoryEntry> entries = {{317, 3, 1, first(2, 2)},
-                                                   {273, 4, 1, first(70000, 4)},
-                                                   {258, 3, 3, first(8, 2)},
-                                                   {270, 2, 1, 0}};
+      // Types and their bytes
+      std::vector<std::pair<std::uint16_t, int>> types = {{1, 1}, {3, 2}, {4, 4}, {6, 1},
+                                                          {8, 2}, {9, 4}, {13, 4}};
+      if (big) types.insert(types.end(), {{16, 8}, {17, 8}, {18, 8}});
+      std::vector<DirectoryEntry> entries;
+      for (const auto& [type, bytes] : types) {
+        entries.push_back({static_cast<std::uint16_t>(300 + type), type, 1, first(77, bytes)});
+      }
+      entries.push_back({273, 4, 1, first(70000, 4)});
       write_file(folder.file("a"), directory_file(entries, big, big_endian, ""));
       const SourceFile file(folder.file("a"));
       const TiffDirectory directory(file, 16, big_endian);
-      EXPECT_EQ(directory.number(317), 2U);
-      EXPECT_EQ(directory.number(273), 70000U);
-      for (const int tag : {258, 270, 999}) {
-        EXPECT_FALSE(directory.number(static_cast<std::uint16_t>(tag))) << tag;
+      for (const auto& [type, bytes] : types) {
+        EXPECT_EQ(directory.number(static_cast<std::uint16_t>(300 + type)), 77U) << type;
       }
+      EXPECT_EQ(directory.number(273), 70000U);
+      EXPECT_FALSE(directory.number(999));
     }
   }
+}
+
+TEST(TiffDirectory, RejectsATagThatHasNotOneWholeNumber) {
+  EXPECT_EQ(number_error({{317, 3, 1, 2}}, 317), "");
+  for (const std::uint64_t count : {std::uint64_t{0}, std::uint64_t{2}, std::uint64_t{1} << 31}) {
+    const std::string error = number_error({{317, 3, count, 2}}, 317);
+    EXPECT_TRUE(contains(error, "317 (Predictor)")) << error;
+    EXPECT_TRUE(contains(error, "has " + std::to_string(count) + " values, one expected")) << error;
+  }
+  for (const std::uint16_t type : std::array<std::uint16_t, 7>{0, 2, 5, 7, 11, 12, 99}) {
+    EXPECT_TRUE(contains(number_error({{317, type, 1, 2}}, 317), "type " + std::to_string(type)));
+  }
+  EXPECT_TRUE(contains(number_error({{317, 8, 1, 0xffff}}, 317), "below 0"));
+  EXPECT_EQ(number_error({{317, 3, 1, 2}, {317, 3, 1, 2}}, 317), "");
+  EXPECT_TRUE(contains(number_error({{317, 3, 1, 2}, {317, 3, 1, 1}}, 317), "two entries"));
+}
+
+TEST(TiffDirectory, GivesAllNumbersOfATagThatTheFileHolds) {
+  const TempFolder folder;
+  const std::vector<std::uint16_t> values = {5, 6, 7, 8, 9};
+  const std::string rest = bytes_of(values);
+  std::vector<DirectoryEntry> entries(4);
+  const std::size_t end = directory_file(entries, false, false, "").size();
+  entries = {{273, 3, 5, end}, {279, 3, 2, 5 + (6U << 16)}, {324, 3, 6, end}, {325, 3, 0, 0}};
+  write_file(folder.file("a"), directory_file(entries, false, false, rest));
+  const SourceFile file(folder.file("a"));
+  const TiffDirectory directory(file, 16, false);
+  EXPECT_EQ(directory.numbers(273), (std::vector<std::uint64_t>{5, 6, 7, 8, 9}));
+  EXPECT_EQ(directory.numbers(279), (std::vector<std::uint64_t>{5, 6}));
+  EXPECT_TRUE(directory.numbers(325).empty());
+  EXPECT_TRUE(directory.numbers(999).empty());
+  EXPECT_THROW(directory.numbers(324), Error);
 }
 
 TEST(TiffDirectory, GivesTheLengthOfTheLongestTextThatFits) {

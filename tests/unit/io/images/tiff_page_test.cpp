@@ -5,7 +5,6 @@
 #include <tiffio.h>
 
 #include <array>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 
@@ -87,38 +86,6 @@ TEST(TiffPage, OfPackBitsThatMakeMoreThanABlockIsRejected) {
     EXPECT_EQ(voxels_of(*open_source({folder.file("a.tif")}, {})),
               sample.pages[0].substr(0, 8) + std::string(4, sample.pages[0][8]));
   }
-}
-
-/// Where a little-endian file has the entry of a tag of one number.
-std::size_t entry_of(const std::string& bytes, std::uint16_t tag) {
-  const std::size_t at = bytes.rfind(bytes_of<std::uint16_t>({tag, TIFF_SHORT, 1, 0}));
-  return at != std::string::npos ? at
-                                 : bytes.rfind(bytes_of<std::uint16_t>({tag, TIFF_LONG, 1, 0}));
-}
-
-std::uint32_t number_of(const std::string& bytes, std::uint16_t tag) {
-  std::uint32_t number = 0;
-  std::memcpy(&number, bytes.data() + entry_of(bytes, tag) + 8, sizeof number);
-  return number;
-}
-
-/// Gives a tag other numbers, behind all other bytes of the file.
-void set_numbers(std::string& bytes, std::uint16_t tag, const std::vector<std::uint32_t>& numbers) {
-  std::size_t at = bytes.rfind(bytes_of<std::uint16_t>({tag, TIFF_SHORT}));
-  if (at == std::string::npos) at = bytes.rfind(bytes_of<std::uint16_t>({tag, TIFF_LONG}));
-  ASSERT_NE(at, std::string::npos) << tag;
-  bytes.replace(at, 4, bytes_of<std::uint16_t>({tag, TIFF_LONG}));
-  const auto end = static_cast<std::uint32_t>(bytes.size());
-  bytes.replace(at + 4, 8,
-                bytes_of<std::uint32_t>({static_cast<std::uint32_t>(numbers.size()), end}));
-  bytes += bytes_of(numbers);
-}
-
-void set_number(std::string& bytes, std::uint16_t tag, std::uint32_t number) {
-  const std::size_t at = entry_of(bytes, tag);
-  ASSERT_NE(at, std::string::npos) << tag;
-  bytes.replace(at, 4, bytes_of<std::uint16_t>({tag, TIFF_LONG}));
-  bytes.replace(at + 8, 4, bytes_of<std::uint32_t>({number}));
 }
 
 TiffSample deflated_picture(std::uint32_t tile) {
