@@ -237,7 +237,11 @@ void read_box(const OpenFile& file, const Zyx& start, const Zyx& stop, int level
   require_room(file.reader(), box, out);
   void* const voxels = out.data();
   Call call;
-  call.run_reading({file.waiters()},
+  // What was read before takes no thread of its own.
+  const bool waits = file.waiters() && call.run([&] {
+    return !file.reader().ranges_of(box, level).ranges.empty();
+  });
+  call.run_reading({waits ? file.waiters() : nullptr},
                    [&] { read_parallel(file.reader(), box, level, voxels, threads); });
 }
 
