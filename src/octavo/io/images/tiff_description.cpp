@@ -116,8 +116,9 @@ void read_imagej(std::string_view text, double x_resolution, double y_resolution
   result.channels = count_of(fields["channels"]);
   result.frames = count_of(fields["frames"]);
   result.images = count_of(fields["images"]);
+  result.slices = count_of(fields["slices"]);
   if (result.images == 0) {
-    const std::int64_t slices = std::max<std::int64_t>(count_of(fields["slices"]), 1);
+    const std::int64_t slices = std::max<std::int64_t>(result.slices, 1);
     const std::int64_t parts = checked_count(std::max<std::int64_t>(result.channels, 1),
                                              std::max<std::int64_t>(result.frames, 1), "images");
     result.images = checked_count(slices, parts, "images");

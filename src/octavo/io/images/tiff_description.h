@@ -41,7 +41,7 @@ struct TiffDescription {
   bool counts_samples = false; ///< the samples of a page are channels, too
   std::int64_t channels = 0;
   std::int64_t frames = 0;   ///< points in time
-  std::int64_t slices = 0;   ///< planes of one channel and time; ImageJ's are not kept
+  std::int64_t slices = 0;   ///< planes of one channel and time
   std::string order;         ///< of pages: "CZT" where channels change fastest; OME has others
   std::int64_t images = 0;   ///< planes in all, with those that have no page; OME: 0
   bool is_truncated = false; ///< these have one page, of the first plane

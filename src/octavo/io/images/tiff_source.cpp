@@ -23,6 +23,22 @@ namespace {
   throw Error(ErrorKind::source_rejected, why, stack.files.front());
 }
 
+/// Proves that ImageJ's channels, slices and times are as many planes as its images, or as the
+/// pages that there are. ImageJ writes those numbers that are not 1.
+void require_told_images(const TiffStack& stack, const PageCounts& told) {
+  const TiffDescription& text = stack.description;
+  const std::int64_t planes = checked_count(
+      told.slices, checked_count(told.channels, told.times, "planes"), "planes");
+  const auto pages = static_cast<std::int64_t>(stack.planes.size());
+  if (planes == text.images || planes == pages) return;
+  reject_stack(stack, "its ImageJ description says " + std::to_string(told.channels) +
+                          " channels of " + std::to_string(told.slices) + " slices at " +
+                          std::to_string(told.times) + " points in time, which are " +
+                          std::to_string(planes) + " planes, and " + std::to_string(text.images) +
+                          " images; found are " + std::to_string(pages) +
+                          " pages. Set them right in ImageJ (Image > Properties) and save it");
+}
+
 /// How many pages a channel and a point in time have. Channels stand in the samples of a page or in
 /// pages of their own, never in both.
 PageCounts count_pages(const TiffStack& stack) {
@@ -43,8 +59,13 @@ PageCounts count_pages(const TiffStack& stack) {
       checked_mul(static_cast<std::uint64_t>(counts.channels),
                   static_cast<std::uint64_t>(counts.times), "channels and times"));
   const bool is_one_file = stack.files.size() == 1;
-  counts.slices =
-      is_one_file && text.slices > 0 ? text.slices : std::max<std::int64_t>(pages / parts, 1);
+  if (is_one_file && text.is_imagej && text.slices > 0) {
+    require_told_images(stack, {counts.channels, text.slices, counts.times});
+  }
+  // Pages that ImageJ does not count are slices where there is nothing else.
+  const bool is_told =
+      is_one_file && text.slices > 0 && (parts > 1 || stack.count_warning.empty());
+  counts.slices = is_told ? text.slices : std::max<std::int64_t>(pages / parts, 1);
   const bool fits = parts <= pages && pages % parts == 0 && counts.slices == pages / parts;
   if (fits && (is_one_file || parts == 1)) return counts;
   reject_stack(stack,

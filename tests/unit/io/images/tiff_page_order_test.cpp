@@ -49,6 +49,48 @@ class SourceTiff : public ::testing::Test {
   TempFolder folder_;
 };
 
+TEST_F(SourceTiff, ImageJCountsMustMakeItsImages) {
+  struct Case {
+    std::string counts;
+    std::string taken;  ///< of the last channel and time told; empty: rejected
+  };
+  // Of 12 pages: two channels, three slices, two times.
+  for (const Case& one : std::vector<Case>{
+           {"images=12\nchannels=2\nslices=3\nframes=2\n", "79;"},
+           {"channels=2\nslices=3\nframes=2\n", "79;"},
+           {"images=12\nchannels=2\nframes=2\n", "79;"},
+           {"images=12\nslices=6\nframes=2\n", "6789:;"},
+           {"images=12\nchannels=2\nslices=6\n", "13579;"},
+           {"images=12\nslices=12\n", "0123456789:;"},
+           {"images=12\n", "0123456789:;"},
+           {"images=12\nchannels=3\nslices=3\nframes=2\n", ""},
+           {"images=12\nchannels=1\nslices=3\nframes=2\n", ""},
+           {"images=12\nchannels=2\nslices=2\nframes=2\n", ""},
+           {"images=12\nchannels=2\nslices=6\nframes=2\n", ""},
+           {"images=12\nchannels=2\nslices=3\nframes=3\n", ""},
+           {"images=12\nchannels=2\nslices=3\nframes=1\n", ""},
+           {"images=12\nslices=3\nframes=2\n", ""},
+           {"images=12\nchannels=2\nslices=3\n", ""},
+           {"images=12\nchannels=5\nframes=2\n", ""},
+           {"images=12\nslices=3\n", ""},
+           {"images=6\nchannels=2\nslices=3\n", ""},
+           {"channels=2\nslices=3\n", ""}}) {
+    TiffSample sample;
+    sample.pages = numbered_pages(12);
+    sample.descriptions.resize(12);
+    sample.descriptions[0] = "ImageJ=1.53t\n" + one.counts;
+    write_tiff(folder_.file("a.tif"), sample);
+    SourceOptions options;
+    options.channel = contains(one.counts, "channels=2") ? "1" : "";
+    options.time = contains(one.counts, "frames=2") ? 1 : 0;
+    if (one.taken.empty()) {
+      expect_rejected("a.tif", {"its ImageJ description says", "12 pages"}, options);
+    } else {
+      EXPECT_EQ(pages_taken(*open("a.tif", options)), one.taken) << one.counts;
+    }
+  }
+}
+
 TEST_F(SourceTiff, ImageJUnitsOfTheAxesCount) {
   const std::string start = "ImageJ=1.53t\nimages=2\nslices=2\nspacing=2.5\nunit=micron\n";
   for (const auto& [units, spacing] : std::vector<std::pair<std::string, Point3>>{
