@@ -3,6 +3,7 @@
 #include <cmath>
 #include <map>
 #include <utility>
+#include <vector>
 
 #include "octavo/core/checked.h"
 #include "octavo/io/source/source_file.h"
@@ -39,13 +40,15 @@ std::int64_t values_of_type(std::int64_t datatype) {
   return datatype == kRgb ? 3 : datatype == kRgba ? 4 : 1;
 }
 
-void require_bits(const NiftiHeader& header, StoredType type, const std::string& path) {
+/// Nothing depends on bitpix: the type says how long a voxel is.
+void note_bits(const NiftiHeader& header, StoredType type, std::vector<Warning>& warnings) {
   const std::int64_t bits = 8 * static_cast<std::int64_t>(bytes_per_value(type)) *
                             values_of_type(header.datatype);
   if (header.voxel_bits == 0 || header.voxel_bits == bits) return;
-  reject(path, "bitpix says that a voxel has " + std::to_string(header.voxel_bits) +
-                   " bits, datatype " + std::to_string(header.datatype) + " has " +
-                   std::to_string(bits) + "; repair the header");
+  warnings.push_back("bitpix of the header says that a voxel has " +
+                     std::to_string(header.voxel_bits) + " bits, datatype " +
+                     std::to_string(header.datatype) + " has " + std::to_string(bits) +
+                     ": the datatype counts");
 }
 
 Size3 read_size(const NiftiHeader& header, const std::string& path) {
@@ -153,7 +156,7 @@ std::unique_ptr<PlaneSource> open_nifti_source(const std::string& path,
   VolumeDescription& description = facts.description;
   description.size = read_size(header, path);
   const StoredType type = stored_type_of(header, path);
-  require_bits(header, type, path);
+  note_bits(header, type, facts.warnings);
   take_stored_type(facts, type);
   facts.components = components_of(header, path);
   const bool may_be_whole = is_integer(description.type) || facts.wide.has_value();
