@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "octavo/io/images/xml_nesting.h"
 #include "octavo/io/source/header_text.h"
 #include "octavo/io/source/length_unit.h"
 
@@ -202,7 +203,9 @@ std::string voxel_type_of(std::string_view pixels) {
 }  // namespace
 
 void read_ome_description(std::string_view text, std::size_t image, TiffDescription& result) {
-  result.file_id = text_of(tag_at(text, text.find("<OME")), "UUID");
+  const std::string_view whole = text.substr(std::min(text.find("<OME"), text.size()));
+  result.damage = nesting_damage(whole);
+  result.file_id = text_of(tag_at(whole, 0), "UUID");
   if (const std::size_t at = find_element(text, "BinaryOnly"); at != std::string_view::npos) {
     result.metadata_file = text_of(tag_at(text, at), "MetadataFile");
   }

@@ -62,6 +62,7 @@ struct TiffDescription {
   std::vector<OmeTiffImage> ome_images;
   std::vector<OmePages> ome_pages; ///< of the image read; empty until read_ome_pages
   std::string file_id;             ///< OME: the UUID of this file
+  std::string damage;              ///< OME: what is wrong with its XML; empty where it is whole
   std::string metadata_file;       ///< OME: the file that has the description instead
 };
 

@@ -132,6 +132,12 @@ TiffDescription take_description(TiffStack& stack, TiffFile& file, const TiffPag
                                  std::size_t ome_image = 0) {
   std::string told_in;
   TiffDescription text = told_planes(file, page, stack.files[index], ome_image, told_in);
+  if (!text.damage.empty()) {
+    reject(stack.files[index],
+           "its OME description is damaged (" + text.damage +
+               "), so that nothing says which page is which plane; copy the file again from its "
+               "origin, or remove the description (tiffset -u 270) to take the pages in order");
+  }
   if (text.program.empty()) read_lsm_record(file.lsm_record(), text);
   if (text.program.empty()) read_metamorph_planes(file.metamorph_planes(), text);
   const bool has_tags = file.x_resolution() > 0 && file.y_resolution() > 0;
