@@ -105,7 +105,13 @@ def _build(work, planned, output, overwrite, joins_side_by_side, report):
     except OSError as error:
         raise StorageError(f"{folder}: {error.strerror}", path=folder) from None
     # The same source and options make the same plan, so that its parts are kept.
-    count = work.one("plan", *planned, "-f", "-o", plan)["parts"]
+    try:
+        count = work.one("plan", *planned, "-f", "-o", plan)["parts"]
+    except BaseException:
+        # Of a build that has not begun nothing is left.
+        with contextlib.suppress(OSError):
+            os.rmdir(folder)
+        raise
     numbers = list(range(count))
     if goes_on:
         # Those that a join has taken up already are not missing.
@@ -227,12 +233,18 @@ def _sources(source):
 
 
 def _division(parts, part_size, bands):
+    if parts is not None:
+        parts = whole_number(parts, "parts", 1)
+    if bands is not None:
+        bands = whole_number(bands, "bands", 1)
+    if part_size is not None and not isinstance(part_size, str):
+        part_size = whole_number(part_size, "part_size", 1)
     given = [(name, value) for name, value in
              (("--parts", parts), ("--part-size", part_size), ("--bands", bands))
              if value is not None]
     if len(given) > 1:
         raise ArgumentError("give one of parts, part_size and bands")
-    return [word for name, value in given for word in (name, str(value))]
+    return [f"{name}={value}" for name, value in given]
 
 
 def _main(words):

@@ -135,7 +135,9 @@ def test_what_cannot_be_built_is_said(folder, voxels, monkeypatch):
     for wrong, said in (({"parts": 2, "part_size": "4M"}, "one of parts"),
                         ({"source": voxels}, "octavo.build"), ({"source": []}, "octavo.build"),
                         ({"retries": -1}, "retries"), ({"path": "scan.raw"}, "8vo"),
-                        ({"parts": 0}, "parts")):
+                        ({"parts": 0}, "parts"), ({"part_size": "x"}, "x"),
+                        ({"part_size": 0}, "part_size"), ({"bands": "2"}, "bands"),
+                        ({"kind": "gray"}, "kind"), ({"plan_options": ("--none",)}, "none")):
         with pytest.raises(octavo.ArgumentError, match=said):
             build(**{"source": "scan.raw", "path": "scan.8vo", **PLANNED, **wrong})
     with pytest.raises(octavo.MissingError, match="none.raw") as raised:
@@ -148,4 +150,4 @@ def test_what_cannot_be_built_is_said(folder, voxels, monkeypatch):
     monkeypatch.setenv("PATH", str(folder))
     with pytest.raises(octavo.ArgumentError, match="not on PATH"):
         build("scan.raw", "scan.8vo", **PLANNED)
-    assert not os.path.exists("scan.8vo")
+    assert sorted(os.listdir()) == ["scan.raw", "there.8vo"]
