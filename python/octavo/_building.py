@@ -6,6 +6,7 @@ import json
 import operator
 import os
 import shutil
+import signal
 import subprocess
 
 import numpy as np
@@ -15,9 +16,10 @@ from ._coordinates import facts_of_coordinates
 from ._errors import ArgumentError, Error, SourceError
 from ._sources import require_there, written_path
 from ._volume import RealView, View, Volume
-from ._work import MOST_THREADS, _reporter, if_given, number_of, warn_of, whole_number
+from ._work import MOST_THREADS, _reporter, if_given, number_of, one_of, warn_of, whole_number
 
 _BLOCK_BYTES = 64 << 20
+_SECONDS_TO_TIDY_UP = 10
 _OF_ARRAYS = ("slope", "intercept", "unit", "label_names", "direction", "origin")
 
 
@@ -494,10 +496,33 @@ def _build_by_program(source, path, options, given):
     for name, flag in (("overwrite", "--force"), ("resume", "--resume")):
         if given[name]:
             command.append(flag)
-    done = subprocess.run(command, capture_output=True, text=True)
+    done = _ran(command)
     if done.returncode != 0:
         raise _error_of_program(done)
     return json.loads(done.stdout).get("warnings", ())
+
+
+def _ran(command):
+    """As subprocess.run. What ends the wait, as Ctrl-C does, ends the program as well: once it has
+    tidied up."""
+    # A terminal sends Ctrl-C to both, and a second signal would end the program at once.
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        running = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                   text=True)
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+    with running:
+        try:
+            said, warned = running.communicate()
+        except BaseException:
+            running.terminate()
+            try:
+                running.communicate(timeout=_SECONDS_TO_TIDY_UP)
+            except BaseException:
+                running.kill()
+            raise
+    return subprocess.CompletedProcess(command, running.returncode, said, warned)
 
 
 def _words_of(options, given):
@@ -506,7 +531,8 @@ def _words_of(options, given):
         if options.get(name) is not None:
             raise ArgumentError(f"{name} comes from the files of a scan; it is for arrays")
     words = [] if given["preset"] == "small" else ["--preset", given["preset"]]
-    if options["kind"]:
+    if options["kind"] is not None:
+        one_of(options["kind"], "kind", ("grey", "labels"))
         words.append(f"--{options['kind']}")
     if options["spacing"] is not None:
         words += ["--spacing", ",".join(map(repr, _three(options["spacing"], "spacing")[::-1]))]

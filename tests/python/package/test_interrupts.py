@@ -2,6 +2,8 @@
 
 import os
 import signal
+import subprocess
+import sys
 import threading
 import time
 import types
@@ -93,3 +95,24 @@ def test_an_interrupt_ends_every_call_that_waits_for_a_server(name, far, tmp_pat
 
 def test_what_was_interrupted_is_read_later(far):
     assert far.grey.threshold(0).voxels == np.count_nonzero(far.grey[...] >= 0)
+
+
+@pytest.mark.parametrize("whole_group", [False, True])
+def test_a_build_by_the_program_leaves_nothing(tmp_path, whole_group):
+    (tmp_path / "scan.raw").write_bytes(np.random.default_rng(1).bytes(400 << 16))
+    code = ("import octavo, signal; signal.signal(signal.SIGINT, signal.default_int_handler)\n"
+            "octavo.build('scan.mhd', 'o.8vo')")
+    (tmp_path / "scan.mhd").write_text(
+        "ObjectType = Image\nNDims = 3\nDimSize = 256 256 400\nElementType = MET_UCHAR\n"
+        "ElementSpacing = 1 1 1\nElementDataFile = scan.raw\n")
+    path = os.path.dirname(os.environ["OCTAVO"]) + os.pathsep + os.environ["PATH"]
+    python = subprocess.Popen([sys.executable, "-c", code], cwd=tmp_path, start_new_session=True,
+                              stderr=subprocess.PIPE, text=True, env={**os.environ, "PATH": path})
+    until = time.monotonic() + 60
+    while not list(tmp_path.glob(".o.8vo.tmp-*")):
+        assert python.poll() is None and time.monotonic() < until
+        time.sleep(0.01)
+    time.sleep(0.5)
+    (os.killpg if whole_group else os.kill)(python.pid, signal.SIGINT)
+    assert "KeyboardInterrupt" in python.communicate()[1]
+    assert sorted(os.listdir(tmp_path)) == ["scan.mhd", "scan.raw"]
