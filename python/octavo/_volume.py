@@ -183,7 +183,7 @@ class View:
         return ("octavo", self._file.facts["voxels_sha256"], self.level)
 
     def __reduce__(self):
-        return (_opened_view, (self.level, *self._file.opened))
+        return (_opened_view, (self.level, *self._file.state))
 
     def _read_into(self, start, stop, out, threads):
         self._file.read(start, stop, self.level, out, threads)
@@ -252,7 +252,8 @@ class Volume(VolumeTasks, View):
     """An open .8vo file; as an array, its level 0.
 
     Made by `octavo.open`; a context manager. It pickles as the place it was opened from, may be
-    used by many threads at once, and stays usable in processes forked behind it.
+    used by many threads at once, and stays usable in processes forked behind it. Where another file
+    stands at that place by then, StorageError is raised.
 
     Attributes
     ----------
@@ -279,8 +280,11 @@ class Volume(VolumeTasks, View):
     """
 
     def __init__(self, source, cache_bytes=DEFAULT_CACHE_BYTES, storage_options=None):
-        super().__init__(_File(source, cache_bytes, storage_options), 0)
-        facts = self._file.facts
+        self._take(_File(source, cache_bytes, storage_options))
+
+    def _take(self, file):
+        super().__init__(file, 0)
+        facts = file.facts
         self.kind = facts["kind"]
         self.unit = facts["unit"]
         self.slope = facts["slope"]
@@ -379,7 +383,7 @@ class Volume(VolumeTasks, View):
         self.close()
 
     def __reduce__(self):
-        return (Volume, self._file.opened)
+        return (_opened_volume, self._file.state)
 
     def __repr__(self):
         if self.closed:
@@ -408,13 +412,21 @@ class Volume(VolumeTasks, View):
 class _File:
     """The file behind the views: opened once, and anew in a process that was forked."""
 
-    def __init__(self, source, cache_bytes, storage_options):
+    def __init__(self, source, cache_bytes, storage_options, identity=None):
+        """identity  of the file that is expected there, where one is"""
         self._source = source_of(source, storage_options)
-        self.opened = self._source.place, cache_bytes, storage_options
+        self._opened_with = cache_bytes, storage_options
         self._cache_bytes = whole_number(cache_bytes, "cache_bytes", 0)
         self._only_thread = False
         self._open()
         self.facts = self._handle.facts()
+        if identity is not None:
+            self._require(identity)
+
+    @property
+    def state(self):
+        """What opens the same file elsewhere, as arguments."""
+        return _identity_of(self.facts), self._source.place, *self._opened_with
 
     @property
     def name(self):
@@ -435,18 +447,22 @@ class _File:
 
     def _opened(self):
         if self._process != os.getpid():
-            digest = self.facts["voxels_sha256"]
             # Threads do not live on in a forked process; what waits for them would wait for ever.
             self._only_thread = True
             if self._handle is not None:
                 _kept_for_good.append(self._handle)
                 self._open()
-                if self._handle.facts()["voxels_sha256"] != digest:
-                    raise StorageError(f"{self.name}: was replaced by another file", path=self.name)
+                self._require(_identity_of(self.facts))
         handle = self._handle
         if handle is None:
             raise ArgumentError(f"{self.name}: is closed")
         return handle
+
+    def _require(self, identity):
+        if _identity_of(self._handle.facts()) == identity:
+            return
+        self._handle = None
+        raise StorageError(f"{self.name}: was replaced by another file", path=self.name)
 
     def read(self, start, stop, level, out, threads):
         handle = self._opened()
@@ -466,8 +482,22 @@ class _File:
         self._handle = None
 
 
-def _opened_view(level, *opened):
-    return View(_File(*opened), level)
+def _identity_of(facts):
+    """Equal for files of the same voxels, real values and places."""
+    shape, spacing, origin, *_ = facts["levels"][0]
+    same = ("voxels_sha256", "dtype", "slope", "intercept", "max_error", "detail_level",
+            "direction")
+    return tuple(facts[name] for name in same), shape, spacing, origin
+
+
+def _opened_view(level, identity, place, *opened_with):
+    return View(_File(place, *opened_with, identity), level)
+
+
+def _opened_volume(identity, place, *opened_with):
+    volume = Volume.__new__(Volume)
+    volume._take(_File(place, *opened_with, identity))
+    return volume
 
 
 # Handles of the process before a fork: taking them down could wait for locks of its threads.

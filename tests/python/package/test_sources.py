@@ -402,6 +402,22 @@ def test_bytes_of_any_kind_pickle(path, voxels):
         assert np.array_equal(volume[9], voxels[9])
 
 
+@pytest.mark.parametrize("given", [
+    {}, {"slope": 3}, {"spacing": (1, 1, 1)}, {"origin": (0, 0, 1)}])
+def test_a_pickle_of_a_file_does_not_open_another_one(tmp_path, given):
+    path = tmp_path / "a.8vo"
+    voxels = np.arange(1000, dtype=np.int16).reshape(10, 10, 10)
+    facts = dict(spacing=(2, 1, 1), slope=2)
+    volume = octavo.build(voxels, path, **facts)
+    pickled = [pickle.dumps(one) for one in (volume, volume.levels[1], volume.levels[0])]
+    octavo.build(voxels, path, preset="fast", overwrite=True, **facts)
+    assert np.array_equal(pickle.loads(pickled[0])[...], voxels)  # the same in other bytes
+    octavo.build(voxels if given else voxels + 1, path, overwrite=True, **{**facts, **given})
+    for one in pickled:
+        with pytest.raises(octavo.StorageError, match="a.8vo: was replaced by another file"):
+            pickle.loads(one)
+
+
 def test_a_volume_pickles_as_its_place(volume, voxels, monkeypatch, tmp_path):
     there = pickle.dumps(volume)
     assert len(there) < 1000
