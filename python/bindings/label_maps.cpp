@@ -91,6 +91,17 @@ LabelMap label_map_of(const OpenFile& file, const std::string& name,
   });
 }
 
+/// What `save_map` wrote, as the map that it was.
+LabelMap saved_map(const OpenFile& file, const std::string& name, bool is_mask,
+                   const nb::dict& given) {
+  LabelMap made = label_map_of(file, name, {}, {}, given);
+  if (!is_mask) return made;
+  Work work(given);
+  return work.run([&] {
+    return LabelMap(ComputedMask{made.mask(work.context())->tree, made.volume()});
+  });
+}
+
 LabelMap labels_selected(const LabelMap& map, const std::vector<Label>& labels,
                          const nb::dict& given) {
   Work work(given);
@@ -339,6 +350,7 @@ void bind_label_maps(nb::module_& module) {
   module.def("threshold", &threshold_map, "file"_a, "name"_a, "ranges"_a, "tissues"_a,
              "is_stored"_a, "work"_a);
   module.def("label_tree", &label_map_of, "file"_a, "name"_a, "labels"_a, "names"_a, "work"_a);
+  module.def("saved_tree", &saved_map, "file"_a, "name"_a, "is_mask"_a, "work"_a);
 }
 
 }  // namespace octavo::python

@@ -32,7 +32,8 @@ class LabelMap(FileTasks):
     ``a ^ b`` and ``~a`` are masks on the grid of ``a``, and raise where the grids differ, as they
     do with arrays. Memory goes with the surfaces, not with the voxels.
 
-    As an array [z, y, x] it is read where it is indexed, by numpy's basic rules.
+    As an array [z, y, x] it is read where it is indexed, by numpy's basic rules. It pickles as the
+    bytes of a file of it.
 
     Attributes
     ----------
@@ -281,6 +282,10 @@ class LabelMap(FileTasks):
 
     __hash__ = None
 
+    def __reduce__(self):
+        with open(self.saved()._file.opened[0], "rb") as file:
+            return _unpickled, (file.read(), self.is_mask, self.table, self.found)
+
     def __repr__(self):
         size = " x ".join(map(str, self.shape))
         if self.is_mask:
@@ -320,6 +325,12 @@ class LabelMap(FileTasks):
 
     def _opened_file(self):
         return "the label map", self.saved()._file._opened()
+
+
+def _unpickled(saved, is_mask, table, found):
+    with Volume(saved) as volume, work_of() as work:
+        name, handle = volume._opened_file()
+        return LabelMap(_octavo.saved_tree(handle, name, is_mask, work), table, found)
 
 
 def _remove_folder(folder, process):

@@ -436,6 +436,16 @@ def test_a_volume_still_pickles(volume):
     assert pickle.loads(pickle.dumps(volume)).threshold(0) == volume.threshold(0)
 
 
+def test_a_map_pickles_as_what_it_is(mask):
+    for one in mask, mask.components(keep_largest=5), mask - mask, mask.dilate(2):
+        there = pickle.loads(pickle.dumps(one))
+        assert there == one and np.array_equal(there[...], one[...])
+        for name in ("is_mask", "dtype", "spacing", "origin", "label_names", "attrs", "table",
+                     "found", "counts"):
+            assert getattr(there, name) == getattr(one, name), name
+        assert np.array_equal(there.affine, one.affine)
+
+
 def test_maps_that_lie_elsewhere_are_not_equal(mask, inside, tmp_path):
     elsewhere = octavo.build(inside, tmp_path / "a.8vo", spacing=(9, 2, 1)).mask()
     there = octavo.build(inside, tmp_path / "b.8vo", spacing=(9, 2, 1)).mask()
