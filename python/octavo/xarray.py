@@ -5,6 +5,7 @@ from xarray import DataArray, Dataset, Variable
 from xarray.backends import BackendArray, BackendEntrypoint
 from xarray.core import indexing
 
+from ._coordinates import ALONG_AXES, WORLD, grid_coordinates
 from ._volume import Volume
 from ._work import whole_number
 
@@ -22,18 +23,26 @@ class _LevelArray(BackendArray):
                                                   self._view.__getitem__)
 
 
+# What xarray may be told of conventions by which files of other formats are decoded.
+_DECODERS = {"mask_and_scale", "decode_times", "decode_timedelta", "use_cftime",
+             "concat_characters", "decode_coords"}
+
+
 class OctavoBackend(BackendEntrypoint):
     """Opens .8vo files: one variable, ``voxels``, over z, y, x.
 
-    Coordinates are the centers of voxels in mm, LPS, or in voxels where the spacing is not known;
-    where the axes of the grid are not those of the world, they count along the grid from its first
-    voxel.
+    Coordinates are the centers of voxels, LPS and in mm, where each axis of the grid is parallel to
+    its own of the world; they descend where it points the other way. Of other grids they are mm
+    along the axes, from the first voxel of level 0; where the spacing is not known, its voxels. The
+    attribute ``coordinate_system`` says which; ``affine`` has the 4 x 4 numbers, row by row, that
+    take an index (z, y, x, 1) to the world, LPS x, y, z.
     """
 
     description = "Octavo volumes (.8vo)"
     open_dataset_parameters = ("filename_or_obj", "drop_variables", "level", "real")
 
-    def open_dataset(self, filename_or_obj, *, drop_variables=None, level=0, real=False):
+    def open_dataset(self, filename_or_obj, *, drop_variables=None, level=0, real=False,
+                     **decoders):
         """A level of a file, read where it is used.
 
         Parameters
@@ -41,19 +50,27 @@ class OctavoBackend(BackendEntrypoint):
         level : int
         real : bool
             slope * voxel + intercept as float32, instead of stored voxels.
+        **decoders
+            ``mask_and_scale`` and the like, which mean nothing here.
         """
+        if unknown := sorted(decoders.keys() - _DECODERS):
+            raise TypeError(f"open_dataset has no option {unknown[0]}")
         volume = Volume(filename_or_obj)
         level = whole_number(level, "level", 0, len(volume.levels) - 1)
         view = volume.real.levels[level] if real else volume.levels[level]
-        direction = volume.affine[:3, :3] / np.array(volume.spacing)
-        is_upright = np.allclose(direction, np.eye(3)[:, ::-1], atol=1e-6)
-        start = view.origin if is_upright else view.translation
-        units = {"units": "mm"} if volume._file.facts["is_spacing_known"] else {}
+        places, is_world = grid_coordinates(view.affine, view.translation)
+        is_known = volume._file.facts["is_spacing_known"]
+        units = {"units": "mm"} if is_known else {}
         coordinates = {
             axis: DataArray(first + step * np.arange(count), dims=(axis,), attrs=units)
-            for axis, first, step, count in zip("zyx", start, view.spacing, view.shape)}
-        attributes = {"kind": volume.kind, "affine": view.affine.tolist(), "level": level,
-                      "translation": list(view.translation)}
+            for axis, (first, step), count in zip("zyx", places, view.shape)}
+        system = WORLD if is_world else ALONG_AXES
+        # NetCDF has attributes of one axis at most.
+        attributes = {"kind": volume.kind, "affine": view.affine.ravel().tolist(), "level": level,
+                      "translation": list(view.translation),
+                      "coordinate_system": system if is_known else "voxels of level 0"}
+        if not real:
+            attributes |= {"slope": volume.slope, "intercept": volume.intercept}
         if volume.unit:
             attributes["units"] = "HU" if volume.unit == "[hnsf'U]" else volume.unit
         data = indexing.LazilyIndexedArray(_LevelArray(view))

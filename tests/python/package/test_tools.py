@@ -163,6 +163,46 @@ def test_a_viewer_of_napari_shows_the_scan_where_it_lies(scan):
     assert np.allclose(layer.world_to_data(at), (5, 6, 7))
 
 
+# Columns x, y, z of coronal, sagittal and oblique series.
+PERMUTED = {
+    "coronal": [[1, 0, 0], [0, 0, 1], [0, -1, 0]],
+    "sagittal": [[0, 0, -1], [1, 0, 0], [0, -1, 0]],
+    "oblique": [[0, 0.6, 0.8], [0, 0.8, -0.6], [-1, 0, 0]],
+}
+
+
+@pytest.fixture(params=PERMUTED)
+def permuted(request, tmp_path):
+    random = np.random.default_rng(3)
+    voxels = random.integers(-30, 31, (40, 50, 60)).cumsum(2).astype(np.int16)
+    return octavo.build(voxels, tmp_path / "permuted.8vo", spacing=(3, 2, 1), origin=(-9, 40, 11.5),
+                        direction=PERMUTED[request.param])
+
+
+def test_layers_of_napari_have_the_axes_of_the_world(permuted):
+    pytest.importorskip("dask.array")
+    from octavo.napari import layer_of
+    levels, attributes, _ = layer_of(permuted)
+    affine = attributes["affine"]
+    cosines = np.abs(affine[:3, :3] / np.linalg.norm(affine[:3, :3], axis=0))
+    assert (np.diag(cosines) > 0.7).all()
+    for view, level in zip(permuted.real.levels, levels):
+        assert sorted(level.shape) == sorted(view.shape)
+    for index in (0, 0, 0), (4, 5, 6), (39, 49, 59):
+        world = (permuted.affine @ [*index, 1])[2::-1]
+        there = np.linalg.solve(affine, [*world, 1])[:3].round().astype(int)
+        assert levels[0][tuple(there)].compute() == permuted.real[index]
+
+
+def test_a_slice_of_napari_is_one_of_the_world(permuted):
+    components = pytest.importorskip("napari.components")
+    from octavo.napari import layer_of
+    levels, attributes, _ = layer_of(permuted)
+    layer = components.ViewerModel().add_image(levels, **attributes)
+    of_slice = layer._transforms.simplified.set_slice([1, 2]).affine_matrix
+    assert abs(np.linalg.det(of_slice)) > 0.3
+
+
 def test_a_slider_of_notebooks_shows_the_slices(scan):
     pytest.importorskip("ipywidgets")
     from octavo._notebook import png_of

@@ -260,7 +260,8 @@ def test_xarray_opens_files_by_its_engine(path, volume, voxels):
         assert np.array_equal(dataset["voxels"].values, volume.real.levels[1][...])
 
 
-@pytest.mark.parametrize("direction", (None, [[0, 1, 0], [-1, 0, 0], [0, 0, 1]]))
+@pytest.mark.parametrize("direction", (None, [[0, 1, 0], [-1, 0, 0], [0, 0, 1]],
+                                       np.diag([-1, -1, 1]), DIRECTION))
 def test_an_array_of_xarray_stands_where_it_did_when_it_is_built_again(direction, tmp_path, voxels):
     xarray = pytest.importorskip("xarray", minversion="2023.1")
     from octavo.xarray import OctavoBackend
@@ -281,6 +282,53 @@ def test_an_array_of_xarray_stands_where_it_did_when_it_is_built_again(direction
     with xarray.open_dataset(plain.name, engine=OctavoBackend) as dataset:
         again = octavo.build(dataset["voxels"], tmp_path / "b.8vo", overwrite=True)
         assert not again._file.facts["is_spacing_known"]
+
+
+def test_coordinates_of_xarray_are_those_of_the_world(tmp_path, voxels, oblique):
+    xarray = pytest.importorskip("xarray", minversion="2023.1")
+    from octavo.xarray import OctavoBackend
+    scan = octavo.build(voxels, tmp_path / "ras.8vo", spacing=(2, 0.5, 0.25), origin=(30, 20, 10),
+                        direction=np.diag([-1, -1, 1]))
+    for level in 0, 1:
+        with xarray.open_dataset(scan.name, engine=OctavoBackend, level=level) as dataset:
+            held = dataset["voxels"]
+            assert held.attrs["coordinate_system"] == "world LPS mm"
+            z, y, x = (dataset[axis].values for axis in "zyx")
+            assert z[1] > z[0] and y[1] < y[0] and x[1] < x[0]
+            world = (scan.levels[level].affine @ [5, 6, 7, 1])[:3]
+            assert np.allclose([x[7], y[6], z[5]], world)
+            near = held.sel(z=world[2], y=world[1], x=world[0], method="nearest")
+            assert near.values == scan.levels[level][5, 6, 7]
+    with xarray.open_dataset(oblique, engine=OctavoBackend) as dataset:
+        assert dataset["voxels"].attrs["coordinate_system"].startswith("mm along the axes")
+        assert [float(dataset[axis][0]) for axis in "zyx"] == [0, 0, 0]
+    plain = octavo.build(voxels, tmp_path / "plain.8vo")
+    with xarray.open_dataset(plain.name, engine=OctavoBackend) as dataset:
+        assert dataset["voxels"].attrs["coordinate_system"] == "voxels of level 0"
+        assert "units" not in dataset["z"].attrs
+
+
+def test_xarray_writes_netcdf_that_keeps_the_place(path, volume, tmp_path):
+    xarray = pytest.importorskip("xarray", minversion="2023.1")
+    pytest.importorskip("scipy")
+    from octavo.xarray import OctavoBackend
+    with xarray.open_dataset(path, engine=OctavoBackend, level=1) as dataset:
+        dataset.to_netcdf(tmp_path / "scan.nc", engine="scipy")
+    with xarray.open_dataset(tmp_path / "scan.nc", engine="scipy") as dataset:
+        held = dataset["voxels"]
+        assert held.attrs["slope"] == 2 and held.attrs["intercept"] == -1000
+        assert np.array_equal(held.values, volume.levels[1][...])
+        again = octavo.build(held, tmp_path / "again.8vo")
+        assert np.allclose(again.affine, volume.levels[1].affine)
+
+
+def test_xarray_may_be_told_what_other_formats_are_decoded_by(path, volume):
+    xarray = pytest.importorskip("xarray", minversion="2023.1")
+    from octavo.xarray import OctavoBackend
+    with xarray.open_dataset(path, engine=OctavoBackend, mask_and_scale=False) as dataset:
+        assert np.array_equal(dataset["voxels"][3].values, volume[3])
+    with pytest.raises(TypeError, match="no option lavel"):
+        xarray.open_dataset(path, engine=OctavoBackend, lavel=2)
 
 
 @pytest.fixture
