@@ -1,13 +1,18 @@
 #include "octavo/io/zarr/zarr_hierarchy.h"
 
+#include <zlib.h>
+
 #include <algorithm>
 #include <array>
+#include <cstring>
 #include <filesystem>
 #include <map>
+#include <mutex>
 #include <span>
 #include <system_error>
 #include <utility>
 
+#include "octavo/core/crc32c.h"
 #include "octavo/core/error.h"
 #include "octavo/io/source/header_bytes.h"
 
@@ -64,17 +69,23 @@ constexpr std::size_t kWidePlaceBytes = 20;
 constexpr std::size_t kMostCommentBytes = 65535;
 constexpr std::uint64_t kMostDirectoryBytes = std::uint64_t{1} << 30;
 constexpr std::uint16_t kWideField = 1;
+constexpr std::uint64_t kProvenAtOnceBytes = std::uint64_t{1} << 20;
 
 /// A file in the zip file: where its local header stands.
 struct ZipEntry {
   std::uint64_t header_offset = 0;
   std::uint64_t size = 0;
+  std::uint32_t crc = 0;
+  std::shared_ptr<std::once_flag> is_proven = std::make_shared<std::once_flag>();
 };
 
 /// Where the directory of a zip file stands.
 struct ZipDirectory {
   std::uint64_t offset = 0;
   std::uint64_t bytes = 0;
+  std::uint64_t entry_count = 0;
+  /// Of the bits of that number that stand there: older files hold 16 of them.
+  std::uint64_t entry_count_mask = ~std::uint64_t{0};
 };
 
 std::vector<std::byte> bytes_at(const SourceFile& file, std::uint64_t offset, std::size_t count) {
@@ -100,7 +111,8 @@ ZipDirectory find_directory(const SourceFile& file) {
     break;
   }
   if (end > count) reject(file.path(), "is no zip file, or is cut: its end is not there");
-  ZipDirectory found{bytes.at<std::uint32_t>(end + 16), bytes.at<std::uint32_t>(end + 12)};
+  ZipDirectory found{bytes.at<std::uint32_t>(end + 16), bytes.at<std::uint32_t>(end + 12),
+                     bytes.at<std::uint16_t>(end + 10), 0xffff};
   if (start + end < kWidePlaceBytes) return found;
   const std::vector<std::byte> wide = bytes_at(file, start + end - kWidePlaceBytes,
                                                kWidePlaceBytes);
@@ -112,7 +124,7 @@ ZipDirectory find_directory(const SourceFile& file) {
   if (last.at<std::uint32_t>(0) != kWideEndMagic) {
     reject(file.path(), "is damaged: the end of the zip file is not where it says");
   }
-  return {last.at<std::uint64_t>(48), last.at<std::uint64_t>(40)};
+  return {last.at<std::uint64_t>(48), last.at<std::uint64_t>(40), last.at<std::uint64_t>(32)};
 }
 
 /// Takes sizes and offsets of 64 bits from the extra field of an entry.
@@ -141,20 +153,20 @@ class ZipHierarchy final : public ZarrHierarchy {
     if (place.bytes > kMostDirectoryBytes) {
       reject(path, "the directory of the zip file is longer than 1 GiB");
     }
-    read_directory(bytes_at(*file_, place.offset, static_cast<std::size_t>(place.bytes)));
+    const std::uint64_t count =
+        read_directory(bytes_at(*file_, place.offset, static_cast<std::size_t>(place.bytes)));
+    // A name that is damaged would leave a chunk out, which then has the fill value.
+    if (((count ^ place.entry_count) & place.entry_count_mask) != 0) reject_damage();
+    for (const auto& [name, entry] : entries_) start_of(name, entry);
   }
 
   std::optional<ZarrFile> open(const std::string& key) const override {
     const auto found = entries_.find(key);
     if (found == entries_.end()) return std::nullopt;
-    const std::vector<std::byte> head =
-        bytes_at(*file_, found->second.header_offset, kLocalBytes);
-    const HeaderBytes bytes(head, false);
-    if (bytes.at<std::uint32_t>(0) != kLocalMagic) reject_damage();
-    const std::uint64_t start = found->second.header_offset + kLocalBytes +
-                                bytes.at<std::uint16_t>(26) + bytes.at<std::uint16_t>(28);
-    if (start > file_->size() || found->second.size > file_->size() - start) reject_damage();
-    return ZarrFile(file_, start, found->second.size);
+    const ZipEntry& entry = found->second;
+    const std::uint64_t start = start_of(key, entry);
+    std::call_once(*entry.is_proven, [&] { prove(key, start, entry); });
+    return ZarrFile(file_, start, entry.size);
   }
 
   std::vector<std::string> files(const std::string&) const override { return {path()}; }
@@ -164,8 +176,41 @@ class ZipHierarchy final : public ZarrHierarchy {
     reject(path(), "is damaged: the directory of the zip file does not fit its files");
   }
 
-  void read_directory(const std::vector<std::byte>& directory) {
+  /// Where the bytes of a file begin; its name stands in front of them once more.
+  std::uint64_t start_of(const std::string& name, const ZipEntry& entry) const {
+    const std::vector<std::byte> head =
+        bytes_at(*file_, entry.header_offset, kLocalBytes + name.size());
+    const HeaderBytes bytes(head, false);
+    if (bytes.at<std::uint32_t>(0) != kLocalMagic ||
+        bytes.at<std::uint16_t>(26) != name.size() ||
+        std::memcmp(head.data() + kLocalBytes, name.data(), name.size()) != 0) {
+      reject_damage();
+    }
+    const std::uint64_t start =
+        entry.header_offset + head.size() + bytes.at<std::uint16_t>(28);
+    if (start > file_->size() || entry.size > file_->size() - start) reject_damage();
+    return start;
+  }
+
+  /// Reads a file once, as parts of it are read from then on.
+  void prove(const std::string& name, std::uint64_t start, const ZipEntry& entry) const {
+    std::vector<std::byte> block;
+    uLong crc = 0;
+    for (std::uint64_t at = 0; at < entry.size; at += block.size()) {
+      block.resize(
+          static_cast<std::size_t>(std::min<std::uint64_t>(kProvenAtOnceBytes, entry.size - at)));
+      file_->read_exactly(start + at, block);
+      crc = crc32(crc, reinterpret_cast<const Bytef*>(block.data()),
+                  static_cast<uInt>(block.size()));
+    }
+    if (checksum_matches(static_cast<std::uint32_t>(crc), entry.crc)) return;
+    reject(path() + "/" + name, "is damaged: its CRC-32 in the zip file is wrong");
+  }
+
+  /// Returns how many entries there are, folders among them.
+  std::uint64_t read_directory(const std::vector<std::byte>& directory) {
     const HeaderBytes bytes(directory, false);
+    std::uint64_t count = 0;
     for (std::size_t at = 0; at < directory.size();) {
       if (directory.size() - at < kEntryBytes || bytes.at<std::uint32_t>(at) != kEntryMagic) {
         reject_damage();
@@ -178,11 +223,14 @@ class ZipHierarchy final : public ZarrHierarchy {
       const std::string name(reinterpret_cast<const char*>(directory.data()) + at + kEntryBytes,
                              name_bytes);
       std::uint64_t packed = bytes.at<std::uint32_t>(at + 20);
-      ZipEntry entry{bytes.at<std::uint32_t>(at + 42), bytes.at<std::uint32_t>(at + 24)};
+      ZipEntry entry{bytes.at<std::uint32_t>(at + 42), bytes.at<std::uint32_t>(at + 24),
+                     bytes.at<std::uint32_t>(at + 16)};
       take_wide_numbers(bytes, extra, extra_end, packed, entry);
       if (!name.ends_with('/')) add(name, entry, bytes.at<std::uint16_t>(at + 10), packed);
       at = end;
+      ++count;
     }
+    return count;
   }
 
   void add(const std::string& name, const ZipEntry& entry, std::uint16_t method,

@@ -40,7 +40,8 @@ class ZarrHierarchy {
   const std::string& path() const { return path_; }
   /// The file under a key; nothing where there is none.
   /// key     "0/c/1/2/3": names with slashes between, none of them "." or ".."
-  /// Throws  Error{source_rejected} where it leads out of the folder by a link; Error{io}
+  /// Throws  Error{source_rejected} where it leads out of the folder by a link, or its checksum in
+  ///         the zip file is wrong; Error{io}
   virtual std::optional<ZarrFile> open(const std::string& key) const = 0;
   /// The JSON under a key; a value that is not there where there is no such file.
   /// Throws  as open; Error{source_rejected} for what is no JSON, or longer than 16 MiB
@@ -58,7 +59,8 @@ class ZarrHierarchy {
 /// True for folders that hold zarr.json, .zgroup, .zattrs or .zarray.
 bool is_zarr_folder(const std::string& path);
 
-/// A folder, or a zip file that is not compressed.
+/// A folder, or a zip file that is not compressed. Each file of a zip file is read once as a whole,
+/// when it is first opened, and proven by its CRC-32.
 /// Throws  Error{source_rejected} for a zip file that is damaged, compressed, or has names that
 ///         climb; Error{io}
 /// Memory  of a zip file: that of its directory

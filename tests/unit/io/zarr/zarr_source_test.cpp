@@ -100,6 +100,17 @@ class ZarrSources : public ::testing::Test {
     return folder_.path() + "/" + name;
   }
 
+  /// The image of plain chunks in one file.
+  std::string write_zip() {
+    std::string path = folder_.file("a.ozx");
+    const auto zip = make_zarr_zip(local_storage(), path, false);
+    for (const auto& [key, bytes] : image_of_v3(kArray3, as_it_is)) {
+      zip->put(key, {reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
+    }
+    zip->finish();
+    return path;
+  }
+
   void expect_volume(const std::string& path, const std::string& voxels) {
     const auto source = open_source({path}, {});
     const VolumeDescription& d = source->description();
@@ -191,17 +202,46 @@ TEST_F(ZarrSources, ShardsGiveTheirChunks) {
 }
 
 TEST_F(ZarrSources, AZipFileGivesWhatAFolderDoes) {
-  const auto zip = make_zarr_zip(local_storage(), folder_.file("a.ozx"), false);
-  for (const auto& [key, bytes] : image_of_v3(kArray3, as_it_is)) {
-    zip->put(key, {reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
-  }
-  zip->finish();
+  write_zip();
   expect_volume(folder_.file("a.ozx"), bytes_of(kStoredValues));
   const std::string whole = read_file(folder_.file("a.ozx"));
   for (std::size_t length = 0; length < whole.size(); length += length < 64 ? 1 : 13) {
     write_file(folder_.file("a.ozx"), whole.substr(0, length));
     EXPECT_EQ(source_error({folder_.file("a.ozx")}).kind(), ErrorKind::source_rejected) << length;
   }
+}
+
+TEST_F(ZarrSources, AFlippedBitOfAZipFileNeverGivesOtherVoxels) {
+  const std::string path = write_zip();
+  const std::string whole = read_file(path);
+  int rejected = 0;
+  for (std::size_t at = 0; at < whole.size(); ++at) {
+    SCOPED_TRACE(at);
+    std::string damaged = whole;
+    damaged[at] = static_cast<char>(damaged[at] ^ (1 << at % 8));
+    write_file(path, damaged);
+    try {
+      const auto source = open_source({path}, {});
+      ASSERT_EQ(voxels_of(*source), bytes_of(kStoredValues));
+      ASSERT_EQ(source->description().geometry.spacing_mm, (Point3{2, 3, 4}));
+      ASSERT_EQ(source->description().geometry.origin_mm, (Point3{9, 8, 7}));
+    } catch (const Error& error) {
+      ASSERT_EQ(error.kind(), ErrorKind::source_rejected) << error.what();
+      ++rejected;
+    }
+  }
+  // The rest are dates, versions and the comment.
+  EXPECT_GT(rejected, static_cast<int>(whole.size()) * 3 / 4);
+}
+
+TEST_F(ZarrSources, AZipFileSaysWhichOfItsFilesIsDamaged) {
+  const std::string path = write_zip();
+  std::string damaged = read_file(path);
+  damaged[damaged.find(chunk_at(1, 0))] ^= 1;
+  write_file(path, damaged);
+  const Error error = source_error({path});
+  EXPECT_TRUE(contains(error, "CRC-32")) << error.what();
+  EXPECT_EQ(error.path(), path + "/s0/c/1/0/0");
 }
 
 TEST_F(ZarrSources, AnArrayWithinAnImageIsTheLevelThatTheImageSays) {
