@@ -21,6 +21,12 @@ std::uint16_t tag_of(TIFF* handle, std::uint32_t tag, std::uint16_t absent) {
   return TIFFGetFieldDefaulted(handle, tag, &value) == 1 ? value : absent;
 }
 
+/// Whether libtiff tells of JPEG that is sound and of a kind that libjpeg has no decoder for.
+bool is_unknown_process(std::string_view told) {
+  return told.find("Unsupported JPEG process") != std::string_view::npos ||
+         told.find("arithmetic coding") != std::string_view::npos;
+}
+
 /// What is wrong with what codes make; empty where these are whole rows.
 std::string damage_of(const MadeBytes& made, const WantedRows& wanted) {
   if (made.count > wanted.most) {
@@ -65,6 +71,12 @@ void TiffBlockDecoder::decode(std::uint32_t number, std::span<std::byte> rows,
   if (is_deflate(compression_)) return decode_deflated(number, rows, most);
   if (compression_ == COMPRESSION_ZSTD) return decode_zstd(number, rows, most);
   const std::size_t found = decode_by_libtiff(number, rows);
+  if (is_unknown_process(messages_.error)) {
+    reject(file_.path(), "page " + std::to_string(page_) +
+                             " is compressed by a process of JPEG that is not read (lossless ones "
+                             "and those of arithmetic codes are not); save it with Deflate or LZW, "
+                             "or uncompressed");
+  }
   if (!messages_.error.empty()) reject_block(number, escaped(messages_.error));
   if (found != rows.size()) {
     reject_block(number, std::to_string(rows.size()) + " bytes expected, " +

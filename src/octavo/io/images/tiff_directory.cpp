@@ -75,6 +75,7 @@ TiffDirectory::TiffDirectory(const SourceFile& file, std::uint64_t offset, bool 
   }
   begin_ = offset;
   end_ = end;
+  link_ = read_number(offset + count_bytes + bytes, is_big_tiff_ ? 8 : 4);
   entries_.resize(bytes);
   file_.read_exactly(offset + count_bytes, entries_);
 }

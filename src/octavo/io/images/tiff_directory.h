@@ -47,6 +47,8 @@ class TiffDirectory {
   /// The bytes of the file that the directory takes up.
   std::uint64_t begin() const { return begin_; }
   std::uint64_t end() const { return end_; }
+  /// Where the next directory begins; 0: this is the last one.
+  std::uint64_t link() const { return link_; }
   bool is_big_tiff() const { return is_big_tiff_; }
   /// Bytes of the longest text (ASCII) that the file can hold, as its entry says.
   std::uint64_t longest_text() const;
@@ -66,6 +68,7 @@ class TiffDirectory {
   bool is_big_tiff_ = false;
   std::uint64_t begin_ = 0;
   std::uint64_t end_ = 0;
+  std::uint64_t link_ = 0;
   std::vector<std::byte> entries_;
 };
 

@@ -184,6 +184,7 @@ TiffPage TiffFile::page() {
            std::to_string(kMaxDescriptionBytes) + " are read. Save it without its description");
   }
   require_single_numbers(whole);
+  link_ = whole.link();
   page.width = tag_or<std::uint32_t>(handle_, TIFFTAG_IMAGEWIDTH, 0);
   page.height = tag_or<std::uint32_t>(handle_, TIFFTAG_IMAGELENGTH, 0);
   if (page.width == 0 || page.height == 0) reject("a page without width or height");
@@ -304,7 +305,9 @@ bool TiffFile::next_page() {
   ++number_;
   if (TIFFReadDirectory(handle_) == 1) return true;
   if (!messages_->error.empty()) reject("a damaged page");
-  return false;
+  if (link_ == 0) return false;
+  reject("page " + std::to_string(number_ - 1) + " is followed by byte " + std::to_string(link_) +
+         ", where a page in front of it stands: others may be lost; copy it again from its origin");
 }
 
 void TiffFile::go_to(std::uint64_t directory_offset, std::int64_t number) {

@@ -52,8 +52,8 @@ class TiffFile {
   /// The page the file stands at. Throws Error{source_rejected} on color that is not RGB, a type
   /// that is no voxel type, and a directory that contradicts itself.
   TiffPage page();
-  /// Goes to the next page; false behind the last one. Throws Error{source_rejected} on a damaged
-  /// one.
+  /// Goes from the page that page() gave to the next one; false behind the last one. Throws
+  /// Error{source_rejected} on a damaged one, and where the last one leads back to one in front.
   bool next_page();
   /// Goes to the page at an offset. Throws Error{source_rejected}.
   /// number  of the page, for messages
@@ -102,6 +102,7 @@ class TiffFile {
   SourceFile file_;
   std::int64_t number_ = 0;  // of the current page
   TiffDirectories directories_;  // of the pages so far
+  std::uint64_t link_ = 0;       // from the last page() to the next one
   TiffLayout layout_;            // of the last page()
   std::unique_ptr<TiffMessages> messages_;
   tiff* handle_ = nullptr;

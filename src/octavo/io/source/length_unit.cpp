@@ -18,8 +18,11 @@ std::optional<double> unit_in_mm(std::string_view unit) {
       {"\\u00b5m", 1e-3}, {"\xc2\xb5m", 1e-3}, {"\xce\xbcm", 1e-3}, {"\xb5m", 1e-3},
       {"inch", 25.4},    {"in", 25.4},       {"inches", 25.4},
       {"ft", 304.8},     {"foot", 304.8},   {"yd", 914.4},      {"yard", 914.4},
-      {"mile", 1609344}, {"km", 1e6},       {"kilometer", 1e6}, {"kilometre", 1e6},
+      {"mile", 1609344}, {"mi", 1609344},
+      {"km", 1e6},       {"kilometer", 1e6}, {"kilometre", 1e6},
       {"dm", 100},       {"decimeter", 100}, {"decimetre", 100}, {"angstrom", 1e-7},
+      // The letter with a ring in UTF-8, the sign, and the letter in Latin-1.
+      {"\xc3\x85", 1e-7}, {"\xe2\x84\xab", 1e-7}, {"\xc5", 1e-7},
       {"pm", 1e-9},      {"picometer", 1e-9}, {"picometre", 1e-9}, {"fm", 1e-12},
       {"femtometer", 1e-12}, {"femtometre", 1e-12}};
   const auto found = kUnits.find(lower_case(std::string(unit)));

@@ -5,6 +5,7 @@
 #include <tiffio.h>
 
 #include <array>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 
@@ -138,6 +139,46 @@ TEST(TiffPage, OfJpegCutByItsByteCountIsRejected) {
   set_number(bytes, TIFFTAG_STRIPBYTECOUNTS, count / 2);
   write_file(folder.file("a.tif"), bytes);
   expect_rejected(folder.file("a.tif"), {"strip 0 of page 0 is damaged (its picture ends before"});
+}
+
+TEST(TiffPage, OfLosslessJpegIsSaidNotToBeRead) {
+  const TempFolder folder;
+  write_tiff(folder.file("a.tif"), jpeg_picture());
+  std::string bytes = read_file(folder.file("a.tif"));
+  const std::size_t frame = bytes.find("\xff\xc0");
+  ASSERT_NE(frame, std::string::npos);
+  bytes[frame + 1] = '\xc3';
+  write_file(folder.file("a.tif"), bytes);
+  const Error error = source_error({folder.file("a.tif")});
+  EXPECT_TRUE(contains(error, "process of JPEG that is not read")) << with_hints(error);
+  EXPECT_FALSE(contains(error, "damaged")) << with_hints(error);
+}
+
+TEST(TiffPage, ThatLeadsBackToOneInFrontIsRejected) {
+  const TempFolder folder;
+  for (const bool big : {false, true}) {
+    TiffSample sample;
+    sample.big = big;
+    for (int i = 0; i < 3; ++i) sample.pages.push_back(counted(12, i));
+    write_tiff(folder.file("a.tif"), sample);
+    std::string bytes = read_file(folder.file("a.tif"));
+    const std::size_t width = big ? 8 : 4;
+    // Where the link to each directory stands, from that in the head on
+    std::vector<std::size_t> links = {big ? 8U : 4U};
+    for (int i = 0; i < 3; ++i) {
+      std::uint64_t at = 0;
+      std::memcpy(&at, bytes.data() + links.back(), width);
+      std::uint16_t count = 0;
+      std::memcpy(&count, bytes.data() + at, sizeof count);
+      links.push_back(at + (big ? 8 + std::size_t{20} * count : 2 + std::size_t{12} * count));
+    }
+    for (std::size_t target = 0; target < 3; ++target) {
+      std::string other = bytes;
+      other.replace(links[3], width, bytes.substr(links[target], width));
+      write_file(folder.file("a.tif"), other);
+      expect_rejected(folder.file("a.tif"), {"page 2 is followed by byte", "page in front"});
+    }
+  }
 }
 
 TEST(TiffPage, OfStripsThatClaimFarTooManyBytesIsRejectedAtTheFirstOne) {
