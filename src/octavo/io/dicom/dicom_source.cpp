@@ -235,6 +235,11 @@ std::unique_ptr<PlaneSource> open_dicom_source(const std::vector<std::string>& f
   DicomTimes times = volumes_in_time(std::move(slices));
   components.times = static_cast<std::int64_t>(times.volumes.size());
   components.times_told_by = times.told_by;
+  if (options.time.value_or(0) != 0 && components.times == 1) {
+    // Slices of several volumes tell more than a time that is not there.
+    std::vector<Warning> unsaid;
+    prove_stack(take_real_values(times.volumes.front(), unsaid), options);
+  }
   const ComponentChoice choice =
       choose_component(components, options, times.volumes.front().front().layout->path);
   slices = std::move(times.volumes[static_cast<std::size_t>(choice.time)]);

@@ -14,7 +14,9 @@ struct DicomTimes {
 };
 
 /// The volumes of a series in which every place has a slice for each moment, by the first of
-/// moment_numbers() that divides the slices so. One volume where none does.
+/// moment_numbers() that divides the slices so; where none does, by the order of the first that was
+/// measured for each slice, and has no value of one moment among those of another. Numbers of a
+/// less sure kind are not asked where a surer one tells slices apart. Else one volume.
 DicomTimes volumes_in_time(std::vector<DicomSlice> slices);
 
 }  // namespace octavo

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "support/dicom_elements.h"
@@ -59,6 +60,72 @@ TEST(DicomTimes, AreChosenWhereEveryPlaceHasAll) {
   }
 }
 
+TEST(DicomTimes, ThatWereMeasuredForEachSliceAreChosenByTheirOrder) {
+  for (const auto& [tag, vr, day, told_by] :
+       std::vector<std::tuple<std::uint32_t, const char*, std::string, const char*>>{
+           {0x00181060, "DS", "", "Trigger Time (0018,1060): 9 to 9.3, 10, 80.5 to 81 ms"},
+           {0x00080032, "TM", "1000",
+            "Acquisition Time (0008,0032): 100009 to 100009.3, 100010, 100080.5 to 100081"},
+           {0x0008002a, "DT", "202612311000",
+            "Acquisition DateTime (0008,002a): 20261231100009 to 20261231100009.3, "
+            "20261231100010, 20261231100080.5 to 20261231100081"}}) {
+    const TempFolder folder;
+    const std::string nine = day.empty() ? "9" : day + "09";
+    write_moments(folder, tag, vr,
+                  {{day + "10", 0, 3}, {nine, 0, 1}, {day + "10", 2, 4}, {nine + ".3", 2, 2},
+                   {day + "81", 2, 6}, {day + "80.5", 0, 5}});
+    EXPECT_TRUE(contains(source_error({folder.path()}),
+                         std::string("3 points in time (") + told_by + ")"))
+        << source_error({folder.path()}).what();
+    for (std::int64_t time = 0; time < 3; ++time) {
+      SourceOptions options;
+      options.time = time;
+      const auto low = static_cast<char>(2 * time + 1);
+      EXPECT_EQ(voxels_of(*open_source({folder.path()}, options)),
+                planes_of({low, static_cast<char>(low + 1)})) << tag;
+    }
+  }
+}
+
+TEST(DicomTimes, ThatOverlapAreToldOnceWhetherATimeIsAskedForOrNot) {
+  SourceOptions second;
+  second.time = 1;
+  // The first time of one slice lies behind the second of the other.
+  const TempFolder folder;
+  write_moments(folder, 0x00181060, "DS", {{"0 ", 0, 1}, {"50", 0, 2}, {"55", 2, 3}, {"90", 2, 4}});
+  for (const SourceOptions& options : {SourceOptions{}, second}) {
+    expect_rejected(folder.path(), {"lie at the same position", "Trigger Time (0018,1060) is"},
+                    options);
+  }
+  // One volume has one time.
+  const TempFolder one;
+  write_moments(one, 0x00181060, "DS", {{"0 ", 0, 1}, {"50", 2, 2}});
+  EXPECT_TRUE(contains(source_error({one.path()}, second), "the source has 1 point in time"));
+}
+
+TEST(DicomTimes, AreNoneWhereAnotherSettingDiffers) {
+  const TempFolder folder;
+  for (int i = 0; i < 4; ++i) {
+    DicomElements elements = ct_elements(5, 3, 8, i / 2 * 3);
+    elements.set(0x00080032, "TM", i % 2 == 0 ? "100000" : "100005");
+    elements.set(0x00180081, "DS", i % 2 == 0 ? "2 " : "10");
+    elements.write(folder.file("s" + std::to_string(i)), kExplicitLittle);
+  }
+  EXPECT_TRUE(contains(source_error({folder.path()}), "Echo Time (0018,0081) is"));
+}
+
+TEST(DicomTimes, AreNoneWhereTheirNumbersContradictEachOther) {
+  const TempFolder folder;
+  for (int i = 0; i < 4; ++i) {
+    DicomElements elements = ct_elements(5, 3, 8, i / 2 * 3);
+    elements.set(0x00080032, "TM", i % 2 == 0 ? "100000" : "100005");
+    elements.set(0x00181060, "DS", i % 2 == 0 ? "10.2" : i / 2 == 0 ? "20" : "30");
+    elements.set(0x00200100, "IS", i == 1 ? "2 " : "1 ");
+    elements.write(folder.file("s" + std::to_string(i)), kExplicitLittle);
+  }
+  EXPECT_TRUE(contains(source_error({folder.path()}), "Temporal Position Identifier (0020,0100)"));
+}
+
 /// Where a frame says when it was taken.
 struct FrameTime {
   std::uint32_t sequence = 0;
@@ -75,6 +142,10 @@ std::vector<FrameTime> frame_times() {
            "(Temporal Position Index (0020,9128): 1, 2)"},
           {0x00189118, 0x00209153, "FD", {float64(0), float64(412.5)},
            "(Nominal Cardiac Trigger Delay Time (0020,9153): 0, 412.5 ms)"},
+          {0x00189118, 0x00209241, "FL", {bytes_of<float>({0}), bytes_of<float>({37.5F})},
+           "(Nominal Percentage of Cardiac Phase (0020,9241): 0, 37.5 %)"},
+          {0x00209111, 0x00189151, "DT", {"20200101100000.5", "20200101100002"},
+           "(Frame Reference DateTime (0018,9151): 20200101100000.5, 20200101100002)"},
           {0x00209310, 0x0020930d, "FD", {float64(-0.25), float64(1.5)},
            "(Temporal Position Time Offset (0020,930d): -0.25, 1.5 s)"},
           {0x00209171, 0x00181060, "DS", {"9.5 ", "80"}, "(Trigger Time (0018,1060): 9.5, 80 ms)"},
