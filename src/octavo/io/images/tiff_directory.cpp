@@ -24,7 +24,8 @@ std::string name_of(std::uint16_t tag) {
       {277, "SamplesPerPixel"}, {278, "RowsPerStrip"},        {279, "StripByteCounts"},
       {317, "Predictor"},       {284, "PlanarConfiguration"}, {322, "TileWidth"},
       {323, "TileLength"},      {324, "TileOffsets"},         {325, "TileByteCounts"},
-      {339, "SampleFormat"},    {32997, "ImageDepth"}};
+      {339, "SampleFormat"},    {32997, "ImageDepth"},
+      {32998, "TileDepth"}};
   const auto found = kNames.find(tag);
   const std::string number = std::to_string(tag);
   return found == kNames.end() ? number : number + " (" + found->second + ")";

@@ -110,11 +110,11 @@ void require_place(const TiffDirectory& directory, const TiffDirectories& known,
 }  // namespace
 
 void require_single_numbers(const TiffDirectory& directory) {
-  constexpr std::array<std::uint16_t, 13> kSingle = {
+  constexpr std::array<std::uint16_t, 14> kSingle = {
       TIFFTAG_SUBFILETYPE, TIFFTAG_IMAGEWIDTH,   TIFFTAG_IMAGELENGTH,     TIFFTAG_PHOTOMETRIC,
       TIFFTAG_FILLORDER,   TIFFTAG_ORIENTATION,  TIFFTAG_SAMPLESPERPIXEL, TIFFTAG_ROWSPERSTRIP,
       TIFFTAG_PREDICTOR,   TIFFTAG_PLANARCONFIG, TIFFTAG_TILEWIDTH,       TIFFTAG_TILELENGTH,
-      TIFFTAG_IMAGEDEPTH};
+      TIFFTAG_IMAGEDEPTH,  TIFFTAG_TILEDEPTH};
   for (const std::uint16_t tag : kSingle) directory.number(tag);
   // One number, or one for each sample: libtiff proves that these are alike.
   constexpr std::array<std::uint16_t, 3> kOfSamples = {

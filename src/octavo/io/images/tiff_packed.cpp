@@ -4,10 +4,13 @@
 
 namespace octavo {
 
-void unpack_row(const PackedRow& packed, std::span<const std::byte> row,
-                std::span<std::byte> values) {
+namespace {
+
+template <class T>
+void unpack_as(const PackedRow& packed, std::span<const std::byte> row,
+               std::span<std::byte> values) {
   const auto bits = static_cast<std::size_t>(packed.bits);
-  const std::size_t count = values.size() / sizeof(std::uint16_t);
+  const std::size_t count = values.size() / sizeof(T);
   for (std::size_t i = 0; i < count; ++i) {
     const std::size_t begin = (i * packed.step + packed.first) * bits;
     const std::size_t end = begin + bits;
@@ -16,9 +19,17 @@ void unpack_row(const PackedRow& packed, std::span<const std::byte> row,
       window = window << 8 | std::to_integer<std::uint32_t>(row[at]);
     }
     const std::size_t behind = (8 - end % 8) % 8;
-    const auto value = static_cast<std::uint16_t>(window >> behind & ((1U << bits) - 1));
+    const auto value = static_cast<T>(window >> behind & ((1U << bits) - 1));
     std::memcpy(values.data() + i * sizeof value, &value, sizeof value);
   }
+}
+
+}  // namespace
+
+void unpack_row(const PackedRow& packed, std::span<const std::byte> row,
+                std::span<std::byte> values) {
+  if (is_packed_byte(packed.bits)) return unpack_as<std::uint8_t>(packed, row, values);
+  unpack_as<std::uint16_t>(packed, row, values);
 }
 
 }  // namespace octavo

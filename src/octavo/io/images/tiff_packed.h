@@ -1,4 +1,5 @@
-// Values of 10, 12 or 14 bits that stand side by side, as scientific cameras write them.
+// Values of 1, 2 or 4 bits, as masks have them, and of 10, 12 or 14 bits, as scientific cameras
+// write them, that stand side by side.
 //
 //     bits   | 0 .. 11 | 12 .. 23 | 24 .. 35 | .. |    the highest bit of each value first
 //     bytes  |---0---|---1---|---2---|---3---|        each row begins with a byte
@@ -11,7 +12,12 @@
 namespace octavo {
 
 /// Whether values of so many bits are read as packed ones.
-constexpr bool is_packed_width(int bits) { return bits == 10 || bits == 12 || bits == 14; }
+constexpr bool is_packed_width(int bits) {
+  return bits == 1 || bits == 2 || bits == 4 || bits == 10 || bits == 12 || bits == 14;
+}
+
+/// Whether such values become uint8, else uint16.
+constexpr bool is_packed_byte(int bits) { return bits < 8; }
 
 /// Bytes that so many values of a row take. Requires that bits * values is below 2^63
 constexpr std::uint64_t packed_row_bytes(int bits, std::uint64_t values) {
@@ -25,7 +31,7 @@ struct PackedRow {
   std::size_t first = 0;
 };
 
-/// Fills `values`, uint16 in native order, from a row.
+/// Fills `values`, uint8 or uint16 in native order as is_packed_byte says, from a row.
 /// Requires that `row` has packed_row_bytes of the last value taken
 /// Source    TIFF 6.0, section 3 (BitsPerSample), section 8 (FillOrder)
 void unpack_row(const PackedRow& packed, std::span<const std::byte> row,

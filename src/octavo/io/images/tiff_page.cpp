@@ -69,11 +69,10 @@ std::optional<StoredType> stored_type_of(std::uint16_t bits, std::uint16_t forma
     case 16: return is_signed ? VoxelType::int16 : VoxelType::uint16;
     case 32: return is_signed ? VoxelType::int32 : VoxelType::uint32;
     case 64: return is_signed ? StoredType(WideType::int64) : WideType::uint64;
-    case 10:
-    case 12:
-    case 14: return is_signed ? std::nullopt : std::optional<StoredType>(VoxelType::uint16);
-    default: return std::nullopt;
+    default: break;
   }
+  if (is_signed || !is_packed_width(bits)) return std::nullopt;
+  return is_packed_byte(bits) ? VoxelType::uint8 : VoxelType::uint16;
 }
 
 /// Kinds of compression that libtiff has no decoder for; others it knows by name.
@@ -209,8 +208,8 @@ TiffPage TiffFile::page() {
   const std::optional<StoredType> type = stored_type_of(bits, format);
   if (!type) {
     reject(std::to_string(bits) + " bits per sample of format " + std::to_string(format) +
-           " are not read; integers of 8, 16, 32 or 64 bits, those of 10, 12 or 14 bits without a "
-           "sign, and float of 32 or 64 bits are");
+           " are not read; integers of 8, 16, 32 or 64 bits, those of 1, 2, 4, 10, 12 or 14 bits "
+           "without a sign, and float of 32 or 64 bits are");
   }
   page.type = *type;
   if (is_packed_width(bits)) page.packed_bits = bits;
@@ -243,8 +242,10 @@ TiffPage TiffFile::page() {
   const auto subfile = tag_or<std::uint32_t>(handle_, TIFFTAG_SUBFILETYPE, 0);
   page.is_reduced = (subfile & FILETYPE_REDUCEDIMAGE) != 0;
   page.orientation = tag_or<std::uint16_t>(handle_, TIFFTAG_ORIENTATION, ORIENTATION_TOPLEFT);
-  if (tag_or<std::uint32_t>(handle_, TIFFTAG_IMAGEDEPTH, 1) > 1) {
-    reject("a page of several planes (ImageDepth) is not read; save it with a page for each plane");
+  if (tag_or<std::uint32_t>(handle_, TIFFTAG_IMAGEDEPTH, 1) > 1 ||
+      tag_or<std::uint32_t>(handle_, TIFFTAG_TILEDEPTH, 1) > 1) {
+    reject("a page of several planes (ImageDepth, TileDepth) is not read; save it with a page for "
+           "each plane");
   }
   take_layout(whole, bits, compression, page);
   return page;

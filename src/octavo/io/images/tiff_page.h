@@ -26,7 +26,7 @@ struct TiffPage {
   std::int64_t width = 0;
   std::int64_t height = 0;
   StoredType type = VoxelType::uint8;
-  int packed_bits = 0;            ///< of uint16 in fewer bits (tiff_packed.h); 0: bytes are whole
+  int packed_bits = 0;            ///< of values in fewer bits (tiff_packed.h); 0: bytes are whole
   std::int64_t samples = 1;       ///< of each pixel: colors or channels
   bool is_separate = false;       ///< samples stand in planes of their own, else they alternate
   bool is_rgb = false;            ///< the first three samples are red, green and blue

@@ -203,7 +203,7 @@ class TiffSource final : public IndexedPlaneSource {
 
 /// Where OME's description says planes of another size or type than the pages have; else empty.
 std::string contradiction_of(const TiffDescription& text, const TiffPage& page) {
-  const std::string found_type(stored_type_name(page.type));
+  const std::string found_type(page.packed_bits == 1 ? "bit" : stored_type_name(page.type));
   const std::int64_t columns = text.columns > 0 ? text.columns : page.width;
   const std::int64_t rows = text.rows > 0 ? text.rows : page.height;
   const std::string type = text.voxel_type.empty() ? found_type : text.voxel_type;
@@ -249,6 +249,11 @@ void add_warnings(const TiffStack& stack, SourceFacts& facts) {
                              std::to_string(absent) + " planes; their voxels are 0");
   }
   add_excess_warning(stack, facts);
+  if (has_few_levels(first)) {
+    facts.warnings.push_back("pages of " + bits_text(first) +
+                             ": voxels are the stored numbers, 0 to " +
+                             std::to_string((1 << first.packed_bits) - 1));
+  }
   if (first.has_palette) {
     facts.warnings.push_back("the color table was left out; voxels are the stored numbers");
   }

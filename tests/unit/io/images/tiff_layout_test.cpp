@@ -267,6 +267,18 @@ TEST(TiffLayout, WithBlocksThatStandForAnotherValueThan0IsRejected) {
   }
 }
 
+TEST(TiffLayout, WithTilesOfSeveralPlanesIsRejected) {
+  const TempFolder folder;
+  TiffSample sample = blocks_sample(true, 1);
+  constexpr std::uint16_t kStandIn = 65001;
+  sample.tags = {{kStandIn, TIFF_LONG, 1, bytes_of<std::uint32_t>({2})}};
+  write_tiff(folder.file("a.tif"), sample);
+  std::string bytes = read_file(folder.file("a.tif"));
+  bytes.replace(entry_of(bytes, kStandIn), 2, bytes_of<std::uint16_t>({TIFFTAG_TILEDEPTH}));
+  write_file(folder.file("a.tif"), bytes);
+  expect_rejected(folder.file("a.tif"), {"a page of several planes", "TileDepth"});
+}
+
 TEST(TiffLayout, WithAPredictorOfAnyTypeOfIntegersHasItUndone) {
   const TempFolder folder;
   for (const int compression : {COMPRESSION_LZW, COMPRESSION_ADOBE_DEFLATE, COMPRESSION_ZSTD}) {

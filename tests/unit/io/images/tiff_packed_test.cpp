@@ -34,8 +34,14 @@ std::vector<std::uint16_t> values_of(int bits, std::size_t count) {
   return values;
 }
 
+/// As voxels of native order.
+std::string voxels_of_values(int bits, const std::vector<std::uint16_t>& values) {
+  if (!is_packed_byte(bits)) return bytes_of(values);
+  return {values.begin(), values.end()};
+}
+
 TEST(TiffPacked, RowsHaveEachValueAtItsBits) {
-  for (const int bits : {10, 12, 14}) {
+  for (const int bits : {1, 2, 4, 10, 12, 14}) {
     for (std::size_t count = 2; count < 20; ++count) {
       const std::vector<std::uint16_t> values = values_of(bits, count);
       const std::string row = packed(bits, count, values);
@@ -43,10 +49,11 @@ TEST(TiffPacked, RowsHaveEachValueAtItsBits) {
         for (std::size_t first = 0; first < step; ++first) {
           std::vector<std::uint16_t> expected;
           for (std::size_t i = first; i < count; i += step) expected.push_back(values[i]);
-          std::vector<std::uint16_t> found(expected.size());
+          std::string found(voxels_of_values(bits, expected).size(), '\xff');
           unpack_row({bits, step, first}, std::as_bytes(std::span(row)),
                      std::as_writable_bytes(std::span(found)));
-          EXPECT_EQ(found, expected) << bits << ' ' << count << ' ' << step << ' ' << first;
+          EXPECT_EQ(found, voxels_of_values(bits, expected))
+              << bits << ' ' << count << ' ' << step << ' ' << first;
         }
       }
     }
@@ -104,10 +111,10 @@ void write_page(const std::string& path, const PackedPage& page) {
   TIFFClose(tiff);
 }
 
-TEST(TiffPacked, PagesBecomeUint16) {
+TEST(TiffPacked, PagesBecomeUint8OrUint16) {
   const TempFolder folder;
   const std::string path = folder.file("a.tif");
-  for (const int bits : {10, 12, 14}) {
+  for (const int bits : {1, 2, 4, 10, 12, 14}) {
     for (const std::uint16_t compression :
          std::initializer_list<std::uint16_t>{COMPRESSION_NONE, COMPRESSION_LZW,
                                               COMPRESSION_ADOBE_DEFLATE, COMPRESSION_PACKBITS}) {
@@ -118,14 +125,27 @@ TEST(TiffPacked, PagesBecomeUint16) {
             const PackedPage page{bits, 1, compression, fill_order, is_tile, mode};
             write_page(path, page);
             const auto source = open_source({path}, with_spacing(1, 1, 1));
-            EXPECT_EQ(source->description().type, VoxelType::uint16);
-            EXPECT_EQ(voxels_of(*source), bytes_of(page.values()))
+            EXPECT_EQ(source->description().type,
+                      bits < 8 ? VoxelType::uint8 : VoxelType::uint16);
+            EXPECT_EQ(voxels_of(*source), voxels_of_values(bits, page.values()))
                 << bits << ' ' << compression << ' ' << fill_order << ' ' << is_tile << mode;
           }
         }
       }
     }
   }
+}
+
+TEST(TiffPacked, FewLevelsAreToldAndNotMixedWithMore) {
+  const TempFolder folder;
+  const PackedPage page{1};
+  write_page(folder.file("a1.tif"), page);
+  const auto source = open_source({folder.file("a1.tif")}, with_spacing(1, 1, 1));
+  ASSERT_EQ(source->warnings().size(), 1U);
+  EXPECT_TRUE(contains(source->warnings()[0],
+                       "pages of 1 bit: voxels are the stored numbers, 0 to 1"));
+  write_page(folder.file("a2.tif"), {4});
+  expect_rejected(folder.path(), {"a2.tif holds uint8 of 4 bits", "a1.tif holds uint8 of 1 bit"});
 }
 
 TEST(TiffPacked, ChannelsTakeTurns) {
@@ -151,7 +171,7 @@ TEST(TiffPacked, OtherWidthsAndSignsAreRejected) {
   PackedPage page;
   page.bits = 11;
   write_page(path, page);
-  expect_rejected(path, {"11 bits per sample", "10, 12 or 14 bits without a sign"});
+  expect_rejected(path, {"11 bits per sample", "1, 2, 4, 10, 12 or 14 bits without a sign"});
   page.bits = 12;
   page.format = SAMPLEFORMAT_INT;
   write_page(path, page);
