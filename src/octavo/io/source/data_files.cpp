@@ -1,6 +1,7 @@
 #include "octavo/io/source/data_files.h"
 
 #include <algorithm>
+#include <charconv>
 #include <utility>
 
 #include "octavo/core/checked.h"
@@ -89,6 +90,29 @@ std::uint64_t expected_count(const std::string& header, std::span<const std::int
 }  // namespace
 
 bool has_number_pattern(std::string_view name) { return find_number(name).has_value(); }
+
+std::optional<PatternLine> pattern_line(std::string_view line, std::size_t most) {
+  PatternLine result;
+  line = trimmed(line);
+  while (result.numbers.size() < most) {
+    const std::size_t blank = line.find_last_of(" \t");
+    if (blank == std::string_view::npos) break;
+    const std::string_view word = line.substr(blank + 1);
+    std::int64_t number = 0;
+    const auto [end, failure] = std::from_chars(word.data(), word.data() + word.size(), number);
+    if (failure != std::errc() || end != word.data() + word.size()) break;
+    result.numbers.insert(result.numbers.begin(), number);
+    line = trimmed(line.substr(0, blank));
+  }
+  if (!has_number_pattern(line)) return std::nullopt;
+  result.pattern = line;
+  return result;
+}
+
+std::string_view dimension_digits(std::string_view word) {
+  const bool has_mark = word.size() > 1 && (word.back() == 'D' || word.back() == 'd');
+  return word.substr(0, word.size() - (has_mark ? 1 : 0));
+}
 
 DataFileNames DataFileNames::of_list(std::string_view lines) {
   DataFileNames names;

@@ -1,6 +1,7 @@
 // Headers that name several data files: in a list, or by a pattern with a number.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -23,6 +24,19 @@ struct NumberedNames {
 /// True of a name that has one number of printf in it and no other '%': %d, %i or %u, of a width
 /// of at most two digits.
 bool has_number_pattern(std::string_view name);
+
+/// A pattern with the numbers behind it, as in "a%03d.raw 1 20 1".
+struct PatternLine {
+  std::string pattern;
+  std::vector<std::int64_t> numbers;
+};
+
+/// Up to `most` whole numbers at the end of a line, and the pattern in front of them, which may
+/// hold blanks; nothing where that has no number of printf.
+std::optional<PatternLine> pattern_line(std::string_view line, std::size_t most);
+
+/// "2" of "2D", which some programs write for the dimension of a file.
+std::string_view dimension_digits(std::string_view word);
 
 /// Names in their order. Those of a pattern are made when they are asked for: it may claim any
 /// number of them.

@@ -46,6 +46,10 @@ Size3 read_size(const MetaHeader& header) {
     reject(header.path(), "NDims is " + std::to_string(dimensions) + ", DimSize has " +
                               std::to_string(size.size()) + " numbers");
   }
+  if (std::ranges::any_of(size, [](std::int64_t count) { return count < 1; })) {
+    reject(header.path(), "DimSize is " + escaped(header.text("DimSize")) +
+                              ", numbers from 1 on expected; repair the header");
+  }
   if (dimensions > 4) {
     reject(header.path(), std::to_string(dimensions) +
                               " dimensions: 2, 3 and, with time, 4 are read; take out one first");
@@ -151,45 +155,48 @@ void reject_unreadable(const MetaHeader& header) {
   }
 }
 
-/// "LIST" or a pattern, with numbers behind it; none where one file has all voxels.
-std::vector<std::string> several_files_words(const MetaHeader& header) {
-  std::vector<std::string> data = words(header.text("ElementDataFile"));
+/// The words of "LIST", with the dimension of a file behind it or not; none where it is no list.
+std::vector<std::string> list_words(const MetaHeader& header) {
+  const std::vector<std::string> data = words(header.text("ElementDataFile"));
   const bool is_list = !data.empty() && data.size() <= 2 && data[0] == "LIST";
-  const bool is_pattern = !data.empty() && data.size() <= 4 && has_number_pattern(data[0]);
-  return is_list || is_pattern ? data : std::vector<std::string>{};
+  return is_list ? data : std::vector<std::string>{};
 }
 
-/// "2" of "2D", which some programs write behind LIST.
-std::string_view dimension_digits(std::string_view word) {
-  const bool has_mark = word.size() > 1 && (word.back() == 'D' || word.back() == 'd');
-  return word.substr(0, word.size() - (has_mark ? 1 : 0));
-}
-
-/// The files that such a header names; without a dimension each holds one index of the last axis.
-/// Of a pattern the numbers are 1 to the size of that, in steps of 1, where it gives no others.
-std::vector<std::string> several_files(const MetaHeader& header,
-                                       const std::vector<std::string>& data) {
+/// Without a dimension each file holds one index of the last axis.
+std::vector<std::string> listed_files(const MetaHeader& header,
+                                      const std::vector<std::string>& list) {
   const std::vector<std::int64_t> sizes = header.field({"DimSize"}).integers();
   const auto all = static_cast<std::int64_t>(sizes.size());
-  const auto integer = [&](std::string_view word) {
-    return FieldText{header.path(), "ElementDataFile", word}.integer();
-  };
-  const auto number = [&](std::size_t i, std::int64_t otherwise) {
-    return i < data.size() ? integer(data[i]) : otherwise;
-  };
-  if (data[0] == "LIST") {
-    const std::int64_t asked = data.size() > 1 ? integer(dimension_digits(data[1])) : 0;
-    const std::int64_t dimension = asked < 1 || asked > all ? all - 1 : asked;
-    const DataFileNames names = header.file_list();
-    if (dimension == all && names.count() != 1) {
-      reject(header.path(), "the header names " + std::to_string(names.count()) +
-                                " data files of all its " + std::to_string(all) +
-                                " dimensions, 1 expected; repair the header");
-    }
-    return find_data_files(header.path(), names, sizes, dimension);
+  const std::int64_t asked =
+      list.size() > 1
+          ? FieldText{header.path(), "ElementDataFile", dimension_digits(list[1])}.integer()
+          : 0;
+  const std::int64_t dimension = asked < 1 || asked > all ? all - 1 : asked;
+  const DataFileNames names = header.file_list();
+  if (dimension == all && names.count() != 1) {
+    reject(header.path(), "the header names " + std::to_string(names.count()) +
+                              " data files of all its " + std::to_string(all) +
+                              " dimensions, 1 expected; repair the header");
   }
-  const NumberedNames names{data[0], number(1, 1), number(2, sizes.back()), number(3, 1)};
-  return find_data_files(header.path(), DataFileNames::of_pattern(names), sizes, all - 1);
+  return find_data_files(header.path(), names, sizes, dimension);
+}
+
+/// The numbers are 1 to the size of the last axis, in steps of 1, where the pattern has none.
+std::vector<std::string> numbered_files(const MetaHeader& header, const PatternLine& line) {
+  const std::vector<std::int64_t> sizes = header.field({"DimSize"}).integers();
+  const auto number = [&](std::size_t i, std::int64_t otherwise) {
+    return i < line.numbers.size() ? line.numbers[i] : otherwise;
+  };
+  const NumberedNames names{line.pattern, number(0, 1), number(1, sizes.back()), number(2, 1)};
+  return find_data_files(header.path(), DataFileNames::of_pattern(names), sizes,
+                         static_cast<std::int64_t>(sizes.size()) - 1);
+}
+
+/// The files that a list or a pattern names; none where one file has all voxels.
+std::vector<std::string> several_files(const MetaHeader& header) {
+  if (const auto list = list_words(header); !list.empty()) return listed_files(header, list);
+  const auto line = pattern_line(header.text("ElementDataFile"), 3);
+  return line ? numbered_files(header, *line) : std::vector<std::string>{};
 }
 
 /// HeaderSize: where the voxels start in each file; nothing where it is -1, which says that a plain
@@ -209,8 +216,7 @@ VoxelRun locate_voxels(const MetaHeader& header, std::uint64_t voxel_bytes) {
   run.big_endian = header.is_true({"ElementByteOrderMSB", "BinaryDataByteOrderMSB"});
   if (header.is_true({"CompressedData"})) run.coding = StreamCoding::deflated;
   const std::optional<std::uint64_t> start = header_size(header, run.coding);
-  if (const std::vector<std::string> data = several_files_words(header); !data.empty()) {
-    const auto files = several_files(header, data);
+  if (const std::vector<std::string> files = several_files(header); !files.empty()) {
     take_files(header.path(), files, voxel_bytes,
                start ? std::optional(PieceStart{*start, 0}) : std::nullopt, run);
     return run;

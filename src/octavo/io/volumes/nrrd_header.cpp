@@ -26,6 +26,12 @@ bool is_of_the_format(const std::string& name) {
   return kNames.contains(name);
 }
 
+/// The versions that programs write.
+bool is_magic(std::string_view line) {
+  return line.size() == 8 && line.starts_with("NRRD000") && line.back() >= '1' &&
+         line.back() <= '6';
+}
+
 /// The one spelling under which a field is kept.
 std::string kept_name(const std::string& name) {
   static const std::map<std::string, std::string> kOthers = {
@@ -41,8 +47,9 @@ NrrdHeader::NrrdHeader(const std::string& path) : path_(path) {
   const std::vector<std::byte> head = file_head(path, kMaxNrrdHeaderBytes + 1);
   const bool is_longer = head.size() > kMaxNrrdHeaderBytes;
   const std::string_view text(reinterpret_cast<const char*>(head.data()), head.size());
-  if (!text.starts_with("NRRD000"))
-    reject(path, "not a NRRD header: it does not start with NRRD000");
+  if (!is_magic(trimmed(text.substr(0, text.find('\n'))))) {
+    reject(path, "not a NRRD header that is read: it does not start with NRRD0001 to NRRD0006");
+  }
   for (std::size_t at = 0; at < text.size();) {
     const std::size_t end = std::min(text.find('\n', at), text.size());
     const std::string_view line = trimmed(text.substr(at, end - at));

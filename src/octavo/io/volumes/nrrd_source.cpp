@@ -1,6 +1,7 @@
 #include "octavo/io/volumes/nrrd_source.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <map>
 #include <optional>
 #include <utility>
@@ -152,6 +153,10 @@ NrrdAxes read_axes(const NrrdHeader& header) {
     reject(header.path(), "dimension is " + std::to_string(dimension) + ", sizes has " +
                               std::to_string(axes.sizes.size()) + " numbers");
   }
+  if (std::ranges::any_of(axes.sizes, [](std::int64_t size) { return size < 1; })) {
+    reject(header.path(), "sizes is " + escaped(header.text("sizes")) +
+                              ", numbers from 1 on expected; repair the header");
+  }
   const std::vector<std::string> kinds = axis_kinds(header, axes.sizes.size());
   const std::vector<bool> is_space = find_space(header, kinds);
   for (std::size_t i = 0; i < is_space.size(); ++i) {
@@ -216,34 +221,66 @@ bool is_big_endian(const NrrdHeader& header) {
   return endian == "big";
 }
 
-/// The words of "data file" where it is a pattern: "a%03d.raw 1 20 1", with the dimension of a file
-/// behind them or not; else none.
-std::vector<std::string> pattern_words(const NrrdHeader& header) {
-  std::vector<std::string> data = words(header.text("data file"));
-  const bool is_pattern = (data.size() == 4 || data.size() == 5) && has_number_pattern(data[0]);
-  return is_pattern ? data : std::vector<std::string>{};
+/// "data file" where it is a pattern: "a%03d.raw 1 20 1", with the dimension of a file behind it or
+/// not; else nothing.
+std::optional<PatternLine> file_pattern(const NrrdHeader& header) {
+  std::optional<PatternLine> line = pattern_line(header.text("data file"), 4);
+  return line && line->numbers.size() >= 3 ? line : std::nullopt;
 }
 
 bool has_several_files(const NrrdHeader& header) {
-  return header.names_list() || !pattern_words(header).empty();
+  return header.names_list() || file_pattern(header);
 }
 
 /// The files that such a header names; without a dimension each holds one index of the last axis.
 std::vector<std::string> data_files(const NrrdHeader& header, const NrrdAxes& axes) {
-  const std::vector<std::string> data =
-      header.names_list() ? words(header.text("data file")) : pattern_words(header);
-  const auto number = [&](std::size_t i) {
-    return FieldText{header.path(), "data file", data[i]}.integer();
-  };
-  const std::size_t dimension_at = header.names_list() ? 1 : 4;
-  const auto all = static_cast<std::int64_t>(axes.sizes.size());
-  const std::int64_t dimension = data.size() > dimension_at ? number(dimension_at) : all - 1;
-  return find_data_files(
-      header.path(),
-      header.names_list()
-          ? DataFileNames::of_list(header.file_list())
-          : DataFileNames::of_pattern({data[0], number(1), number(2), number(3)}),
-      axes.sizes, dimension);
+  const std::int64_t usual = static_cast<std::int64_t>(axes.sizes.size()) - 1;
+  if (const std::optional<PatternLine> line = file_pattern(header)) {
+    const std::vector<std::int64_t>& n = line->numbers;
+    return find_data_files(header.path(),
+                           DataFileNames::of_pattern({line->pattern, n[0], n[1], n[2]}),
+                           axes.sizes, n.size() > 3 ? n[3] : usual);
+  }
+  const std::vector<std::string> list = words(header.text("data file"));
+  const std::int64_t dimension =
+      list.size() > 1 ? FieldText{header.path(), "data file", dimension_digits(list[1])}.integer()
+                      : usual;
+  return find_data_files(header.path(), DataFileNames::of_list(header.file_list()), axes.sizes,
+                         dimension);
+}
+
+/// Where the line behind `count` others starts, the first of them at `offset`.
+std::uint64_t behind_lines(const std::string& path, std::uint64_t offset, std::int64_t count) {
+  if (count == 0) return offset;
+  const SourceFile file(path);
+  std::vector<std::byte> buffer(std::size_t{1} << 16);
+  std::int64_t found = 0;
+  while (found < count) {
+    const std::size_t read = file.read_some(offset, buffer);
+    if (read == 0) {
+      reject(path, "line skip: " + std::to_string(count) + " lines expected, " +
+                       std::to_string(found) + " found; the file is cut or its header is wrong");
+    }
+    std::size_t at = 0;
+    while (at < read && found < count) {
+      if (buffer[at++] == std::byte{'\n'}) ++found;
+    }
+    offset += at;
+  }
+  return offset;
+}
+
+/// "line skip": in front of the voxels, and of their compression; 0 where "byte skip" counts from
+/// the end of the file.
+std::int64_t line_skip(const NrrdHeader& header) {
+  if (!header.has("line skip")) return 0;
+  const std::int64_t count = header.field("line skip").integer();
+  if (count < 0) {
+    reject(header.path(), "line skip is " + std::to_string(count) +
+                              ", a number from 0 on expected; repair the header");
+  }
+  const bool is_from_end = header.has("byte skip") && header.field("byte skip").integer() == -1;
+  return is_from_end ? 0 : count;
 }
 
 VoxelRun locate_voxels(const NrrdHeader& header) {
@@ -261,9 +298,6 @@ VoxelRun locate_voxels(const NrrdHeader& header) {
     run.coding = StreamCoding::deflated;
   } else if (encoding != "raw") {
     reject(header.path(), "encoding \"" + escaped(encoding) + "\" is not read; raw and gzip are");
-  }
-  if (header.has("line skip") && header.field("line skip").integer() != 0) {
-    reject(header.path(), "\"line skip\" is not read; use \"byte skip\"");
   }
   run.big_endian = is_big_endian(header);
   return run;
@@ -332,7 +366,11 @@ std::unique_ptr<PlaneSource> open_nrrd_source(const std::string& path,
     std::optional<PieceStart> start;
     if (const auto skip = byte_skip(header, run.coding)) start = PieceStart{0, *skip};
     take_files(path, files, all_bytes, start, run);
+    for (StreamPiece& piece : run.pieces) {
+      piece.start.offset = behind_lines(piece.path, piece.start.offset, line_skip(header));
+    }
   } else {
+    run.start_offset = behind_lines(run.path, run.start_offset, line_skip(header));
     apply_byte_skip(header, all_bytes, run);
   }
   return make_streamed_source(std::move(facts), run);

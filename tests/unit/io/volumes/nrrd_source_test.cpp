@@ -89,7 +89,13 @@ TEST(NrrdSource, VoxelsMayStandInSeveralFiles) {
                "p6.raw\n"},
            {1, "encoding: raw\ndata file: LIST 3\np1.raw\n"},
            {2, "encoding: raw\ndata file: LIST 3\np1.raw\np2.raw\n"},
+           {2, "encoding: raw\ndata file: LIST 2D\np1.raw\np2.raw\n"},
            {2, "encoding: raw\ndata file: p%d.raw 1 2 1\n"},
+           {2, "encoding: raw\nline skip: 2\ndata file: p%d.raw 1 2 1\n", false, "a\nbc\r\n"},
+           {2, "encoding: raw\nline skip: 1\nbyte skip: 2\ndata file: p%d.raw 1 2 1\n", false,
+            "a\nbc"},
+           {2, "encoding: raw\nlineskip: 1\nbyte skip: -1\ndata file: p%d.raw 1 2 1\n", false,
+            "ab"},
            {2, "data file: p%01d.raw 1 2 1 2\nencoding: raw\n"},
            {6, "encoding: raw\ndatafile: p%d.raw 1 6 1 1\n"},
            {2, "encoding: gzip\ndata file: p%d.raw 1 2 1\n", true},
@@ -109,6 +115,63 @@ TEST(NrrdSource, VoxelsMayStandInSeveralFiles) {
         << source->description().metadata.text();
     EXPECT_TRUE(source->warnings().empty()) << with_hints(source->warnings());
   }
+}
+
+TEST(NrrdSource, LinesAreSkippedInFrontOfTheDataOrOfItsCompression) {
+  const TempFolder folder;
+  const std::string path = folder.file("a.nrrd");
+  const std::string voxels = bytes_of(kStoredValues);
+  for (const auto& [encoding, data] : std::vector<std::pair<std::string, std::string>>{
+           {"raw\nline skip: 1", "one\n" + voxels}, {"gzip\nline skip: 1", "\n" + gzip(voxels)},
+           {"gzip\nline skip: 1\nbyte skip: 2", "one\n" + gzip("ab" + voxels)},
+           {"raw\nline skip: 0", voxels}}) {
+    write_file(path, kSeveralFiles + "encoding: " + encoding + "\n\n" + data);
+    const auto source = open_source({path}, {});
+    EXPECT_EQ(voxels_of(*source), voxels) << encoding;
+    EXPECT_TRUE(source->warnings().empty()) << with_hints(source->warnings());
+  }
+  write_file(path, kSeveralFiles + "encoding: raw\nline skip: 3\n\none\ntwo\n");
+  expect_rejected(path, {"line skip: 3 lines expected, 2 found"});
+  write_file(path, kSeveralFiles + "encoding: raw\nline skip: -1\n\n" + voxels);
+  expect_rejected(path, {"line skip is -1"});
+}
+
+TEST(NrrdSource, HeadersOfUnknownVersionsAndSizesBelow1AreRejected) {
+  const TempFolder folder;
+  const std::string path = folder.file("a.nrrd");
+  const auto write = [&](const std::string& magic, const std::string& sizes) {
+    write_file(path, magic + "\ntype: uchar\ndimension: 3\nsizes: " + sizes +
+                         "\nspacings: 1 1 1\nencoding: raw\n\n" + std::string(24, '\1'));
+  };
+  for (const char* magic : {"NRRD0001", "NRRD0004\r", "NRRD0005", "NRRD0006"}) {
+    write(magic, "4 3 2");
+    EXPECT_EQ(voxels_of(*open_source({path}, {})).size(), 24U) << magic;
+  }
+  for (const char* magic : {"NRRD0000", "NRRD0007", "NRRD0009", "NRRD00011"}) {
+    write(magic, "4 3 2");
+    expect_rejected(path, {"NRRD0001 to NRRD0006"});
+  }
+  for (const char* sizes : {"4 -3 2", "4 3 0"}) {
+    write("NRRD0005", sizes);
+    expect_rejected(path, {"sizes", "numbers from 1 on expected"});
+  }
+}
+
+TEST(NrrdSource, BlanksMayStandInNamesOfFiles) {
+  const TempFolder folder;
+  const std::string voxels = bytes_of(kStoredValues);
+  write_file(folder.file("my  run 2/p 1.raw"), voxels.substr(0, 24));
+  write_file(folder.file("my  run 2/p 2.raw"), voxels.substr(24));
+  const std::string path = folder.file("a.nhdr");
+  for (const char* names :
+       {"my  run 2/p %d.raw 1 2 1", "my  run 2/p %d.raw 1 2 1 2",
+        "LIST\nmy  run 2/p 1.raw\nmy  run 2/p 2.raw"}) {
+    write_file(path, kSeveralFiles + "encoding: raw\ndata file: " + names + "\n");
+    EXPECT_EQ(voxels_of(*open_source({path}, {})), voxels) << names;
+  }
+  write_file(folder.file("a.mhd"), "NDims = 3\nDimSize = 4 3 2\nElementType = MET_SHORT\n"
+                                   "ElementDataFile = my  run 2/p %d.raw 1 2 1\n");
+  EXPECT_EQ(voxels_of(*open_source({folder.file("a.mhd")}, {})), voxels);
 }
 
 TEST(NrrdSource, ThePatternOfFilesFallsWhereItsNumbersDo) {
