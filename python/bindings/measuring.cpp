@@ -15,6 +15,7 @@
 #include "octavo/core/text.h"
 #include "octavo/tasks/file_planes.h"
 #include "octavo/tasks/files/plane_compare.h"
+#include "octavo/tasks/masks.h"
 #include "octavo/tasks/measure.h"
 #include "work.h"
 
@@ -95,13 +96,7 @@ nb::dict compare_files(const OpenFile& a, const OpenFile& b, double max_error,
                        const nb::dict& given) {
   Work work(given);
   const Comparison found = work.run({{"a", &a}, {"b", &b}}, [&] {
-    const FileReader& first = a.reader();
-    const FileReader& second = b.reader();
-    if (max_error == 0 && first.voxel_digest() == second.voxel_digest()) {
-      Comparison grids = compare_grids(first.description(), second.description());
-      grids.is_by_digest = true;
-      return grids;
-    }
+    if (const auto stated = compare_digests(a.reader(), b.reader())) return *stated;
     FilePlanes planes_a(a.shared_reader(), 0, work.context().thread_count());
     FilePlanes planes_b(b.shared_reader(), 0, work.context().thread_count());
     const double tolerance =
@@ -114,8 +109,10 @@ nb::dict compare_files(const OpenFile& a, const OpenFile& b, double max_error,
   row["same_stored"] = found.is_same_stored();
   row["same_shape"] = found.is_same_size;
   row["same_dtype"] = found.is_same_type;
+  row["same_rescale"] = found.is_same_rescale;
   row["same_place"] = found.is_same_place;
-  row["shift_mm"] = found.shift_mm;
+  row["geometry_known"] = found.is_place_known;
+  row["shift_mm"] = found.is_place_known ? nb::cast(found.shift_mm) : nb::none();
   row["different_voxels"] = found.different;
   row["nan_in_one"] = found.nan_in_one;
   row["max_difference"] = found.max_real_difference;
@@ -127,12 +124,18 @@ nb::dict compare_files(const OpenFile& a, const OpenFile& b, double max_error,
   return row;
 }
 
+void require_one_grid(const OpenFile& a, const std::string& a_name, const OpenFile& b,
+                      const std::string& b_name) {
+  require_same_grid(a.reader().description(), a_name, b.reader().description(), b_name, "grid");
+}
+
 }  // namespace
 
 void bind_measuring(nb::module_& module) {
   module.def("measure", &measure_file, "labels"_a, "name"_a, "grey"_a.none(), "grey_name"_a,
              "percentiles"_a, "numbers"_a, "names"_a, "work"_a);
   module.def("compare", &compare_files, "a"_a, "b"_a, "max_error"_a, "work"_a);
+  module.def("require_same_grid", &require_one_grid, "a"_a, "a_name"_a, "b"_a, "b_name"_a);
 }
 
 }  // namespace octavo::python

@@ -71,9 +71,12 @@ class FileTasks(StructureTasks, PictureTasks, SurfaceTasks):
         Returns
         -------
         dict
-            equal, same_stored, same_shape, same_dtype, same_place, shift_mm, different_voxels,
-            nan_in_one (how many of these are NaN in one alone), max_difference (of the others, in
-            real units), first_different (z, y, x or None).
+            equal: in shape, place and all real values. same_stored: and in dtype and rescale as
+            well. same_shape, same_dtype, same_rescale (slope and intercept), same_place.
+            geometry_known: False where a spacing is not known; then places are not compared,
+            same_place is True and shift_mm None. different_voxels, nan_in_one (how many of these
+            are NaN in one alone), max_difference (of the others, in real units), first_different
+            (z, y, x or None).
         """
         other = opened_file(other, "other")[1]
         largest = number_of(max_error, "max_error")

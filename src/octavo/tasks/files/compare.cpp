@@ -27,15 +27,9 @@ std::optional<CompareResult> compared_by_digest(const CompareOptions& options,
   any_size.max_voxels = 0;  // no voxel is read
   const auto a = open_volume(options.a, any_size);
   const auto b = open_volume(options.b, any_size);
-  CompareResult result{a->description(), b->description(),
-                       compare_grids(a->description(), b->description())};
-  Comparison& comparison = result.comparison;
-  const bool is_same_data =
-      comparison.is_same_size && comparison.is_same_type && comparison.is_same_rescale;
-  if (!is_same_data || a->voxel_digest() != b->voxel_digest()) return {};
-  comparison.is_by_digest = true;
-  comparison.voxels = result.a.size.voxel_count();
-  return result;
+  const std::optional<Comparison> comparison = compare_digests(*a, *b);
+  if (!comparison) return {};
+  return CompareResult{a->description(), b->description(), *comparison};
 }
 
 }  // namespace

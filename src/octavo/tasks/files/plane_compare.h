@@ -3,8 +3,10 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 
 #include "octavo/core/progress.h"
+#include "octavo/file/reader.h"
 #include "octavo/planes/plane_source.h"
 
 namespace octavo {
@@ -39,6 +41,10 @@ struct Comparison {
 
 /// Compares everything but the voxels.
 Comparison compare_grids(const VolumeDescription& a, const VolumeDescription& b);
+
+/// What compare_planes finds of two files whose digests say that all voxels are the same, of one
+/// type and rescale; none where voxels have to be read.
+std::optional<Comparison> compare_digests(const FileReader& a, const FileReader& b);
 
 /// A tolerance in real units as compare_planes takes it for these two volumes. It forgives what
 /// the float32 of a slope that is not whole adds to a difference.
