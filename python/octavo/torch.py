@@ -1,23 +1,28 @@
 """Patches of volumes for PyTorch."""
 
+import contextlib
+import os
+
 import numpy as np
 import torch
 
+from . import _octavo
 from ._errors import ArgumentError
 from ._volume import Volume
-from ._work import whole_number
+from ._work import level_of, several_of, whole_number
 
 
 class PatchDataset(torch.utils.data.Dataset):
     """Random patches of volumes, each read alone and decoded where it lies.
 
     Item i is the same whatever worker reads it, and another one in another epoch (`set_epoch`).
-    Files are opened by each worker for itself.
+    Files are opened by each worker for itself, and once by the data set, which looks whether they
+    fit.
 
     Parameters
     ----------
-    paths : sequence of path
-        Images; or pairs (image, label map) on one grid.
+    paths : path or sequence of path
+        Images; or pairs (image, label map), each of one grid.
     shape : (z, y, x)
         Of a patch, in voxels of the level.
     length : int
@@ -31,21 +36,28 @@ class PatchDataset(torch.utils.data.Dataset):
     -----
     An item is a tensor [1, z, y, x]; of pairs a tuple of it and a tensor of int64 of the same
     shape. A volume smaller than a patch is continued with its smallest value, and label 0.
+
+    Raises
+    ------
+    octavo.ArgumentError
+        For pairs on different grids, grey values in the place of labels, pairs among single images,
+        and a level that a file has not.
     """
 
     def __init__(self, paths, shape, length, *, level=0, real=True, seed=0):
-        self._paths = [pair if isinstance(pair, (tuple, list)) else (pair,) for pair in paths]
-        if not self._paths:
-            raise ArgumentError("a data set has one file or more")
-        self._shape = tuple(whole_number(n, "a side of a patch", 1) for n in shape)
+        self._paths = _cases_of(paths)
+        self._shape = tuple(whole_number(n, "a side of a patch", 1)
+                            for n in several_of(shape, "the sides of a patch"))
         if len(self._shape) != 3:
             raise ArgumentError("a patch has three sides, z, y, x")
         self._length = whole_number(length, "length", 1)
-        self._level = level
+        self._level = level_of(level)
         self._real = real
         self._seed = seed
         self._epoch = 0
         self._opened = {}
+        for case in self._paths:
+            _require_fitting(case, self._level)
 
     def set_epoch(self, epoch):
         """Other patches from now on; to be called before workers start."""
@@ -87,6 +99,35 @@ class PatchDataset(torch.utils.data.Dataset):
         # Loaders bring their own workers.
         view.read((start, stop), out=patch[part], threads=1)
         return patch
+
+
+def _cases_of(paths):
+    """Tuples of an image, or of an image and a label map; the same for all."""
+    if isinstance(paths, (str, os.PathLike)):
+        paths = [paths]
+    cases = [tuple(case) if isinstance(case, (tuple, list)) else (case,)
+             for case in several_of(paths, "paths")]
+    if not cases:
+        raise ArgumentError("a data set has one file or more")
+    for case in cases:
+        if len(case) not in (1, 2):
+            raise ArgumentError(f"give paths, or pairs (image, label map), not {case!r}")
+        if len(case) != len(cases[0]):
+            raise ArgumentError("give pairs (image, label map) or images alone, not both")
+    return cases
+
+
+def _require_fitting(case, level):
+    with contextlib.ExitStack() as opened:
+        image, *rest = volumes = [opened.enter_context(Volume(path)) for path in case]
+        for volume in volumes:
+            volume._level(level)
+        for labels in rest:
+            if labels.kind != "labels":
+                raise ArgumentError(f"{labels.name}: holds grey values, no labels of "
+                                    f"{image.name}", path=labels.name)
+            _octavo.require_same_grid(image._opened_file()[1], image.name,
+                                      labels._opened_file()[1], labels.name)
 
 
 def _known_to_torch(array):

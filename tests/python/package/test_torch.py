@@ -32,3 +32,40 @@ def test_patches_for_pytorch_are_those_of_the_scan(scan, tmp_path):
     assert not torch.equal(image, patches[2][0])
     large = PatchDataset([scan.name], (64, 8, 8), 1)[0]
     assert large.shape == (1, 64, 8, 8) and (large[0, 40:] == large[0, 63]).all()
+
+
+@pytest.fixture
+def elsewhere(scan, tmp_path):
+    """Builds labels in the place of those of the scan."""
+    def built(shape=scan.shape, kind="labels", **given):
+        path = tmp_path / "other.8vo"
+        octavo.build(np.zeros(shape, np.uint8), path, kind=kind, overwrite=True,
+                     **{"spacing": scan.spacing, **given}).close()
+        return path
+    return built
+
+
+def test_a_pair_lies_on_one_grid(scan, elsewhere):
+    from octavo.torch import PatchDataset
+    assert len(PatchDataset([(scan.name, elsewhere())], (4, 4, 4), 9)) == 9
+    for other, said in (({"origin": (10, 0, 0)}, "mm from .*scan.8vo: origin"),
+                        ({"spacing": (3, 0.7, 0.6)}, "spacing"),
+                        ({"shape": (80, 70, 90)}, "has 80 x 70 x 90 voxels"),
+                        ({"kind": "grey"}, "other.8vo: holds grey values")):
+        with pytest.raises(octavo.ArgumentError, match=said):
+            PatchDataset([(scan.name, scan.threshold(0).save(scan.name + ".mask.8vo",
+                                                             overwrite=True).name),
+                          (scan.name, elsewhere(**other))], (4, 4, 4), 9)
+    with pytest.raises(octavo.ArgumentError, match="scan.8vo: holds grey values"):
+        PatchDataset([(elsewhere(), scan.name)], (4, 4, 4), 9)
+
+
+def test_what_is_no_data_set_is_said_when_it_is_made(scan, elsewhere):
+    from octavo.torch import PatchDataset
+    assert PatchDataset(scan.name, (4, 4, 4), 9)[0].shape == (1, 4, 4, 4)
+    for wrong, said in (({"level": 20}, "level 20 is not there"), ({"level": -1}, "level"),
+                        ({"paths": [(scan.name, elsewhere()), scan.name]}, "not both"),
+                        ({"paths": [(scan.name,) * 3]}, "pairs"), ({"paths": []}, "one file"),
+                        ({"paths": 7}, "paths"), ({"shape": 4}, "sides")):
+        with pytest.raises(octavo.ArgumentError, match=said):
+            PatchDataset(**{"paths": [scan.name], "shape": (4, 4, 4), "length": 9, **wrong})
