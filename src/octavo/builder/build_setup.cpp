@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <thread>
 
+#include "octavo/threads/forked.h"
+
 namespace octavo {
 
 WriterNote this_writer() {
@@ -13,6 +15,7 @@ WriterNote this_writer() {
 }
 
 int build_threads(int wanted) {
+  if (!has_threads()) return 1;
   if (wanted > 0) return wanted;
   return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }

@@ -1,8 +1,5 @@
 #include "octavo/builder/tree_builder.h"
 
-#include <tbb/parallel_pipeline.h>
-#include <tbb/task_group.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cstddef>
@@ -25,7 +22,9 @@
 #include "octavo/file/layer_order.h"
 #include "octavo/file/write/interrupted.h"
 #include "octavo/file/write/writer.h"
+#include "octavo/threads/ordered_pipeline.h"
 #include "octavo/threads/per_thread.h"
+#include "octavo/threads/started_work.h"
 
 namespace octavo {
 
@@ -48,18 +47,13 @@ struct Group {
   std::vector<std::vector<std::int64_t>> labels;  // [layer][y][x] of its bricks
   std::vector<Index3> mixed;                      // its bricks of several labels, in file order
   Model model;
-  tbb::task_group training;
+  StartedWork training;
 };
 
 // What a thread works with.
 struct BrickWorkspace {
   LabelWords words;
   LabelWords decoded;
-};
-
-struct NumberedBrick {
-  std::size_t number = 0;  // among the mixed bricks of the group
-  EncodedBrick encoded;
 };
 
 // One build: the groups of tier 0, then the tiers made of parents.
@@ -101,7 +95,7 @@ class TreeBuild {
       Group& group = *groups.back();
       group.first_layer = next_layer;
       group.end_layer = next_layer = std::min(grid_.z, next_layer + layers);
-      group.training.run([this, &group] { prepare(group); });
+      group.training.start([this, &group] { prepare(group); });
     };
     const AllTrained all_trained{groups};
     for (int i = 0; i <= workers_.count(); ++i) begin_group();
@@ -161,22 +155,13 @@ class TreeBuild {
     writer_->add_model(group.model.serialized);
     kept_ = 0;
     std::size_t next = 0;
-    const auto number = [&](tbb::flow_control& control) {
-      if (next == group.mixed.size()) control.stop();
-      return next++;
-    };
-    const auto encoded = [&](std::size_t i) {
-      return NumberedBrick{i, encode_checked(group.model, group.mixed[i])};
-    };
-    const auto kept = [&](const NumberedBrick& brick) {
-      keep_uniform(group);
-      keep(group, group.mixed[brick.number], brick.encoded);
-    };
-    tbb::parallel_pipeline(
-        kTreeBricksPerThread * static_cast<std::size_t>(workers_.count()),
-        tbb::make_filter<void, std::size_t>(tbb::filter_mode::serial_in_order, number) &
-            tbb::make_filter<std::size_t, NumberedBrick>(tbb::filter_mode::parallel, encoded) &
-            tbb::make_filter<NumberedBrick, void>(tbb::filter_mode::serial_in_order, kept));
+    ordered_pipeline(
+        group.mixed.size(), kTreeBricksPerThread * static_cast<std::size_t>(workers_.count()),
+        [&](std::size_t i) { return encode_checked(group.model, group.mixed[i]); },
+        [&](const EncodedBrick& encoded) {
+          keep_uniform(group);
+          keep(group, group.mixed[next++], encoded);
+        });
     keep_uniform(group);
   }
 

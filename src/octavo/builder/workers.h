@@ -1,11 +1,6 @@
 // The threads of a build.
 #pragma once
 
-#include <tbb/global_control.h>
-#include <tbb/task_arena.h>
-#include <tbb/task_group.h>
-
-#include <algorithm>
 #include <chrono>
 #include <condition_variable>
 #include <cstddef>
@@ -13,19 +8,19 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
+#include <type_traits>
+#include <utility>
 
 namespace octavo {
 
 /// A number of threads that parallel work is confined to; a thread that waits in `run` or `wait`
-/// lends its place to one of them. The number may exceed the cores of the machine.
+/// lends its place to one of them. The number may exceed the cores of the machine. In a forked
+/// process (see threads/forked.h) it is 1: threads that wait are all there is.
 class Workers {
  public:
   /// of_all  the threads of all that work side by side in this process, where there are others
-  explicit Workers(int threads, int of_all = 0)
-      : limit_(tbb::global_control::max_allowed_parallelism,
-               static_cast<std::size_t>(std::max(threads, of_all)) + 1),
-        arena_(threads, 0),
-        threads_(threads) {}
+  explicit Workers(int threads, int of_all = 0);
 
   /// Drops what threads have not come for yet, of which other threads have done the work.
   ~Workers();
@@ -33,13 +28,20 @@ class Workers {
   Workers(const Workers&) = delete;
   Workers& operator=(const Workers&) = delete;
 
-  int count() const { return threads_; }
+  int count() const { return count_; }
 
   /// Runs `work`; what it runs in parallel uses these threads. Passes on what it returns and
   /// throws.
   template <class F>
   auto run(F&& work) {
-    return arena_.execute(work);
+    using Result = decltype(work());
+    if constexpr (std::is_void_v<Result>) {
+      run_on_threads([&] { work(); });
+    } else {
+      std::optional<Result> result;
+      run_on_threads([&] { result.emplace(work()); });
+      return std::move(*result);
+    }
   }
 
   /// Has one of the threads run `work`, which must not throw, and does not wait for it. Work starts
@@ -56,10 +58,12 @@ class Workers {
   template <class IsThere>
   void wait(std::condition_variable& changed, std::unique_lock<std::mutex>& lock,
             const IsThere& is_there) {
-    while (!changed.wait_for(lock, kPatience, is_there)) {
+    const auto patience = threads_ ? kPatience : kPatience.zero();
+    while (!changed.wait_for(lock, patience, is_there)) {
       lock.unlock();
-      help();
+      const bool has_helped = help();
       lock.lock();
+      if (!threads_ && !has_helped) changed.wait_for(lock, kPatience, is_there);
     }
   }
 
@@ -73,11 +77,11 @@ class Workers {
   };
 
   static bool run_oldest(Waiting& waiting);
+  void run_on_threads(const std::function<void()>& work);
 
-  tbb::global_control limit_;
-  tbb::task_arena arena_;
-  tbb::task_group comings_;  // a task for each work, of a thread that comes for the oldest
-  int threads_;
+  struct Threads;
+  std::unique_ptr<Threads> threads_;  // null in a forked process
+  int count_;
   std::shared_ptr<Waiting> waiting_ = std::make_shared<Waiting>();
 };
 

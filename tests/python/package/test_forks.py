@@ -67,6 +67,54 @@ gc.collect()
 assert not os.path.exists(os.path.dirname(name))
 """
 
+BUILDS = """
+import threading
+voxels = np.random.default_rng(1).integers(0, 999, (160, 120, 110)).astype(np.int16)
+volume = octavo.build(voxels, path)
+mask = volume.threshold(500)
+stop = False
+
+def read():
+    while not stop:
+        volume[...]
+
+def build(name):
+    out = f"{path}.{name}.8vo"
+    if name == "array":
+        octavo.build(voxels, out)
+    elif name == "volume":
+        octavo.build(volume, out, preset="fast")
+    elif name == "writer":
+        with octavo.Writer(out, voxels.shape, voxels.dtype) as w:
+            w.add(voxels)
+    elif name == "mask":
+        mask.save(out)
+        assert octavo.open(out).mask() == mask
+        os.unlink(out)
+        return
+    elif name == "transform":
+        volume.transform(out, mirror="x")
+        assert np.array_equal(octavo.open(out)[:, :, ::-1], voxels)
+        os.unlink(out)
+        return
+    elif name == "zarr":
+        octavo.build(path + ".zarr", out)
+    assert np.array_equal(octavo.open(out)[...], voxels)
+    os.unlink(out)
+
+octavo.export(volume, path + ".zarr")
+threads = [threading.Thread(target=read) for _ in range(2)]
+for thread in threads:
+    thread.start()
+try:
+    for _ in range(int(sys.argv[3])):
+        fork(lambda: build(sys.argv[2]))
+finally:
+    stop = True
+    for thread in threads:
+        thread.join()
+"""
+
 
 def ran(code, *words):
     done = subprocess.run([sys.executable, "-c", FORKED + code, *map(str, words)],
@@ -82,3 +130,8 @@ def test_a_writer_stays_with_the_process_that_opened_it(tmp_path, planes):
 
 def test_the_file_of_a_mask_stays_with_its_process(tmp_path):
     ran(MASKS, tmp_path / "a.8vo")
+
+
+@pytest.mark.parametrize("name", ["array", "volume", "writer", "mask", "transform", "zarr"])
+def test_files_are_built_while_threads_of_the_parent_read(tmp_path, name):
+    ran(BUILDS, tmp_path / "a.8vo", name, 3)

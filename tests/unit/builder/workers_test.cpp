@@ -1,6 +1,10 @@
 #include "octavo/builder/workers.h"
 
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
+#include <unistd.h>
 
 #include <atomic>
 #include <thread>
@@ -73,6 +77,35 @@ TEST(Workers, WorkMayOutliveTheWorkersThatHadNoThreadForIt) {
     EXPECT_TRUE(workers.help());
   }
   EXPECT_EQ(done, 1);
+}
+
+// What a forked process finds wrong, as its exit code.
+int faults_of_workers() {
+  Workers workers(4);
+  if (workers.count() != 1) return 1;
+  std::mutex mutex;
+  std::condition_variable changed;
+  std::vector<int> done;
+  const int made = workers.run([&] {
+    for (int i = 0; i < 3; ++i) workers.start([&, i] { done.push_back(i); });
+    return 5;
+  });
+  if (made != 5 || !done.empty()) return 2;
+  std::unique_lock lock(mutex);
+  workers.wait(changed, lock, [&] { return done.size() == 3; });
+  return done == std::vector<int>{0, 1, 2} && !workers.help() ? 0 : 3;
+}
+
+TEST(Workers, OfAForkedProcessAreTheThreadThatWaits) {
+  const BusyThreads busy(2);
+  Workers of_the_parent(2);
+  const pid_t child = fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) _exit(faults_of_workers());
+  int status = 0;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  EXPECT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 0);
 }
 
 }  // namespace

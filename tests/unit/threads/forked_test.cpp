@@ -12,9 +12,11 @@
 #include <vector>
 
 #include "octavo/threads/arena.h"
+#include "octavo/threads/ordered_pipeline.h"
 #include "octavo/threads/parallel_for.h"
 #include "octavo/threads/parallel_sort.h"
 #include "octavo/threads/per_thread.h"
+#include "octavo/threads/started_work.h"
 
 namespace octavo {
 namespace {
@@ -52,6 +54,18 @@ int faults_of_loops() {
   } catch (const std::runtime_error&) {
     if (turns != 4) faults |= 8;
   }
+  int kept = 0;
+  ordered_pipeline(9, 4, [](std::size_t i) { return static_cast<int>(i); },
+                   [&](int made) { kept = made == kept ? kept + 1 : -1; });
+  if (kept != 9) faults |= 16;
+  StartedWork work;
+  work.start([&] { ++kept; });
+  work.wait();
+  work.wait();
+  work.start([&] { ++kept; });
+  work.cancel();
+  work.wait();
+  if (kept != 10) faults |= 32;
   return faults;
 }
 

@@ -1,13 +1,12 @@
 #include "octavo/render/transparency/line_integrals.h"
 
-#include <tbb/parallel_pipeline.h>
-
 #include <limits>
 #include <memory>
 
 #include "octavo/core/error.h"
 #include "octavo/render/transparency/class_octree.h"
 #include "octavo/threads/arena.h"
+#include "octavo/threads/ordered_pipeline.h"
 #include "octavo/threads/per_thread.h"
 
 namespace octavo {
@@ -195,39 +194,29 @@ std::vector<typename Model::Cell> draw_volume(const ClassOctree& octree, const V
                             "blocks");
   LineBuffer<Model> whole({0, 0, lines.width, lines.height});
   PerThread<Scratch> scratches;
-  std::size_t next = 0;
-  const auto take = [&](tbb::flow_control& flow) -> std::size_t {
-    if (next < pieces.size()) return next++;
-    flow.stop();
-    return next;
-  };
   const auto draw = [&](std::size_t i) {
     if (progress.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
-    auto drawn = std::make_shared<DrawnPiece<Model>>(DrawnPiece<Model>{pieces[i], nullptr, 1});
+    DrawnPiece<Model> drawn{pieces[i], nullptr, 1};
     if (pieces[i].is_leaf) return drawn;
     Scratch& scratch = scratches.local();
     octree.load(pieces[i], scratch.block, scratch.voxels);
-    drawn->buffer =
+    drawn.buffer =
         std::make_unique<LineBuffer<Model>>(lines_of(lines, octree.box_of_piece(pieces[i])));
-    drawn->leaves =
-        draw_block(*drawn->buffer, lines, model, pieces[i].corner, scratch.block, octants);
+    drawn.leaves =
+        draw_block(*drawn.buffer, lines, model, pieces[i].corner, scratch.block, octants);
     return drawn;
   };
-  const auto put = [&](const std::shared_ptr<DrawnPiece<Model>>& drawn) {
-    const ClassPiece& piece = drawn->piece;
-    if (drawn->buffer) composite_over(whole, *drawn->buffer, model);
+  const auto put = [&](const DrawnPiece<Model>& drawn) {
+    const ClassPiece& piece = drawn.piece;
+    if (drawn.buffer) composite_over(whole, *drawn.buffer, model);
     else
       draw_cube(whole, lines, model, piece.corner, piece.side,
                 static_cast<std::uint16_t>(piece.class_id));
-    counts.leaves += drawn->leaves;
+    counts.leaves += drawn.leaves;
     progress.advance(1);
   };
-  const auto tokens = static_cast<std::size_t>(2 * arena_threads());
-  using Drawn = std::shared_ptr<DrawnPiece<Model>>;
-  tbb::parallel_pipeline(
-      tokens, tbb::make_filter<void, std::size_t>(tbb::filter_mode::serial_in_order, take) &
-                  tbb::make_filter<std::size_t, Drawn>(tbb::filter_mode::parallel, draw) &
-                  tbb::make_filter<Drawn, void>(tbb::filter_mode::serial_in_order, put));
+  const auto at_a_time = static_cast<std::size_t>(2 * arena_threads());
+  ordered_pipeline(pieces.size(), at_a_time, draw, put);
   counts.decoded_bricks = octree.decoded_bricks();
   return std::move(whole.cells);
 }
