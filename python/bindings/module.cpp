@@ -15,6 +15,10 @@
 
 NB_MODULE(_octavo, module) {
   module.attr("version") = OCTAVO_VERSION;
+#ifdef NDEBUG
+  // Processes that end without taking down their modules, as those of workers do, are no fault.
+  nanobind::set_leak_warnings(false);
+#endif
   octavo::set_text_order(octavo::TextOrder::zyx);
   octavo::python::register_errors();
   octavo::python::bind_reading(module);
