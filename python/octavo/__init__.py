@@ -11,11 +11,13 @@
 Arrays, spacings and origins are in the order z, y, x; mm and LPS.
 """
 
+import importlib
+
 from . import _octavo
 from ._building import Writer, build
-from ._errors import (ArgumentError, Cancelled, CorruptError, Error, FormatError, InternalError,
-                      LimitError, MissingError, OutOfMemoryError, SourceError, StorageError,
-                      TruncatedError, VersionError)
+from ._errors import (ArgumentError, Cancelled, CorruptError, Error, ExistsError, FormatError,
+                      InternalError, LimitError, MissingError, OutOfMemoryError, SourceError,
+                      StorageError, TruncatedError, VersionError)
 from ._label_map import LabelMap
 from ._surfaces import Surface
 from ._notebook import viewer
@@ -25,11 +27,21 @@ from ._zarr import as_dask, as_zarr, export, from_ome_zarr
 __version__ = _octavo.version
 
 __all__ = [
-    "ArgumentError", "Cancelled", "CorruptError", "Error", "FormatError", "InternalError",
-    "LabelMap", "LimitError", "MissingError", "OutOfMemoryError", "RealView", "SourceError",
-    "StorageError", "Surface", "TruncatedError", "VersionError", "View", "Volume", "Writer",
-    "as_dask", "as_zarr", "build", "export", "from_ome_zarr", "open", "viewer",
+    "ArgumentError", "Cancelled", "CorruptError", "Error", "ExistsError", "FormatError",
+    "InternalError", "LabelMap", "LimitError", "MissingError", "OutOfMemoryError", "RealView",
+    "SourceError", "StorageError", "Surface", "TruncatedError", "VersionError", "View", "Volume",
+    "Writer", "as_dask", "as_zarr", "build", "export", "from_ome_zarr", "open", "viewer",
 ]
+
+
+_WITH_PEERS = ("dask", "napari", "sitk", "slicer", "torch", "vtk", "xarray")
+
+
+def __getattr__(name):
+    # Modules that import other packages are imported once they are used.
+    if name in _WITH_PEERS:
+        return importlib.import_module(f"{__name__}.{name}")
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
 def open(source, *, cache_bytes=DEFAULT_CACHE_BYTES, storage_options=None):

@@ -47,6 +47,11 @@ class MissingError(StorageError, FileNotFoundError):
     strerror: str
     filename: str
 
+class ExistsError(StorageError, FileExistsError):
+    errno: int
+    strerror: str
+    filename: str
+
 class OutOfMemoryError(Error, MemoryError): ...
 class Cancelled(Error): ...
 class InternalError(Error): ...
@@ -325,7 +330,7 @@ class LabelMap(_FileTasks):
     def components(self, *, keep_largest: int = 0, min_mm3: float = 0,
                    connectivity: Literal[6, 18, 26] = 6, threads: int = 0, max_memory: int = 0,
                    progress: _Progress = None) -> LabelMap: ...
-    def agreement(self, other: LabelMap) -> list[dict[str, Any]]: ...
+    def agreement(self, other: LabelMap | Volume) -> list[dict[str, Any]]: ...
 
 class Writer:
     path: str

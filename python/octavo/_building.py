@@ -14,7 +14,7 @@ import numpy as np
 from . import _octavo
 from ._coordinates import facts_of_coordinates
 from ._errors import ArgumentError, Error, SourceError
-from ._sources import require_there, written_path
+from ._sources import require_free, require_there, written_path
 from ._volume import RealView, View, Volume
 from ._work import MOST_THREADS, _reporter, if_given, number_of, one_of, warn_of, whole_number
 
@@ -103,6 +103,8 @@ def build(source, path, *, kind=None, spacing=None, origin=None, direction=None,
             return build_zarr(source, path, said, given, progress, channel=channel, time=time)
         if progress is not None:
             raise ArgumentError("progress is told of arrays; files are read by another program")
+        require_there(source)
+        require_free(path, given["overwrite"])
         warn_of(_build_by_program(source, path, said, {**given, "channel": channel, "time": time,
                                                        "series": series}))
         return Volume(path)
@@ -335,8 +337,9 @@ def _depth_of(chunks):
 def _shape_and_type(source):
     shape, dtype = getattr(source, "shape", None), getattr(source, "dtype", None)
     if shape is None or dtype is None or not hasattr(source, "__getitem__"):
-        raise ArgumentError("give an array, a path or an open volume; planes one after another go "
-                            f"into octavo.Writer, not {type(source).__name__}")
+        raise ArgumentError("give an array, a path or an open volume, not "
+                            f"{type(source).__name__}; of planes one after another say "
+                            "shape=(z, y, x), or give them to octavo.Writer")
     _require_no_mask(source)
     # Arrays of tensorstore name the type of numpy that theirs is.
     return _volume_shape(shape), _dtype_of(getattr(dtype, "numpy_dtype", dtype))
@@ -486,7 +489,6 @@ def _program():
 
 def _build_by_program(source, path, options, given):
     """Returns what the program warns of."""
-    require_there(source)
     program = _program()
     command = [program, "build", _no_option(source), "-o", _no_option(path), "--json",
                *_words_of(options, given)]

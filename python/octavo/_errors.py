@@ -84,6 +84,15 @@ class MissingError(StorageError, FileNotFoundError):
     filename = property(lambda self: self.path)
 
 
+class ExistsError(StorageError, FileExistsError):
+    """A file stands there already, and was not to be replaced; `errno` and `filename` are those of
+    a FileExistsError."""
+
+    errno = errno.EEXIST
+    strerror = os.strerror(errno)
+    filename = property(lambda self: self.path)
+
+
 class OutOfMemoryError(Error, MemoryError):
     """Memory ran out."""
     kind = "out_of_memory"
@@ -121,8 +130,9 @@ _ADVICE = (
 )
 
 
-# The field of a failure of a path where nothing is.
+# The field of a failure of a path where nothing is, and those of one where something stands.
 _MISSING_PATH = "path.missing"
+_EXISTING_PATH = ("overwrite", "output.overwrite")
 
 
 def _advice_of(kind, hints):
@@ -144,4 +154,6 @@ def make_error(kind, detail, path="", offset=None, hints=()):
         text = f"{text} ({advice})"
     if path and any(field == _MISSING_PATH for field, _ in hints):
         return MissingError(text, detail, path)
+    if kind == "io" and path and any(field in _EXISTING_PATH for field, _ in hints):
+        return ExistsError(text, detail, path)
     return _CLASSES.get(kind, InternalError)(text, detail, path, offset)

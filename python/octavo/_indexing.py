@@ -198,3 +198,15 @@ def centers_within(affine, shape, low, high):
             first = np.minimum(first, (z, rows[met[0]], int(begin[met].min())))
             last = np.maximum(last, (z + 1, rows[met[-1]] + 1, int(end[met].max()) + 1))
     return (first, last) if (first < last).all() else None
+
+
+def may_overlap_itself(array):
+    """False where each axis steps over all that the axes of smaller strides span, so that no two
+    elements share a byte."""
+    spanned = array.itemsize
+    for stride, count in sorted((abs(stride), count) for stride, count
+                                in zip(array.strides, array.shape) if count > 1):
+        if stride < spanned:
+            return True
+        spanned = stride * (count - 1) + spanned
+    return False

@@ -261,11 +261,19 @@ class LabelMap(FileTasks):
     def agreement(self, other):
         """How alike each label is in two maps on one grid.
 
+        Parameters
+        ----------
+        other : LabelMap or Volume
+            Of a Volume, its `label_map`.
+
         Returns
         -------
         list of dict
             For each label but 0 of either: label, voxels_a, voxels_b, voxels_both, dice.
         """
+        from ._volume import Volume
+        if isinstance(other, Volume):
+            other = other.label_map()
         self._require_map(other)
         with work_of() as work:
             return self._tree.agreements(other._tree, work)

@@ -11,7 +11,7 @@ import time
 import urllib.parse
 
 from . import _octavo
-from ._errors import ArgumentError, MissingError, StorageError
+from ._errors import ArgumentError, ExistsError, MissingError, StorageError
 
 
 def source_of(place, options=None):
@@ -91,6 +91,13 @@ def require_there(path):
     """Raises MissingError for a path, no URL, where nothing is."""
     if "://" not in path and not os.path.exists(path):
         raise MissingError(f"{path}: is not there", "is not there", path)
+
+
+def require_free(path, overwrite):
+    """Raises ExistsError for a path where something is that shall not be replaced."""
+    if not overwrite and os.path.lexists(path):
+        raise ExistsError(f"{path}: exists already (overwrite=True replaces it)", "exists already",
+                          path)
 
 
 class _Path:

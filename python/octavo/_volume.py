@@ -8,7 +8,7 @@ import os
 import numpy as np
 
 from ._errors import ArgumentError, StorageError
-from ._indexing import Selection, centers_within, read_chosen
+from ._indexing import Selection, centers_within, may_overlap_itself, read_chosen
 from ._sources import source_of
 from ._tasks import VolumeTasks
 from ._work import MOST_THREADS, grid_affine, number_of, warn_of, whole_number
@@ -102,7 +102,8 @@ class View:
         box : ((z0, y0, x0), (z1, y1, x1)), optional
             Half-open, in voxels of this level; all of it by default.
         out : numpy.ndarray, optional
-            What to fill, of the shape of the box and the dtype of the volume; any strides.
+            What to fill, of the shape of the box and the dtype of the volume; any strides that give
+            each voxel a place of its own.
         threads : int
             To decode on; 0: all cores.
 
@@ -130,6 +131,8 @@ class View:
             raise ArgumentError(f"out must be an array of shape {shape} and dtype {self.dtype}")
         elif not out.flags.writeable:
             raise ArgumentError("out cannot be written")
+        elif may_overlap_itself(out):
+            raise ArgumentError("out has several voxels in one place in memory")
         if out.flags.c_contiguous and out.dtype.isnative:
             self._read_into(start, stop, out, threads)
         else:

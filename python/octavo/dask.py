@@ -20,7 +20,7 @@ import warnings
 
 from ._building import _error_of_program, _given, _output, _reporter, _words_of
 from ._errors import ArgumentError, Error, StorageError
-from ._sources import require_name, require_there
+from ._sources import require_free, require_name, require_there
 from ._volume import Volume
 from ._work import warn_of, whole_number
 
@@ -83,8 +83,7 @@ def build(source, path, *, client=None, parts=None, part_size=None, bands=None, 
     words = [*_words_of({"kind": kind, "spacing": spacing}, given),
              *_division(parts, part_size, bands), *map(str, plan_options)]
     sources = _sources(source)
-    if os.path.exists(output) and not overwrite:
-        raise StorageError(f"{output}: exists already (overwrite=True replaces it)", path=output)
+    require_free(output, overwrite)
     limits = ["-j", str(max(given["threads"], 1))]
     if given["max_memory"]:
         limits += ["--max-memory", str(given["max_memory"])]

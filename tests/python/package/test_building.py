@@ -1,5 +1,6 @@
 """Building: arrays of every form, planes as they come, scans by the program."""
 
+import errno
 import os
 import signal
 import subprocess
@@ -199,8 +200,17 @@ def test_names_are_checked(tmp_path, voxels):
     with pytest.raises(octavo.ArgumentError, match="ends in .8vo"):
         octavo.build(voxels, tmp_path / "a.nii")
     octavo.build(voxels[:3], tmp_path / "a.8vo")
-    with pytest.raises(octavo.StorageError, match="overwrite=True replaces it"):
-        octavo.build(voxels[:3], tmp_path / "a.8vo")
+    array, path = voxels[:3], str(tmp_path / "a.8vo")
+    for build in (lambda: octavo.build(array, path), lambda: octavo.build(path, path),
+                  lambda: octavo.Writer(path, array.shape, array.dtype),
+                  lambda: octavo.open(path).threshold(0).save(path),
+                  lambda: octavo.open(path).transform(path, mirror="x")):
+        with pytest.raises(octavo.ExistsError, match="overwrite=True replaces it") as raised:
+            build()
+        assert isinstance(raised.value, FileExistsError)
+        assert raised.value.errno == errno.EEXIST and raised.value.filename == path
+    with pytest.raises(octavo.ArgumentError, match=r"not list.*shape=\(z, y, x\)"):
+        octavo.build([*array], tmp_path / "b.8vo")
     assert np.array_equal(octavo.build(voxels[:2], tmp_path / "a.8vo", overwrite=True)[...],
                           voxels[:2])
 

@@ -189,6 +189,7 @@ def test_label_maps_of_files_keep_their_labels_and_names(tmp_path):
         saved = labels.save(tmp_path / "again.8vo")
         assert saved.voxels_sha256 == volume.voxels_sha256
         rows = labels.agreement(volume.label_map([7]))
+        assert labels.agreement(volume) == labels.agreement(volume.label_map())
         assert [(row["label"], row["dice"]) for row in rows] == [(7, 1.0), (300, 0.0)]
 
 

@@ -1,5 +1,7 @@
 """Reading: numpy's rules of indexing, levels, places, what a volume says of itself."""
 
+import subprocess
+import sys
 import warnings
 
 import numpy as np
@@ -244,3 +246,24 @@ def test_a_closed_volume_says_so(path):
     with pytest.raises(octavo.ArgumentError, match="is closed"):
         volume[0]
     assert "closed" in repr(volume)
+
+
+def test_an_array_whose_voxels_share_memory_is_not_filled(volume):
+    box = ((1, 2, 3), (5, 7, 9))
+    held = np.zeros((4, 5, 12), np.int16)
+    for strides in ((0, 24, 2), (20, 4, 2), (120, -2, 24)):
+        out = np.lib.stride_tricks.as_strided(held[:, 4:], (4, 5, 6), strides)
+        with pytest.raises(octavo.ArgumentError, match="several voxels in one place"):
+            volume.read(box, out=out)
+    assert not held.any()
+    for out in (held[:, :, ::2], held[::-1, :, 1::2], np.zeros((6, 5, 4), np.int16).T):
+        assert np.array_equal(volume.read(box, out=out), volume[1:5, 2:7, 3:9])
+
+
+def test_modules_that_need_other_packages_are_imported_once_they_are_used():
+    code = ("import sys, octavo; before = set(sys.modules)\n"
+            "assert 'octavo.dask' not in before and 'numpy' in before\n"
+            "assert callable(octavo.dask.build) and 'octavo.dask' in sys.modules\n"
+            "assert not hasattr(octavo, 'none') and 'dask' not in octavo.__all__")
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
