@@ -271,7 +271,6 @@ class LabelMap(FileTasks):
         list of dict
             For each label but 0 of either: label, voxels_a, voxels_b, voxels_both, dice.
         """
-        from ._volume import Volume
         if isinstance(other, Volume):
             other = other.label_map()
         self._require_map(other)
@@ -291,7 +290,7 @@ class LabelMap(FileTasks):
     __hash__ = None
 
     def __reduce__(self):
-        with open(self.saved()._file.opened[0], "rb") as file:
+        with open(self.saved().name, "rb") as file:
             return _unpickled, (file.read(), self.is_mask, self.table, self.found)
 
     def __repr__(self):
