@@ -27,6 +27,7 @@
 #include "octavo/file/write/writer.h"
 #include "octavo/io/zarr/zarr_source.h"
 #include "octavo/planes/plane_cursor.h"
+#include "octavo/tasks/files/exported_voxels.h"
 #include "octavo/tasks/outputs.h"
 
 namespace octavo::python {
@@ -119,6 +120,7 @@ class BuildWarnings {
   ClippedListener listener(const std::string& path) const {
     return clipped_listener(path, context_);
   }
+  const TaskContext& context() const { return context_; }
   const std::vector<std::string>& texts() const { return texts_; }
 
  private:
@@ -161,7 +163,8 @@ nb::tuple build_zarr(const std::string& source, const std::string& path, const n
   call.run_apart([&] {
     const auto planes = open_zarr_source(source, how, level);
     options.kind = kind ? kind_of(*kind) : planes->description().kind;
-    build_file(*planes, local_storage(), path, options, call);
+    const BuildResult built = build_file(*planes, local_storage(), path, options, call);
+    compare_with_export(*planes, options, built, source, path, of_build.context());
     warnings = planes->warnings();
   });
   return nb::make_tuple(list_of(warnings, [](const Warning& one) { return one.text; }),

@@ -161,7 +161,7 @@ std::string zarr_text_of(const OpenFile& file, std::optional<int> level, const s
   const FileReader& reader = file.reader();
   const VolumeDescription& volume = reader.description();
   if (!level) {
-    return ome_group_text(volume, reader.levels(), 0, reader.levels().count(), name);
+    return ome_group_text(reader, 0, reader.levels().count(), name);
   }
   return zarr_array_text(volume.type, reader.levels().size(*level), ZarrGrid{});
 }

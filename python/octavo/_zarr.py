@@ -339,7 +339,23 @@ def from_ome_zarr(source, path, *, level=0, channel=None, time=None, **options):
     if "spacing" not in facts and "octavo" not in attributes:
         warn_of([f"{source}: its axes have no unit of length that is known here: its scale and "
                  "place are left out; 1 mm assumed"])
-    return build(chosen, path, **facts)
+    made = build(chosen, path, **facts)
+    if level == 0 and not any(options.get(name) for name in _CHANGING):
+        _compare_with_export(attributes, made, source)
+    return made
+
+
+# Options that make other voxels than those of the source.
+_CHANGING = ("max_error", "keep_details", "nan", "inf")
+
+
+def _compare_with_export(attributes, made, source):
+    """Warns as `build` of a path does: of chunks that zarr does not miss."""
+    own = attributes.get("octavo")
+    exported = own.get("voxels_sha256") if isinstance(own, dict) else None
+    if exported and exported != made.voxels_sha256:
+        warn_of([f"{source}: its voxels are not those that were exported (voxels_sha256): chunks "
+                 "were changed since, are missing, or are damaged"])
 
 
 def _build_of_path(source, path, level, channel, time, options):

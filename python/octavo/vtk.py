@@ -25,7 +25,7 @@ class Reader(VTKPythonAlgorithmBase):
         As of `octavo.open`.
     level : int
     real : bool
-        Real values as float32; stored ones otherwise.
+        Real values of grey volumes as float32; stored ones otherwise. Labels stay as they are.
     """
 
     def __init__(self, path, level=0, real=True):

@@ -59,6 +59,8 @@ struct PlaneFiles {
   std::vector<FileRange> of_plane;
   /// Where some of the files can be opened without the others: path i holds slice i.
   std::optional<SliceOutline> outline = {};
+  /// What stands beside an export of this program: the SHA-256 of its voxels; empty of others.
+  std::string voxels_sha256 = {};
 
   bool operator==(const PlaneFiles&) const = default;
 };

@@ -30,7 +30,7 @@ SliceExcerpt excerpt_of(const PlaneFiles& files, std::int64_t first, std::int64_
 }
 
 std::string fault_of(const SliceStack& stack) {
-  const auto& [paths, of_plane, outline] = stack.files;
+  const auto& [paths, of_plane, outline, voxels_sha256] = stack.files;
   const Size3& size = stack.description.size;
   if (!outline) return "no outline";
   if (of_plane.size() != static_cast<std::size_t>(size.z)) return "the files of other planes";

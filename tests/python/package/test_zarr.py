@@ -69,7 +69,8 @@ def test_shards_hold_what_their_index_says(volume, voxels, tmp_path):
         offset, length = map(int, index[z, y, x])
         if offset == 2 ** 64 - 1:
             continue
-        held[z, y, x] = np.frombuffer(shard[offset:offset + length], "<i2").reshape(64, 64, 64)
+        voxels_of = np.frombuffer(shard[offset:offset + length - 4], "<i2")  # without its CRC-32C
+        held[z, y, x] = voxels_of.reshape(64, 64, 64)
     # Two chunks along z and y, and the last 22 voxels along x.
     assert set(held) == {(z, y, 0) for z in (0, 1) for y in (0, 1)}
     assert np.array_equal(held[1, 1, 0][:, :33, :22], voxels[64:128, 64:, 128:])
@@ -143,6 +144,78 @@ def test_zarr_reads_images_and_they_come_back(zarr3, oblique, tmp_path, name, co
     assert back.unit == volume.unit and back.slope == volume.slope
     assert back.intercept == volume.intercept
     assert np.allclose(back.affine, volume.affine, rtol=0, atol=1e-9)
+
+
+@pytest.fixture
+def plain(voxels, tmp_path):
+    return octavo.build(voxels, tmp_path / "plain.8vo", spacing=(2, 0.5, 0.25))
+
+
+def damaged(image):
+    """Leaves one bit after another of the chunks in a shard flipped; gives the shard's name."""
+    shard = image / "0" / "c" / "0" / "0" / "0"
+    whole = shard.read_bytes()
+    chunks = len(whole) - 4 - 16 * 3 * 2 * 3
+    for at in np.random.default_rng(7).integers(0, chunks, 24):
+        bytes_ = bytearray(whole)
+        bytes_[at] ^= 1 << int(at % 8)
+        shard.write_bytes(bytes_)
+        yield str(shard)
+
+
+@pytest.mark.parametrize("compression", ["none", "zstd", "blosc"])
+def test_a_flipped_bit_of_a_chunk_is_rejected(plain, tmp_path, compression):
+    octavo.export(plain, tmp_path / "i.ome.zarr", compression=compression)
+    for shard in damaged(tmp_path / "i.ome.zarr"):
+        with pytest.raises(octavo.SourceError, match=r"chunk ././. of the shard") as found:
+            octavo.build(tmp_path / "i.ome.zarr", tmp_path / "back.8vo", overwrite=True)
+        assert found.value.path == shard
+
+
+@pytest.mark.parametrize("compression", ["none", "zstd", "blosc"])
+def test_zarr_and_tensorstore_reject_a_flipped_bit(zarr3, plain, tmp_path, compression):
+    tensorstore = pytest.importorskip("tensorstore")
+    octavo.export(plain, tmp_path / "i.ome.zarr", compression=compression)
+    array = str(tmp_path / "i.ome.zarr" / "0")
+    for _ in damaged(tmp_path / "i.ome.zarr"):
+        with pytest.raises((ValueError, RuntimeError)):
+            zarr3.open_array(array, mode="r")[...]
+        with pytest.raises(ValueError):
+            tensorstore.open({"driver": "zarr3", "kvstore": {"driver": "file", "path": array}}
+                             ).result().read().result()
+
+
+@pytest.mark.filterwarnings("error::UserWarning")
+def test_a_chunk_that_is_missing_of_an_export_is_told(run, plain, tmp_path):
+    image, back = tmp_path / "i.ome.zarr", tmp_path / "back.8vo"
+    octavo.export(plain, image, shard_chunks=1)
+    assert octavo.build(image, back).voxels_sha256 == plain.voxels_sha256
+    octavo.build(image, back, max_error=3, overwrite=True)
+    (image / "1" / "c" / "0" / "0" / "0").unlink()
+    octavo.build(image, back, overwrite=True)
+    (image / "0" / "c" / "1" / "0" / "1").unlink()
+    with pytest.warns(UserWarning, match="its voxels are not those that were exported"):
+        octavo.build(image, back, overwrite=True)
+    done = run("build", image, "-o", back, "-f", "-q")
+    assert done.returncode == 0 and "are not those that were exported" in done.stderr
+
+
+@pytest.mark.filterwarnings("error::UserWarning")
+def test_a_chunk_that_is_missing_of_a_group_of_zarr_is_told(zarr3, plain, tmp_path):
+    octavo.export(plain, tmp_path / "i.ome.zarr", shard_chunks=1)
+    for left_out in None, "0/c/1/0/1":
+        with zipfile.ZipFile(tmp_path / "i.zip", "w") as archive:
+            for file in sorted((tmp_path / "i.ome.zarr").rglob("*")):
+                key = file.relative_to(tmp_path / "i.ome.zarr").as_posix()
+                if file.is_file() and key != left_out:
+                    archive.write(file, key)
+        group = zarr3.open_group(zarr3.storage.ZipStore(tmp_path / "i.zip", mode="r"), mode="r")
+        if not left_out:
+            back = octavo.from_ome_zarr(group, tmp_path / "back.8vo")
+            assert back.voxels_sha256 == plain.voxels_sha256
+            continue
+        with pytest.warns(UserWarning, match="are not those that were exported"):
+            octavo.from_ome_zarr(group, tmp_path / "back.8vo", overwrite=True)
 
 
 @pytest.mark.filterwarnings("ignore:.*OME-Zarr has no slope")

@@ -281,7 +281,7 @@ VolumeDescription take_description(Reader& in) {
 }
 
 void put_files(Writer& out, const PlaneFiles& files) {
-  const auto& [paths, of_plane, outline] = files;
+  const auto& [paths, of_plane, outline, voxels_sha256] = files;
   out.put_texts(paths);
   out.put_varint(of_plane.size());
   for (const auto& [first, end] : of_plane) {
@@ -289,6 +289,7 @@ void put_files(Writer& out, const PlaneFiles& files) {
     out.put_signed(end - first);
   }
   put_outline(out, outline);
+  out.put_text(voxels_sha256);
 }
 
 PlaneFiles take_files(Reader& in, std::int64_t planes) {
@@ -309,6 +310,7 @@ PlaneFiles take_files(Reader& in, std::int64_t planes) {
     files.of_plane.push_back({first, first + length});
   }
   files.outline = take_outline(in);
+  files.voxels_sha256 = in.text();
   return files;
 }
 

@@ -40,8 +40,8 @@ class ZarrContent final : public ServedContent {
   std::optional<ServedPart> beneath(std::string_view key) override {
     if (key == kTextName) {
       const Levels& levels = reader_->levels();
-      return text(ome_group_text(reader_->description(), levels, 0,
-                                 end_of_shown_levels(levels, ZarrGrid{}), name_));
+      return text(
+          ome_group_text(*reader_, 0, end_of_shown_levels(levels, ZarrGrid{}), name_));
     }
     const std::optional<std::int64_t> level = take_number(key);
     if (!level || *level >= reader_->levels().count()) return std::nullopt;

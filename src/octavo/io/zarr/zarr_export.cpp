@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "octavo/core/error.h"
@@ -34,7 +35,8 @@ ZarrGrid grid_of(const Size3& size, const ZarrExportOptions& options) {
   };
   return {{side, side, side},
           Size3{chunks(size.x), chunks(size.y), chunks(size.z)},
-          options.compression};
+          options.compression,
+          true};
 }
 
 std::span<const std::uint8_t> bytes_of(const std::string& text) {
@@ -111,7 +113,10 @@ class LevelShards {
     if (std::all_of(chunk.begin(), chunk.end(), [](std::uint8_t byte) { return byte == 0; })) {
       return {};
     }
-    return packed_chunk(chunk, reader_.description().type, grid_.compression);
+    std::vector<std::uint8_t> packed =
+        packed_chunk(chunk, reader_.description().type, grid_.compression);
+    if (grid_.compression == ZarrCompression::zstd) return packed;  // which has its own
+    return with_checksum(std::move(packed));
   }
 
   const FileReader& reader_;
@@ -138,8 +143,7 @@ ZarrExportResult write_zarr(const FileReader& reader, const std::string& path, Z
   const ProgressScope scope(progress, "exporting", planes, "planes");
   ZarrExportResult result;
   // All text stands before the voxels, so that whoever has the beginning of a zip file has it.
-  output.put("zarr.json", bytes_of(ome_group_text(reader.description(), levels,
-                                                  options.first_level, levels.count(),
+  output.put("zarr.json", bytes_of(ome_group_text(reader, options.first_level, levels.count(),
                                                   image_name(path))));
   for (int level = options.first_level; level < levels.count(); ++level) {
     const ZarrGrid grid = grid_of(levels.size(level), options);

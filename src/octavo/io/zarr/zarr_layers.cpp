@@ -86,10 +86,24 @@ void ZarrLayers::take_chunk(std::int64_t layer, std::int64_t y, std::int64_t x) 
   try {
     copy(unpacked_chunk(std::move(*bytes), layout_), box);
   } catch (const Error& failure) {
-    const std::string key = layout_.keys.key_of(place);
-    throw failure.with_path(hierarchy_->path() + "/" +
-                            key_in(folder_, layout_.sharding ? "chunk " + key : key));
+    throw located(failure, place);
   }
+}
+
+/// With the file, and with the place in it where others stand there as well.
+Error ZarrLayers::located(const Error& failure, std::vector<std::int64_t> chunk) const {
+  std::string which;
+  if (layout_.sharding) {
+    which = "chunk ";
+    for (std::size_t axis = 0; axis < chunk.size(); ++axis) {
+      const std::int64_t side = layout_.sharding->chunks[axis];
+      which += (axis == 0 ? "" : "/") + std::to_string(chunk[axis] % side);
+      chunk[axis] /= side;
+    }
+    which += " of the shard: ";
+  }
+  return failure.with_detail(which + failure.detail())
+      .with_path(hierarchy_->path() + "/" + key_in(folder_, layout_.keys.key_of(chunk)));
 }
 
 std::optional<ZarrFile> ZarrLayers::open_file(const std::vector<std::int64_t>& place) const {

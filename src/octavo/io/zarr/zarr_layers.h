@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "octavo/core/box.h"
+#include "octavo/core/error.h"
 #include "octavo/io/zarr/zarr_hierarchy.h"
 #include "octavo/io/zarr/zarr_layout.h"
 
@@ -46,6 +47,7 @@ class ZarrLayers {
 
   void fill_layer(std::int64_t layer);
   void take_chunk(std::int64_t layer, std::int64_t y, std::int64_t x);
+  Error located(const Error& failure, std::vector<std::int64_t> chunk) const;
   std::optional<ZarrFile> open_file(const std::vector<std::int64_t>& place) const;
   std::optional<std::vector<std::uint8_t>> packed(const std::vector<std::int64_t>& chunk);
   std::shared_ptr<const ShardIndex> shard_at(const std::vector<std::int64_t>& place);

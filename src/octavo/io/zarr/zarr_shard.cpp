@@ -4,6 +4,7 @@
 #include <zstd.h>
 
 #include <algorithm>
+#include <memory>
 #include <string>
 
 #include "octavo/core/crc32c.h"
@@ -18,9 +19,14 @@ constexpr int kZarrLevel = 5;
 constexpr std::uint64_t kLeftOut = ~std::uint64_t{0};
 
 std::vector<std::uint8_t> zstd_packed(std::span<const std::uint8_t> voxels) {
+  const std::unique_ptr<ZSTD_CCtx, decltype(&ZSTD_freeCCtx)> state(ZSTD_createCCtx(),
+                                                                   &ZSTD_freeCCtx);
+  if (!state) throw Error(ErrorKind::out_of_memory, "no memory for compression");
+  ZSTD_CCtx_setParameter(state.get(), ZSTD_c_compressionLevel, kZarrLevel);
+  ZSTD_CCtx_setParameter(state.get(), ZSTD_c_checksumFlag, 1);
   std::vector<std::uint8_t> packed(ZSTD_compressBound(voxels.size()));
-  const std::size_t length = ZSTD_compress(packed.data(), packed.size(), voxels.data(),
-                                           voxels.size(), kZarrLevel);
+  const std::size_t length = ZSTD_compress2(state.get(), packed.data(), packed.size(),
+                                            voxels.data(), voxels.size());
   if (ZSTD_isError(length) != 0) {
     throw Error(ErrorKind::internal, std::string("zstd: ") + ZSTD_getErrorName(length));
   }
@@ -48,6 +54,12 @@ std::vector<std::uint8_t> packed_chunk(std::span<const std::uint8_t> voxels, Vox
     case ZarrCompression::none: break;
   }
   return {voxels.begin(), voxels.end()};
+}
+
+std::vector<std::uint8_t> with_checksum(std::vector<std::uint8_t> bytes) {
+  const std::uint32_t checksum = crc32c(bytes);
+  ByteWriter(bytes).put_u32(checksum);
+  return bytes;
 }
 
 std::vector<std::uint8_t> shard_of(const std::vector<std::vector<std::uint8_t>>& chunks) {

@@ -15,11 +15,14 @@
 
 namespace octavo {
 
-/// A chunk as it stands in a file.
+/// A chunk, compressed; by zstd with a checksum of the voxels.
 /// voxels  little-endian
 /// Throws  Error{out_of_memory} where there is none to compress; Error{internal}
 std::vector<std::uint8_t> packed_chunk(std::span<const std::uint8_t> voxels, VoxelType type,
                                        ZarrCompression compression);
+
+/// The bytes and their CRC-32C behind them.
+std::vector<std::uint8_t> with_checksum(std::vector<std::uint8_t> bytes);
 
 /// The file of a shard; empty where no chunk has bytes.
 /// chunks  in C order, those left out empty

@@ -221,7 +221,11 @@ PlaneFiles files_of(const FoundArray& found, const std::string& path) {
   const std::vector<std::string> chunks = found.hierarchy->files(found.folder);
   paths.insert(paths.end(), chunks.begin(), chunks.end());
   if (paths.empty()) paths.push_back(path);
-  return files_of_volume(paths);
+  PlaneFiles files = files_of_volume(paths);
+  if (found.image && found.level == 0) {
+    files.voxels_sha256 = found.image->own.at("voxels_sha256").text().value_or("");
+  }
+  return files;
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "octavo/core/json_text.h"
+#include "octavo/core/sha256.h"
 
 namespace octavo {
 
@@ -20,13 +21,17 @@ std::array<double, 3> in_zyx(const Point3& point) { return {point[2], point[1], 
 
 JsonObject bytes_codec() { return named("bytes", JsonObject().set("endian", "little")); }
 
+JsonObject checksum_codec() { return JsonObject().set("name", "crc32c"); }
+
 /// What a chunk goes through.
-std::vector<JsonObject> chunk_codecs(VoxelType type, ZarrCompression compression) {
+std::vector<JsonObject> chunk_codecs(VoxelType type, const ZarrGrid& grid) {
   std::vector<JsonObject> codecs = {bytes_codec()};
-  if (compression == ZarrCompression::zstd) {
-    codecs.push_back(named("zstd", JsonObject().set("level", 5).set("checksum", false)));
+  if (grid.compression == ZarrCompression::zstd) {
+    codecs.push_back(
+        named("zstd", JsonObject().set("level", 5).set("checksum", grid.has_checksums)));
+    return codecs;
   }
-  if (compression == ZarrCompression::blosc) {
+  if (grid.compression == ZarrCompression::blosc) {
     codecs.push_back(named("blosc", JsonObject()
                                         .set("cname", "zstd")
                                         .set("clevel", 5)
@@ -34,6 +39,7 @@ std::vector<JsonObject> chunk_codecs(VoxelType type, ZarrCompression compression
                                         .set("typesize", bytes_per_voxel(type))
                                         .set("blocksize", 0)));
   }
+  if (grid.has_checksums) codecs.push_back(checksum_codec());
   return codecs;
 }
 
@@ -77,7 +83,9 @@ JsonObject image_label(const LabelNames& names) {
 }
 
 /// All that OME-Zarr has no place for.
-JsonObject octavo_attribute(const VolumeDescription& volume, const Geometry& geometry) {
+JsonObject octavo_attribute(const FileReader& reader, int first_level) {
+  const VolumeDescription& volume = reader.description();
+  const Geometry geometry = reader.levels().geometry(volume.geometry, first_level);
   JsonObject object;
   object.set("content", volume.kind == VolumeKind::labels ? "label map" : "grey values")
       .set("origin_mm", geometry.origin_mm)
@@ -85,6 +93,7 @@ JsonObject octavo_attribute(const VolumeDescription& volume, const Geometry& geo
       .set("direction", geometry.direction)
       .set("slope", volume.rescale.slope)
       .set("intercept", volume.rescale.intercept);
+  if (first_level == 0) object.set("voxels_sha256", hex_text(reader.voxel_digest()));
   if (volume.metadata.is_readable()) object.set_json("metadata", volume.metadata.text());
   return object;
 }
@@ -97,9 +106,9 @@ Size3 ZarrGrid::file_size() const {
 }
 
 std::string zarr_array_text(VoxelType type, const Size3& size, const ZarrGrid& grid) {
-  std::vector<JsonObject> codecs = chunk_codecs(type, grid.compression);
+  std::vector<JsonObject> codecs = chunk_codecs(type, grid);
   if (grid.shard_chunks) {
-    const std::vector<JsonObject> index = {bytes_codec(), JsonObject().set("name", "crc32c")};
+    const std::vector<JsonObject> index = {bytes_codec(), checksum_codec()};
     codecs = {named("sharding_indexed", JsonObject()
                                             .set("chunk_shape", in_zyx(grid.chunk))
                                             .set("codecs", codecs)
@@ -122,8 +131,10 @@ std::string zarr_array_text(VoxelType type, const Size3& size, const ZarrGrid& g
       .text();
 }
 
-std::string ome_group_text(const VolumeDescription& volume, const Levels& levels, int first_level,
-                           int end_level, const std::string& name) {
+std::string ome_group_text(const FileReader& reader, int first_level, int end_level,
+                           const std::string& name) {
+  const VolumeDescription& volume = reader.description();
+  const Levels& levels = reader.levels();
   std::vector<JsonObject> axes;
   for (const char* const axis : {"z", "y", "x"}) {
     JsonObject one;
@@ -143,12 +154,11 @@ std::string ome_group_text(const VolumeDescription& volume, const Levels& levels
   if (volume.kind == VolumeKind::labels) {
     ome.set("image-label", image_label(volume.metadata.facts().labels));
   }
-  const Geometry first = levels.geometry(volume.geometry, first_level);
   return JsonObject()
       .set("zarr_format", 3)
       .set("node_type", "group")
       .set("attributes",
-           JsonObject().set("ome", ome).set("octavo", octavo_attribute(volume, first)))
+           JsonObject().set("ome", ome).set("octavo", octavo_attribute(reader, first_level)))
       .text();
 }
 

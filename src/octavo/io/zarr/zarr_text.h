@@ -17,6 +17,7 @@
 
 #include "octavo/core/levels.h"
 #include "octavo/core/volume.h"
+#include "octavo/file/reader.h"
 
 namespace octavo {
 
@@ -28,6 +29,8 @@ struct ZarrGrid {
   /// Chunks of a shard along each axis; nothing: every chunk is a file.
   std::optional<Size3> shard_chunks;
   ZarrCompression compression = ZarrCompression::none;
+  /// Each chunk has a checksum: that of zstd, or a CRC-32C behind it. For chunks that are stored.
+  bool has_checksums = false;
 
   /// Of what a file holds, in voxels.
   Size3 file_size() const;
@@ -36,10 +39,11 @@ struct ZarrGrid {
 /// The text of an array of a level.
 std::string zarr_array_text(VoxelType type, const Size3& size, const ZarrGrid& grid);
 
-/// The text of the group over the levels [first_level, end_level).
+/// The text of the group over the levels [first_level, end_level) of a file. With level 0 goes the
+/// digest of its voxels.
 /// name  of the image
-std::string ome_group_text(const VolumeDescription& volume, const Levels& levels, int first_level,
-                           int end_level, const std::string& name);
+std::string ome_group_text(const FileReader& reader, int first_level, int end_level,
+                           const std::string& name);
 
 /// The level behind the finest one that is one chunk: coarser ones reach so far beyond the end of
 /// the volume that viewers show them there.

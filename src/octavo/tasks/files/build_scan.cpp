@@ -1,6 +1,7 @@
 #include "octavo/tasks/files/build_scan.h"
 
 #include "octavo/core/error.h"
+#include "octavo/tasks/files/exported_voxels.h"
 #include "octavo/tasks/inputs.h"
 
 namespace octavo {
@@ -35,6 +36,8 @@ BuiltVolume build_scan(const BuildScanOptions& options, const TaskContext& conte
   try {
     BuiltVolume built = build_planes(*scan.planes, build_options_of(options, scan.kind),
                                      options.output, "build", context);
+    compare_with_export(*scan.planes, build_options_of(options, scan.kind), built.build, name,
+                        options.output.path, context);
     if (*scan.two_values) note_mask(name, **scan.two_values, context);
     return built;
   } catch (const Error& error) {
