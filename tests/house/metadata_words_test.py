@@ -32,6 +32,7 @@ OTHERS = {
                                               "labels": "a kind of volume",
                                               "max_error": "a setting of a build",
                                               "preset": "a setting of a build"},
+    "src/octavo/io/dicom/dicom_counts.cpp": {"slices": "a noun"},
     "src/octavo/io/dicom/dicom_palette.cpp": {"index": "what an option is set to"},
     "src/octavo/io/dicom/dicom_stack.cpp": {"fill": "what an option is set to"},
     "src/octavo/io/http/answer_head.cpp": {"identity": "a coding of HTTP"},
