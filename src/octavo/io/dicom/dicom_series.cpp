@@ -430,7 +430,9 @@ DicomStack prove_stack(std::vector<DicomSlice> slices, const SourceOptions& opti
   if (!options.spacing_mm) {
     throw Error(ErrorKind::source_rejected,
                 "no geometry: position, orientation or pixel spacing is missing in " +
-                    lacking->name() + "; only with a spacing are slices taken in their order",
+                    lacking->name() +
+                    (lacking->place_fault.empty() ? "" : " (" + lacking->place_fault + ")") +
+                    "; only with a spacing are slices taken in their order",
                 lacking->layout->path)
         .with_field("spacing_mm");
   }

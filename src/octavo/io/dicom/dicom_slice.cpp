@@ -221,17 +221,29 @@ void take_real_world(const DicomSet* mapping, DicomValues& values) {
   if (slope && *slope != 0) values.rescale = {*slope, mapping->float64(0x00409224).value_or(0)};
 }
 
+void note_dose_fault(std::vector<DicomSlice>& slices, const std::string& fault) {
+  const std::string name = "Grid Frame Offset Vector " + dicom_tag_text(kGridFrameOffsets);
+  for (DicomSlice& slice : slices) slice.place_fault = name + " " + fault;
+}
+
 /// The frames of an RTDOSE lie along the normal of the first at the offsets that it lists.
 void take_dose_planes(const DicomSet& data, std::vector<DicomSlice>& slices) {
   const std::vector<double> offsets = data.decimals(kGridFrameOffsets);
   const std::vector<double> first = data.decimals(kImagePosition);
-  if (first.size() != 3 || !slices.front().orientation || offsets.size() != slices.size()) return;
+  if (first.size() != 3 || !slices.front().orientation) return;
+  if (offsets.size() != slices.size()) {
+    return note_dose_fault(slices, "has " + std::to_string(offsets.size()) + " numbers for " +
+                                       std::to_string(slices.size()) + " frames");
+  }
   const std::array<double, 6>& v = *slices.front().orientation;
   const Point3 normal = cross({v[0], v[1], v[2]}, {v[3], v[4], v[5]});
   // Others list heights of the patient instead: the first is that of the position.
   const bool are_heights = offsets.front() != 0;
   const bool is_level = normal[0] == 0 && normal[1] == 0 && std::abs(normal[2]) == 1;
-  if (are_heights && (offsets.front() != first[2] || !is_level)) return;
+  if (are_heights && (offsets.front() != first[2] || !is_level)) {
+    return note_dose_fault(slices, "starts with " + precise_text(offsets.front()) +
+                                       ", 0 or the height of the position expected");
+  }
   for (std::size_t i = 0; i < slices.size(); ++i) {
     const double up = are_heights ? normal[2] : 1;
     const double along = up * (offsets[i] - offsets.front());
@@ -284,6 +296,12 @@ std::vector<DicomSlice> read_dicom_slices(const std::string& path) {
   const auto layout = std::make_shared<const DicomLayout>(read_layout(file));
   const std::vector<DicomSet>& shared_items = file.data.items(kSharedGroups);
   const std::vector<DicomSet>& frame_items = file.data.items(kPerFrameGroups);
+  if (frame_items.size() > static_cast<std::size_t>(layout->frames)) {
+    reject(path, "Per-frame Functional Groups Sequence " + dicom_tag_text(kPerFrameGroups) +
+                     " has " + std::to_string(frame_items.size()) +
+                     " items, Number of Frames (0028,0008) says " +
+                     std::to_string(layout->frames) + "; export the series again");
+  }
   const DicomSet none;
   const DicomSet& shared = shared_items.empty() ? none : shared_items.front();
   std::vector<DicomSlice> slices;

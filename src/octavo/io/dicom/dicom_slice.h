@@ -110,6 +110,7 @@ struct DicomSlice {
   std::int64_t frame = 0;
   std::int64_t tile = 0;                              ///< of a mosaic, counted from 0 row by row
   std::optional<Point3> position_mm;                  ///< of the center of its first voxel, LPS
+  std::string place_fault;                            ///< why it has no position; may be empty
   std::optional<std::array<double, 6>> orientation;   ///< direction of rows, then of columns
   std::optional<std::array<double, 2>> pixel_mm;      ///< along x (columns), y (rows)
   std::optional<double> thickness_mm;

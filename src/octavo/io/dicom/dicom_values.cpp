@@ -45,6 +45,13 @@ DicomValues dose_values(const DicomSet& data) {
     values.fault = "a dose (RTDOSE) whose Dose Grid Scaling " + dicom_tag_text(kDoseScaling) +
                    " is missing or 0: what the voxels mean is not known; export it again";
   }
+  const double slope = number_or(data, kRescaleSlope, "Rescale Slope", 1, values.fault);
+  const double intercept = number_or(data, kRescaleIntercept, "Rescale Intercept", 0, values.fault);
+  if (values.fault.empty() && ((slope != 1 && slope != values.rescale.slope) || intercept != 0)) {
+    values.fault = "Dose Grid Scaling " + dicom_tag_text(kDoseScaling) + " and Rescale Slope " +
+                   dicom_tag_text(kRescaleSlope) + " with its intercept contradict each other: "
+                   "what the voxels mean is not known; export the dose again";
+  }
   if (data.text(kDoseUnits) == "GY") values.unit = known_value_unit("Gy");
   return values;
 }

@@ -360,10 +360,22 @@ TEST(SourceDicomDose, WithoutAScaleOrAFittingGridIsRejected) {
     expect_error(elements, {"Dose Grid Scaling (3004,000e)"});
   }
   elements = dose_elements();
-  for (const char* offsets : {"0\\2.5", "7\\9.5\\12", "0\\x\\5"}) {
+  const std::string name = "Grid Frame Offset Vector (3004,000c) ";
+  for (const auto& [offsets, why] : std::vector<std::pair<const char*, std::string>>{
+           {"0\\2.5", name + "has 2 numbers for 3 frames"},
+           {"7\\9.5\\12", name + "starts with 7, 0 or the height of the position expected"},
+           {"0\\x\\5", name + "has 0 numbers for 3 frames"}}) {
     elements.set(kDoseOffsets, "DS", offsets);
-    expect_error(elements, {"no geometry"});
+    expect_error(elements, {"no geometry", why});
   }
+}
+
+TEST(SourceDicomExtent, OfMoreGroupsThanFramesIsRejected) {
+  DicomElements elements = enhanced_elements();
+  elements.set(kFrames, "IS", "2");
+  elements.set(kPixelData, "OB", counted(30));
+  expect_error(elements, {"Per-frame Functional Groups Sequence (5200,9230) has 3 items",
+                          "Number of Frames (0028,0008) says 2"});
 }
 
 TEST(SourceDicomValues, OfSlicesWithOtherUnitsOrFramesOfReferenceAreNotMixed) {
