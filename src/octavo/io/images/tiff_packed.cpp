@@ -26,6 +26,10 @@ void unpack_as(const PackedRow& packed, std::span<const std::byte> row,
 
 }  // namespace
 
+std::string packed_width_text(int bits) {
+  return std::to_string(bits) + (bits == 1 ? " bit" : " bits");
+}
+
 void unpack_row(const PackedRow& packed, std::span<const std::byte> row,
                 std::span<std::byte> values) {
   if (is_packed_byte(packed.bits)) return unpack_as<std::uint8_t>(packed, row, values);

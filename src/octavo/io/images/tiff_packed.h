@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
 
 namespace octavo {
 
@@ -18,6 +19,9 @@ constexpr bool is_packed_width(int bits) {
 
 /// Whether such values become uint8, else uint16.
 constexpr bool is_packed_byte(int bits) { return bits < 8; }
+
+/// "1 bit", "12 bits".
+std::string packed_width_text(int bits);
 
 /// Bytes that so many values of a row take. Requires that bits * values is below 2^63
 constexpr std::uint64_t packed_row_bytes(int bits, std::uint64_t values) {

@@ -219,7 +219,7 @@ TiffPage TiffFile::page() {
            ") is not read here; save it with Deflate or LZW, or uncompressed");
   }
   if (page.packed_bits > 0 && !ratio_of(compression)) {
-    reject("values of " + std::to_string(bits) + " bits with compression of " +
+    reject("values of " + packed_width_text(bits) + " with compression of " +
            compression_name(compression) +
            " are not read; save it with Deflate or LZW, or uncompressed");
   }
@@ -233,7 +233,7 @@ TiffPage TiffFile::page() {
       tag_or<std::uint16_t>(handle_, TIFFTAG_PREDICTOR, PREDICTOR_NONE) != predictor;
   if (!prediction || is_passed_over || (page.packed_bits > 0 && is_predicted)) {
     reject("predictor " + std::to_string(predictor) + " of " +
-           (page.packed_bits > 0 ? std::to_string(bits) + " bits"
+           (page.packed_bits > 0 ? packed_width_text(bits)
                                  : std::string(stored_type_name(*type))) +
            " with compression of " + compression_name(compression) +
            " is not read; save it with Deflate or LZW, or uncompressed");

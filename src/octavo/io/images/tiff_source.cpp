@@ -8,6 +8,7 @@
 #include "octavo/core/checked.h"
 #include "octavo/core/text.h"
 #include "octavo/io/images/tiff_description.h"
+#include "octavo/io/images/tiff_packed.h"
 #include "octavo/io/images/tiff_page.h"
 #include "octavo/io/images/tiff_page_order.h"
 #include "octavo/io/images/tiff_stack.h"
@@ -250,7 +251,7 @@ void add_warnings(const TiffStack& stack, SourceFacts& facts) {
   }
   add_excess_warning(stack, facts);
   if (has_few_levels(first)) {
-    facts.warnings.push_back("pages of " + bits_text(first) +
+    facts.warnings.push_back("pages of " + packed_width_text(first.packed_bits) +
                              ": voxels are the stored numbers, 0 to " +
                              std::to_string((1 << first.packed_bits) - 1));
   }

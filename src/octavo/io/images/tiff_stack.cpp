@@ -307,13 +307,9 @@ bool has_few_levels(const TiffPage& page) {
   return page.packed_bits > 0 && is_packed_byte(page.packed_bits);
 }
 
-std::string bits_text(const TiffPage& page) {
-  return std::to_string(page.packed_bits) + (page.packed_bits == 1 ? " bit" : " bits");
-}
-
 std::string type_text(const TiffPage& page) {
   std::string text(stored_type_name(page.type));
-  if (has_few_levels(page)) text += " of " + bits_text(page);
+  if (has_few_levels(page)) text += " of " + packed_width_text(page.packed_bits);
   if (page.is_rgb) text = "RGB " + text;
   if (page.samples > (page.is_rgb ? 3 : 1)) {
     text = std::to_string(page.samples) + " samples of " + text;

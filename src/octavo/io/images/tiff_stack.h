@@ -42,8 +42,6 @@ struct TiffStack {
 
 /// Whether values have 1, 2 or 4 bits.
 bool has_few_levels(const TiffPage& page);
-/// "1 bit", "4 bits" of a page that is packed.
-std::string bits_text(const TiffPage& page);
 
 /// "uint8", "uint8 of 1 bit", "RGB uint16 (white is 0)", "4 samples of uint8",
 /// "uint8 (with a palette)".

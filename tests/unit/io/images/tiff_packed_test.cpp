@@ -178,6 +178,13 @@ TEST(TiffPacked, OtherWidthsAndSignsAreRejected) {
   expect_rejected(path, {"12 bits per sample of format 2"});
 }
 
+TEST(TiffPacked, OtherCompressionsAreRejectedByName) {
+  const TempFolder folder;
+  const std::string path = folder.file("a.tif");
+  write_page(path, {1, 1, COMPRESSION_ZSTD});
+  expect_rejected(path, {"values of 1 bit with compression of ZSTD are not read"});
+}
+
 TEST(TiffPacked, CutPagesAreRejected) {
   const TempFolder folder;
   const std::string path = folder.file("a.tif");
