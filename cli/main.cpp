@@ -32,8 +32,9 @@ namespace {
 
 constexpr const char* kExitCodes =
     "Exit codes: 0 done; 1 a difference was found; 2 usage; 3 not an 8vo file or a newer version;\n"
-    "4 damaged; 5 input/output failed; 6 limit or memory; 7 source rejected; 8 internal error;\n"
-    "130/143 stopped. 'octavo VERB --help' shows the options of a verb.";
+    "4 damaged; 5 input/output failed; 6 limit or memory; 7 source rejected, or a warning under\n"
+    "--strict; 8 internal error; 130/143 stopped.\n"
+    "'octavo VERB --help' shows the options of a verb.";
 
 void add_verbs(CLI::App& app, Context& context) {
   add_build(app, context);

@@ -15,7 +15,7 @@ inline constexpr int kExitUsage = 2;
 inline constexpr int kExitInternal = 8;
 
 /// 2 usage, 3 not an 8vo file or a newer version, 4 damaged, 5 input/output, 6 limit or memory,
-/// 7 source rejected, 8 our bug, 128 + signal when stopped.
+/// 7 source rejected or a warning under --strict, 8 our bug, 128 + signal when stopped.
 int exit_code_of(ErrorKind kind);
 
 /// Kind, path, offset, what happened with what to do, and the exit code.

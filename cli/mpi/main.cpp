@@ -27,8 +27,8 @@ namespace {
 constexpr const char* kMpiExitCodes =
     "Exit codes of the first rank that fails: 0 done; 2 usage; 3 not an 8vo file or a newer\n"
     "version; 4 damaged; 5 input/output failed, or a rank was lost; 6 limit or memory; 7 source\n"
-    "rejected; 8 internal error; 130/143 stopped. 'octavo-mpi VERB --help' shows the options\n"
-    "of a verb.";
+    "rejected, or a warning under --strict; 8 internal error; 130/143 stopped.\n"
+    "'octavo-mpi VERB --help' shows the options of a verb.";
 
 /// Whether this process is not the one of its job that speaks, by what launchers say before MPI
 /// starts.

@@ -94,6 +94,7 @@ class Usage(InFolder):
 
     def test_every_verb_explains_itself_with_an_example(self):
         main = self.expect(0, "--help").stdout
+        self.assertIn("7 source rejected, or a warning under\n--strict;", main)
         for verb in ["build", "info", "verify", "export", "extract", "slice", "probe", "compare",
                      "codes", "phantom", "repair", "transform"]:
             self.assertIn(verb, main)
