@@ -121,8 +121,10 @@ void check_label_options(const SurfaceArguments& arguments) {
   const std::string of_labels = "leave it out, or give --parts";
   const std::string of_all = "leave it out, or --parts and --interfaces";
   if (!arguments.are_parts && !arguments.are_interfaces) {
-    if (arguments.method && options.max_deviation.amount == 0) {
-      reject_option("--method", "leave it out, or --max-deviation 0, which keeps all triangles");
+    const bool has_cells = arguments.method == DecimationMethod::cells;
+    if (has_cells && options.max_deviation.amount == 0) {
+      reject_option("--method octree",
+                    "leave it out, or --max-deviation 0, which keeps all triangles");
     }
     if (arguments.smoothing_steps) reject_option("--smooth", of_labels);
     if (arguments.part_format) reject_option("--part-format", of_labels);

@@ -82,6 +82,10 @@ class Surfaces(cli_test.InFolder):
         for others in (("--triangles", "30"), ("--parts",), ("--max-deviation", "0")):
             self.expect(2, "surface", "mask.8vo", "--method", "octree", *others, "-o", "none.ply")
         self.assertFalse((self.folder / "none.ply").exists())
+        # The usual method may be named where there is nothing to collapse.
+        named = self.json("surface", "grey.8vo", "--isovalue", "50", "--max-deviation", "0",
+                          "--method", "collapse", "-o", "named.stl")
+        self.assertEqual(named["triangles"], full["triangles"])
 
     def test_as_few_triangles_as_asked_within_what_is_proven(self):
         for asked, most in (("30", 30), ("5%", None)):
