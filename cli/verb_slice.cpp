@@ -26,7 +26,8 @@ constexpr VerbText kSliceText = {
     "slice", "Draw slices and oblique sections as PNG pictures.",
     "Pixels are square whatever the spacing. The window is CENTER,WIDTH in real units, a preset\n"
     "in HU (brain, stroke, bone, lung, mediastinum, abdomen, liver) or auto; labels have colors\n"
-    "and no window. --axis all writes NAME-x.png, NAME-y.png and NAME-z.png.\n\n"
+    "and no window. --axis all writes NAME-x.png, NAME-y.png and NAME-z.png, each of the middle:\n"
+    "--index and --mm go with one axis.\n\n"
     "--plane takes the section along any plane, in mm (LPS): X,Y,Z,NX,NY,NZ is a point and a\n"
     "normal, NX,NY,NZ a normal through the middle of the volume.\n"
     "--montage 4x3 draws 12 slices in one picture, --every 5 each fifth one; both together 12\n"
@@ -254,10 +255,12 @@ void add_place_options(Verb verb, SliceArguments& arguments) {
                                 "The axis the slice lies across: x, y, z or all")
                     .check(one_of({"x", "y", "z", "all"}))
                     .default_str("z");
-  Option index = verb.add_option("--index N", options.index,
-                                 "Slice number on the level (default: the middle)");
+  Option index =
+      verb.add_option("--index N", options.index,
+                      "Slice number on the level (default: the middle); not with --axis all");
   Option mm =
-      verb.add_parsed("--mm MM", options.position_mm, parse_number, "Slice position in mm (LPS)")
+      verb.add_parsed("--mm MM", options.position_mm, parse_number,
+                      "Slice position in mm (LPS); not with --axis all")
           .excludes(index);
   Option montage = verb.add_option("--montage CxR", arguments.montage, "Slices in one picture");
   Option every = verb.add_option("--every N", arguments.every, "Each N-th slice in one picture")

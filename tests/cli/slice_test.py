@@ -162,6 +162,25 @@ class Slices(cli_test.InFolder):
                                "-o", "s.png", "-f", "--index", "12")
             self.assertEqual(said.stderr, "")
 
+    def test_a_volume_without_a_number_is_warned_of(self):
+        gaps = [float("nan"), float("inf")] * (len(voxels(lambda x, y, z: 0)) // 2)
+        for name, values in (("none", gaps), ("some", [5.0, *gaps[1:]])):
+            (self.folder / f"{name}.raw").write_bytes(struct.pack(f"<{len(values)}f", *values))
+            self.build(f"{name}.raw", f"{name}.8vo", "float32")
+        told = self.expect(0, "slice", "none.8vo", "-o", "s.png", "-f")
+        self.assertIn("none.8vo: every voxel is NaN or infinite; nothing of it is drawn",
+                      told.stderr)
+        self.expect(7, "slice", "none.8vo", "-o", "t.png", "--strict")
+        self.assertFalse((self.folder / "t.png").exists())
+        self.assertEqual(self.expect(0, "slice", "some.8vo", "-o", "s.png", "-f").stderr, "")
+
+    def test_help_says_what_all_axes_go_without(self):
+        said = self.expect(0, "slice", "--help").stdout
+        self.assertEqual(said.count("not with --axis all"), 2)
+        for place in (["--mm", "5"], ["--index", "3"]):
+            told = self.expect(2, "slice", "v.8vo", "--axis", "all", *place, "-o", "a.png")
+            self.assertIn("goes with one axis", told.stderr)
+
     def test_what_is_written_can_be_left_out(self):
         pictures = set()
         for options in [[], BARE, *[[option] for option in BARE]]:

@@ -13,6 +13,7 @@
 #include "octavo/core/text.h"
 #include "octavo/render/color_scale.h"
 #include "octavo/render/slice/montage.h"
+#include "octavo/tasks/files/finite_voxels.h"
 #include "octavo/tasks/inputs.h"
 #include "octavo/tasks/masks.h"
 #include "octavo/tasks/range_words.h"
@@ -319,6 +320,13 @@ void warn_of_unmet_labels(const SliceOptions& options, const std::vector<Drawing
   if (!is_met) context.warn(options.input + ": none of the labels asked for lies in what is drawn");
 }
 
+/// Nothing can be seen of a volume that holds no number.
+void warn_of_nothing(const SliceOptions& options, const FileReader& reader,
+                     const TaskContext& context) {
+  if (reader.description().kind == VolumeKind::labels || has_finite_voxels(reader)) return;
+  context.warn(options.input + ": every voxel is NaN or infinite; nothing of it is drawn");
+}
+
 }  // namespace
 
 SliceResult slice(const SliceOptions& options, const TaskContext& context) {
@@ -336,6 +344,7 @@ SliceResult slice(const SliceOptions& options, const TaskContext& context) {
   });
   warn_of_unmet_overlays(options, drawings, context);
   warn_of_unmet_labels(options, drawings, context);
+  warn_of_nothing(options, *reader, context);
 
   SliceResult result;
   result.volume = reader->description();
