@@ -261,6 +261,41 @@ class Signals(Traced):
         self.assertEqual(len(os.listdir(self.folder / "st")), 20)
 
 
+class FullDisk(InFolder):
+    setUp = program_faults.Disks.setUp
+    commands = program_faults.Disks.commands
+
+    def large_results(self, folder):
+        """More ways to write a file, of what fills a small disk."""
+        self.expect(0, "plan", *self.source, "--parts", "1", "-o", "v.plan")
+        self.expect(0, "part", "v.plan", "--part", "0", "-o", "parts")
+        self.expect(0, "threshold", "good.8vo", "--range", "0:", "-o", "mask.8vo")
+        yield ["join", "v.plan", "parts", "-o", f"{folder}/x.8vo"], f"{folder}/x.8vo"
+        yield ["build", *self.source, "--parts", "1", "-o", f"{folder}/x.8vo"], f"{folder}/x.8vo"
+        yield (["slice", "good.8vo", "--montage", "8x5", "--every", "1", "-o",
+                f"{folder}/x.png"], f"{folder}/x.png")
+        yield ["surface", "mask.8vo", "-o", f"{folder}/x.stl"], f"{folder}/x.stl"
+        yield (["hexahedra", "mask.8vo", "--uniform", "-o", f"{folder}/x.vtu"],
+               f"{folder}/x.vtu")
+
+    def test_what_is_not_replaced_is_said_to_be_unchanged(self):
+        out = self.folder / "out"
+        if not program_faults.mounts(out, "-t", "tmpfs", "-o", "size=64k", "none"):
+            self.skipTest("needs the right to mount a tmpfs")
+        try:
+            for command, path in [*self.commands("out"), *self.large_results("out")]:
+                if path.endswith("stack") or command[0] == "slice" and "--montage" not in command:
+                    continue
+                (self.folder / path).write_bytes(b"old")
+                said = self.expect(5, *command, "--force").stderr
+                self.assertIn(f"; existing {os.path.basename(path)} unchanged", said)
+                self.assertEqual(said.count("unchanged"), 1, said)
+                self.assertEqual((self.folder / path).read_bytes(), b"old")
+                os.unlink(self.folder / path)
+        finally:
+            subprocess.run(["umount", out], check=True)
+
+
 class Permissions(InFolder):
     def setUp(self):
         super().setUp()

@@ -18,6 +18,7 @@
 #include "octavo/core/text.h"
 #include "octavo/dist/banded_group.h"
 #include "octavo/dist/proven_source.h"
+#include "octavo/file/storage/unchanged.h"
 
 namespace octavo {
 
@@ -270,7 +271,9 @@ BuildResult lay_out_parts(const BuildPlan& plan, std::vector<std::shared_ptr<Par
   for (const auto& part : parts) bytes += part->joined_bytes();
   if (!leave_out) {
     const std::optional<DiskSpace> disk = storage.disk_space(folder_of(path));
-    if (disk && disk->free_bytes < bytes) throw no_room_for(path, bytes, disk->free_bytes);
+    if (disk && disk->free_bytes < bytes) {
+      throw with_unchanged(storage, no_room_for(path, bytes, disk->free_bytes), path);
+    }
   }
   const WatchedParts watched(parts, progress);
   const ProgressScope scope(progress, "join",

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "octavo/file/storage/temporary.h"
+#include "octavo/file/storage/unchanged.h"
 
 namespace octavo {
 
@@ -16,7 +17,7 @@ PendingFile::PendingFile(Storage& storage, std::string path, const std::string& 
     temporary_path_ = std::move(temporary.path);
     file_ = std::move(temporary.file);
   } catch (const Error& failure) {
-    throw with_final_name(failure, path_);
+    throw with_unchanged(storage_, with_final_name(failure, path_), path_);
   }
 }
 
@@ -32,7 +33,7 @@ void PendingFile::named(F f) const {
   try {
     f();
   } catch (const Error& error) {
-    throw with_final_name(error, path_);
+    throw with_unchanged(storage_, with_final_name(error, path_), path_);
   }
 }
 

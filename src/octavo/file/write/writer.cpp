@@ -7,6 +7,7 @@
 
 #include "octavo/core/crc32c.h"
 #include "octavo/file/storage/temporary.h"
+#include "octavo/file/storage/unchanged.h"
 #include "octavo/file/write/append_file.h"
 #include "octavo/file/write/file_sealer.h"
 #include "octavo/file/write/hollow_file.h"
@@ -124,7 +125,7 @@ class FileWriterImpl final : public FileWriter {
       detail += "; the new file is complete";
       if (!is_durable_) detail += " but may not outlast a power cut";
     } else if (replaces_) {
-      detail += "; existing " + escaped(base_name_of(path_)) + " unchanged";
+      detail += unchanged_words(path_);
     }
     if (!failed_source_.empty()) return retold(error, error.kind(), detail, failed_source_);
     const ErrorKind kind = error.kind() == ErrorKind::truncated ? ErrorKind::io : error.kind();

@@ -2,6 +2,7 @@
 
 #include "octavo/core/path_text.h"
 #include "octavo/file/storage/temporary.h"
+#include "octavo/file/storage/unchanged.h"
 #include "octavo/io/export/export_stream.h"
 #include "octavo/io/export/export_target.h"
 #include "octavo/io/source/source_file.h"
@@ -39,7 +40,8 @@ ExportResult run_export(const FileReader& reader, Storage& storage, const std::s
     result.files = target->finish();
   } catch (const Error& error) {
     // Of a stack, libtiff and the planes know the temporary name only.
-    throw with_final_name(error, without_end_slashes(path));
+    const std::string name = without_end_slashes(path);
+    throw with_unchanged(storage, with_final_name(error, name), name);
   }
   result.type = plan.type;
   result.real_units = plan.real_units;

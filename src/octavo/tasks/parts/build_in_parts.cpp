@@ -14,6 +14,7 @@
 #include "octavo/core/error.h"
 #include "octavo/file/storage/storage.h"
 #include "octavo/file/storage/temporary.h"
+#include "octavo/file/storage/unchanged.h"
 #include "octavo/tasks/files/build_scan.h"
 #include "octavo/tasks/parts/join_scan.h"
 #include "octavo/tasks/parts/make_parts.h"
@@ -142,6 +143,20 @@ std::map<std::int64_t, std::string> make_all_parts(const BuildPlan& plan, const 
   return paths;
 }
 
+/// The parts in a folder of their own beside the output, and the join of them.
+BuiltVolume build_and_join(const BuildPlan& plan, const Output& output, std::int64_t at_once,
+                           const TaskContext& context) {
+  const PartsFolder folder(output.path);
+  std::map<std::int64_t, std::string> paths;
+  {
+    // Each of the parts that share a group reads all of its planes
+    const ProgressScope scope(context.watcher(), "parts", (plan.bands + 1) * plan.source.size.z,
+                              "plane passes");
+    paths = make_all_parts(plan, folder.path(), at_once, context);
+  }
+  return join_planned(plan, paths, output, context);
+}
+
 }  // namespace
 
 BuiltVolume build_in_parts(const BuildInPartsOptions& options, const TaskContext& context) {
@@ -159,15 +174,12 @@ BuiltVolume build_in_parts(const BuildInPartsOptions& options, const TaskContext
   const std::int64_t at_once = parts_at_once(planned, context);
   context.detail(std::to_string(plan.part_count) + " parts, " + std::to_string(at_once) +
                  " at once");
-  const PartsFolder folder(scan.output.path);
-  std::map<std::int64_t, std::string> paths;
-  {
-    // Each of the parts that share a group reads all of its planes
-    const ProgressScope scope(context.watcher(), "parts", (plan.bands + 1) * plan.source.size.z,
-                              "plane passes");
-    paths = make_all_parts(plan, folder.path(), at_once, context);
+  BuiltVolume built;
+  try {
+    built = build_and_join(plan, scan.output, at_once, context);
+  } catch (const Error& error) {
+    throw with_unchanged(local_storage(), error, scan.output.path);
   }
-  BuiltVolume built = join_planned(plan, paths, scan.output, context);
   built.build.total_seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return built;
