@@ -90,7 +90,7 @@ std::uint64_t share_band_bytes(const PlaneSource& source, const BuildOptions& op
     return share_bytes;
   }
   const std::uint64_t fewest = 2 * fewest_band_bytes(volume, options);
-  check_build_memory(base + std::min(share_bytes, fewest), limit);
+  check_build_memory(base + std::min(share_bytes, fewest), limit, build_threads(threads));
   return (limit - base) / 2;
 }
 
@@ -103,7 +103,7 @@ std::uint64_t band_bytes_of(const PlaneSource& source, const BuildOptions& optio
   if (options.band_bytes == 0 && fits) return 0;
   if (!source.can_seek()) {
     if (options.band_bytes > 0) throw Error(ErrorKind::invalid_argument, "bands cannot be read");
-    check_build_memory(whole, options.max_memory_bytes,
+    check_build_memory(whole, options.max_memory_bytes, build_threads(threads),
                        "; bands of bricks need less, but this source can only be read from its "
                        "start on");
   }
@@ -111,7 +111,7 @@ std::uint64_t band_bytes_of(const PlaneSource& source, const BuildOptions& optio
   const std::uint64_t fewest = fewest_band_bytes(volume, options);
   const std::uint64_t base =
       checked_add(band_memory_bytes(volume, threads, 0), held, "the memory of bands");
-  check_build_memory(base + 2 * fewest, options.max_memory_bytes);
+  check_build_memory(base + 2 * fewest, options.max_memory_bytes, build_threads(threads));
   return (options.max_memory_bytes - base) / 2;
 }
 

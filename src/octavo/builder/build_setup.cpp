@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <thread>
 
+#include "octavo/core/memory_advice.h"
 #include "octavo/threads/forked.h"
 
 namespace octavo {
@@ -25,14 +26,14 @@ Levels levels_of(const VolumeDescription& description) {
   return {description.size, choose_halvings(description.size, description.geometry.spacing_mm)};
 }
 
-void check_build_memory(std::uint64_t needed_bytes, std::uint64_t limit_bytes,
+void check_build_memory(std::uint64_t needed_bytes, std::uint64_t limit_bytes, int threads,
                         const char* why) {
   constexpr std::uint64_t kMiB = std::uint64_t{1} << 20;
   if (limit_bytes == 0 || needed_bytes <= limit_bytes) return;
   throw Error(ErrorKind::limit_exceeded,
               "the build needs about " + std::to_string((needed_bytes + kMiB - 1) / kMiB) +
                   " MiB of memory; the limit is " + std::to_string(limit_bytes / kMiB) +
-                  " MiB; raise the limit or use fewer threads" + why);
+                  " MiB; " + std::string(memory_advice(threads)) + why);
 }
 
 Error out_of_build_memory(const std::string& path) {

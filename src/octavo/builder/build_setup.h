@@ -28,8 +28,9 @@ int build_threads(int wanted);
 Levels levels_of(const VolumeDescription& description);
 
 /// Throws Error{limit_exceeded} where a build needs more than a limit that is not 0.
-/// why  the end of the message: why it cannot do with less
-void check_build_memory(std::uint64_t needed_bytes, std::uint64_t limit_bytes,
+/// threads  that it uses
+/// why      the end of the message: why it cannot do with less
+void check_build_memory(std::uint64_t needed_bytes, std::uint64_t limit_bytes, int threads,
                         const char* why = "");
 
 /// Error{out_of_memory} of a build of `path`.

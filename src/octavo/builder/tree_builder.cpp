@@ -274,7 +274,7 @@ BuildResult build(const Volume& volume, Storage& storage, const std::string& pat
       checked_mul(static_cast<std::uint64_t>(description.size.voxel_count()),
                   static_cast<std::uint64_t>(bytes_per_voxel(description.type)), "the volume");
   check_build_memory(tree_build_memory_bytes(description, result.threads),
-                     options.max_memory_bytes);
+                     options.max_memory_bytes, result.threads);
   check_target(storage, path, options.overwrite);
   if (options.interrupted == Interrupted::reject) {
     reject_running(storage, path);

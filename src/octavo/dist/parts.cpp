@@ -14,6 +14,7 @@
 #include "octavo/builder/group_trainer.h"
 #include "octavo/core/checked.h"
 #include "octavo/core/error.h"
+#include "octavo/core/memory_advice.h"
 #include "octavo/core/memory_limit.h"
 #include "octavo/core/text.h"
 #include "octavo/dist/banded_group.h"
@@ -263,7 +264,7 @@ BuildResult lay_out_parts(const BuildPlan& plan, std::vector<std::shared_ptr<Par
   const int threads = build_threads(work.threads);
   try {
     require_memory_within(join_memory_bytes(plan.source, threads), work.max_memory_bytes,
-                          "the join", "raise the limit or use fewer threads");
+                          "the join", memory_advice(threads));
   } catch (const Error& error) {
     throw error.with_path(path);
   }

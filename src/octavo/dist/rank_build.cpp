@@ -214,7 +214,7 @@ void require_rank_memory(const PlaneSource& source, double max_error, const Part
   const int threads = build_threads(work.threads);
   check_build_memory(
       rank_memory_bytes(source.description(), threads, max_error) + source.resident_bytes(),
-      work.max_memory_bytes,
+      work.max_memory_bytes, threads,
       "; ranks encode whole groups; the parts of a plan may encode bands of them, which need "
       "less");
 }

@@ -1,11 +1,10 @@
 #include "octavo/tasks/inputs.h"
 
-#include <algorithm>
-
 #include "octavo/core/error.h"
 #include "octavo/core/url_text.h"
 #include "octavo/file/storage/storage.h"
 #include "octavo/io/http/http_source.h"
+#include "octavo/tasks/files/decoding_memory.h"
 
 namespace octavo {
 
@@ -34,9 +33,7 @@ std::shared_ptr<const ByteSource> open_input(const std::string& path,
 
 std::shared_ptr<FileReader> open_volume(const std::string& path, const TaskContext& context) {
   ReaderOptions options;
-  if (context.max_memory_bytes != 0) {
-    options.cache_bytes = std::min(options.cache_bytes, context.max_memory_bytes / 2);
-  }
+  options.cache_bytes = cache_bytes(context);
   if (!is_url(path) && local_storage().path_type(path) == PathType::folder) {
     throw Error(ErrorKind::io, "is a folder, not an 8vo file", path).with_field("input.format");
   }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "octavo/core/checked.h"
 #include "octavo/core/vectors.h"
 #include "octavo/ops/morphometry/slab_sums.h"
 
@@ -338,6 +339,11 @@ SurfaceShape& SurfaceShape::operator+=(const SurfaceShape& other) {
   growth_mm += other.growth_mm;
   cut_mm2 += other.cut_mm2;
   return *this;
+}
+
+std::uint64_t surface_shape_bytes(const Size3& size) {
+  constexpr std::uint64_t kBytesPerVoxel = 210;
+  return checked_mul(static_cast<std::uint64_t>(size.x * size.y), kBytesPerVoxel, "a plane");
 }
 
 SurfaceShape surface_shape(const MaskTree& mask, const MaskTree* region, const Point3& spacing_mm,

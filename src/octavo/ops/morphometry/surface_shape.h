@@ -15,6 +15,8 @@
 //         Objects, IEEE Transactions on Image Processing 14 (2005)
 #pragma once
 
+#include <cstdint>
+
 #include "octavo/core/geometry.h"
 #include "octavo/core/progress.h"
 #include "octavo/octree/mask_tree.h"
@@ -29,10 +31,13 @@ struct SurfaceShape {
   SurfaceShape& operator+=(const SurfaceShape& other);
 };
 
+/// What a thread takes in measuring the surface: 210 bytes for each voxel of a plane.
+std::uint64_t surface_shape_bytes(const Size3& size);
+
 /// Measures the surface. Uses the threads of the calling task arena; does not depend on them.
 /// region  only faces between two of its voxels count; null: all of the volume
 /// Throws  Error{cancelled}
-/// Memory  210 bytes for each voxel of a plane, per thread
+/// Memory  surface_shape_bytes, per thread
 SurfaceShape surface_shape(const MaskTree& mask, const MaskTree* region, const Point3& spacing_mm,
                            Progress& progress);
 

@@ -94,48 +94,70 @@ void add_ends(const Pooled* row, std::size_t count, Pooled* low, Pooled* high) {
   }
 }
 
+Size3 grid_of(const Size3& size, int shift) {
+  Size3 grid{};
+  for (int axis = 0; axis < 3; ++axis) {
+    grid[axis] = (size[axis] + (std::int64_t{1} << shift) - 1) >> shift;
+  }
+  return grid;
+}
+
+constexpr std::int64_t row_of(int shift) {
+  return (std::int64_t{1} << shift) + kApronBelow + kApronAbove;
+}
+
 }  // namespace
+
+RayBricks::Bytes RayBricks::bytes_of(const SampleSource& source, const Options& options) {
+  const int shift = options.brick_shift;
+  const std::int64_t row = row_of(shift);
+  const auto samples = static_cast<std::uint64_t>(row * row * row);
+  const std::uint64_t cubes = std::uint64_t{1} << 3 * (shift - kSkipShift);
+  const std::uint64_t groups = std::uint64_t{1} << 3 * (shift - kGroupShift);
+  const std::uint64_t of_looks =
+      options.looks == nullptr ? 0 : samples * sizeof(std::uint16_t) + cubes * sizeof(LookSet);
+  const auto bricks = static_cast<std::uint64_t>(grid_of(source.size(), shift).voxel_count());
+  Bytes bytes;
+  bytes.slot = samples * (is_pooled_wide(source.type()) ? 4 : 2);
+  bytes.brick = bytes.slot + of_looks + cubes * (sizeof(Ends) + sizeof(float)) +
+                groups * sizeof(float) + seen_bytes(shift);
+  bytes.tables = bricks * (sizeof(float) + 2 * sizeof(std::int32_t));
+  return bytes;
+}
+
+std::uint64_t RayBricks::fewest_bytes(const SampleSource& source, const Options& options) {
+  const Bytes bytes = bytes_of(source, options);
+  return bytes.tables + bytes.brick;
+}
 
 RayBricks::RayBricks(const SampleSource& source, const Options& options)
     : source_(source),
       size_(source.size()),
+      grid_(grid_of(size_, options.brick_shift)),
       shift_(options.brick_shift),
-      row_((std::int64_t{1} << options.brick_shift) + kApronBelow + kApronAbove),
+      row_(row_of(options.brick_shift)),
       slot_samples_(row_ * row_ * row_),
       cubes_(std::size_t{1} << 3 * (options.brick_shift - kSkipShift)),
       groups_(std::size_t{1} << 3 * (options.brick_shift - kGroupShift)),
       is_wide_(is_pooled_wide(source.type())),
       scale_(scale_of(source.type(), source.range(), options.nan)),
       look_source_(options.looks) {
-  for (int axis = 0; axis < 3; ++axis) {
-    grid_[axis] = (size_[axis] + (std::int64_t{1} << shift_) - 1) >> shift_;
-  }
-  const std::uint64_t sample_bytes = is_wide_ ? 4 : 2;
-  const std::uint64_t slot_bytes = static_cast<std::uint64_t>(slot_samples_) * sample_bytes;
-  const std::uint64_t look_bytes =
-      look_source_ == nullptr
-          ? 0
-          : static_cast<std::uint64_t>(slot_samples_) * sizeof(std::uint16_t) +
-                cubes_ * sizeof(LookSet);
-  const std::uint64_t with_ends =
-      slot_bytes + look_bytes + cubes_ * (sizeof(Ends) + sizeof(float)) +
-      groups_ * sizeof(float) + seen_bytes(shift_);
+  const Bytes bytes = bytes_of(source, options);
   const auto bricks = static_cast<std::uint64_t>(grid_.voxel_count());
-  const std::uint64_t of_tables = bricks * (sizeof(float) + 2 * sizeof(std::int32_t));
-  if (bricks > kMaxOffset || of_tables + with_ends > options.memory_bytes) {
+  if (bricks > kMaxOffset || bytes.tables + bytes.brick > options.memory_bytes) {
     throw Error(ErrorKind::limit_exceeded,
                 "memory for bricks is " + std::to_string(options.memory_bytes) +
                     " bytes, and one with what is known of the others needs " +
-                    std::to_string(of_tables + with_ends))
+                    std::to_string(bytes.tables + bytes.brick))
         .with_field("max_memory_bytes");
   }
   const bool is_counted = is_wide_ && look_source_ == nullptr;  // not bytes, but samples
   const std::uint64_t addressed =
-      kMaxOffset / (is_counted ? slot_bytes / 4 : slot_bytes);
+      kMaxOffset / (is_counted ? bytes.slot / 4 : bytes.slot);
   capacity_ = static_cast<std::size_t>(
-      std::min({bricks, addressed, (options.memory_bytes - of_tables) / with_ends}));
+      std::min({bricks, addressed, (options.memory_bytes - bytes.tables) / bytes.brick}));
   // Pages that no brick comes to are never touched.
-  samples_ = make_large_pages(capacity_ * slot_bytes + kReadBeyond);
+  samples_ = make_large_pages(capacity_ * bytes.slot + kReadBeyond);
   if (look_source_ != nullptr) {
     looks_.reset(new std::uint16_t[capacity_ * static_cast<std::size_t>(slot_samples_) +
                                    kReadBeyond]);

@@ -59,6 +59,9 @@ class RayBricks {
   /// Throws  Error{limit_exceeded} when not even one brick fits
   RayBricks(const SampleSource& source, const Options& options);
 
+  /// What the tables of all bricks and one of them need, as memory_bytes.
+  static std::uint64_t fewest_bytes(const SampleSource& source, const Options& options);
+
   const PooledScale& scale() const { return scale_; }
   const Size3& size() const { return size_; }
   /// Bounds of all pooled values, that of NaN included where it lies below them.
@@ -96,6 +99,14 @@ class RayBricks {
     float lowest = 0;
     float highest = 0;
   };
+
+  /// What is taken of the memory.
+  struct Bytes {
+    std::uint64_t slot = 0;    ///< by the samples of a brick
+    std::uint64_t brick = 0;   ///< by all of a brick in memory
+    std::uint64_t tables = 0;  ///< by what is known of all bricks
+  };
+  static Bytes bytes_of(const SampleSource& source, const Options& options);
 
   /// A part of a brick in memory that one of its neighbors holds.
   struct Apron {

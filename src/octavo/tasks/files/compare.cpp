@@ -1,8 +1,11 @@
 #include "octavo/tasks/files/compare.h"
 
+#include <algorithm>
+#include <array>
 #include <optional>
 
 #include "octavo/core/error.h"
+#include "octavo/tasks/files/decoding_memory.h"
 #include "octavo/tasks/inputs.h"
 #include "octavo/tasks/label_trees.h"
 #include "octavo/tasks/masks.h"
@@ -32,6 +35,18 @@ std::optional<CompareResult> compared_by_digest(const CompareOptions& options,
   return CompareResult{a->description(), b->description(), *comparison};
 }
 
+// What threads decode the bricks of those sources in that are .8vo files, one after the other.
+std::uint64_t decoding_bytes_of_files(const CompareOptions& options,
+                                      std::array<const PlaneSource*, 2> sources,
+                                      const TaskContext& context) {
+  std::uint64_t most = 0;
+  for (std::size_t i = 0; i < 2; ++i) {
+    if (!is_octavo_path(i == 0 ? options.a : options.b)) continue;
+    most = std::max(most, decoding_bytes(sources[i]->description(), context));
+  }
+  return most;
+}
+
 }  // namespace
 
 CompareResult compare_volumes(const CompareOptions& options, const TaskContext& context) {
@@ -43,7 +58,9 @@ CompareResult compare_volumes(const CompareOptions& options, const TaskContext& 
   if (const auto result = compared_by_digest(options, context)) return *result;
   const auto a = open_planes({options.a}, options.scan, context, OptionsOf::any_source);
   const auto b = open_planes({options.b}, options.scan, context, OptionsOf::any_source);
-  context.require_memory(compare_memory_bytes(*a, *b), "comparing layers of planes");
+  context.require_memory(
+      compare_memory_bytes(*a, *b) + decoding_bytes_of_files(options, {a.get(), b.get()}, context),
+      "comparing layers of planes");
   CompareResult result{a->description(), b->description(), {}};
   const double tolerance = tolerance_in_compared_units(result.a, result.b, options.max_error);
   result.comparison = compare_planes(*a, *b, tolerance, context.watcher());

@@ -7,6 +7,7 @@
 #include "octavo/builder/float_planes.h"
 #include "octavo/file/parallel_read.h"
 #include "octavo/tasks/file_planes.h"
+#include "octavo/tasks/files/decoding_memory.h"
 #include "octavo/tasks/files/planes_between.h"
 #include "octavo/tasks/volume_facts.h"
 
@@ -31,7 +32,8 @@ SourceCheck compared(const VerifyVolumeOptions& options,
   const auto read = repeat_isotropic(options.against.front(), std::move(opened), file, context);
   const auto source = make_repaired_source(*read, repair_of(file));
 
-  context.require_memory(compare_memory_bytes(planes, *source), "comparing layers of planes");
+  context.require_memory(compare_memory_bytes(planes, *source) + decoding_bytes(file, context),
+                         "comparing layers of planes");
   SourceCheck check;
   check.source = source->description();
   check.has_planes_between = check.source.size != opened_size;

@@ -17,6 +17,7 @@
 #include "octavo/render/rays/ray_refine.h"
 #include "octavo/render/rays/transfer_fit.h"
 #include "octavo/tasks/files/finite_voxels.h"
+#include "octavo/tasks/pictures/ray_memory.h"
 #include "octavo/tasks/pictures/ray_mode.h"
 #include "octavo/tasks/pictures/render_scene.h"
 #include "octavo/tasks/pictures/scene_light.h"
@@ -38,33 +39,10 @@ constexpr double kRoundedShare = 1e-4;
 /// Meshes cut steps into parts that give less each, but together as much.
 constexpr float kUnlitBesideMeshes = 1.0f / 8192;
 
-/// Lists of layers where there are meshes, and of what throws shadows: each a share of the memory
-/// limit.
-constexpr std::uint64_t kLayerShare = 8;
-
 std::unique_ptr<SceneLooks> make_looks(const RenderOptions& asked, const FileReader& reader,
                                        int level, const TaskContext& context) {
   if (asked.mask.empty() && asked.label_map.empty()) return nullptr;
   return std::make_unique<SceneLooks>(asked, reader, level, context);
-}
-
-/// Half of the memory limit is the reader's, the rest that of rays, meshes and bricks.
-RayBricks::Options brick_options(const RenderOptions& asked, const FileReader& reader,
-                                 const SceneMeshes& meshes, const LookSource* looks,
-                                 const TaskContext& context) {
-  RayBricks::Options options;
-  options.looks = looks;
-  options.nan = nan_place(asked.mode, reader.description().rescale);
-  if (context.max_memory_bytes != 0) {
-    const std::uint64_t left = context.max_memory_bytes / 2;
-    std::uint64_t taken = field_bytes(asked) + meshes.memory_bytes();
-    if (!meshes.is_empty()) taken += context.max_memory_bytes / kLayerShare;
-    if (!meshes.is_empty() && asked.has_shadows) taken += context.max_memory_bytes / kLayerShare;
-    if (!asked.mask.empty()) taken += context.max_memory_bytes / kLookShare;
-    if (!asked.label_map.empty()) taken += context.max_memory_bytes / kLookShare;
-    options.memory_bytes = std::min(options.memory_bytes, left - std::min(left, taken));
-  }
-  return options;
 }
 
 /// Of one that lies inside an isosurface: 1/20 of the light comes through.
@@ -107,7 +85,8 @@ class RayScene final : public RenderScene {
         meshes_(options, reader->description().geometry, fitted(), context),
         looks_(make_looks(options, *reader, level_, context)),
         source_(reader, level_),
-        bricks_(source_, brick_options(options, *reader, meshes_, looks_.get(), context)) {
+        bricks_(source_,
+                ray_brick_options({options, *reader, meshes_, looks_.get(), source_}, context)) {
     const VolumeDescription& volume = reader_->description();
     if (without_boxes(shown_, removed_).empty()) {
       throw Error(ErrorKind::invalid_argument, "the cuts leave no voxel of the volume")
@@ -567,12 +546,6 @@ int ray_level(const Levels& levels, const Geometry& geometry, double pixel_mm) {
     ++level;
   }
   return level;
-}
-
-std::uint64_t field_bytes(const RenderOptions& options) {
-  const std::uint64_t bytes = ray_field_bytes(options.width, options.height);
-  // At edges there are up to four rays a pixel.
-  return options.has_smooth_edges ? 4 * bytes : bytes;
 }
 
 std::unique_ptr<RenderScene> make_ray_scene(const std::shared_ptr<const FileReader>& reader,

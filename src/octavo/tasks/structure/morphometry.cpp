@@ -8,12 +8,16 @@
 #include <utility>
 
 #include "octavo/core/error.h"
+#include "octavo/core/memory_advice.h"
+#include "octavo/core/memory_limit.h"
 #include "octavo/core/text.h"
 #include "octavo/ops/mask/set_operations.h"
 #include "octavo/ops/measure/mask_moments.h"
+#include "octavo/ops/morphometry/slab_sums.h"
 #include "octavo/planes/computed_source.h"
 #include "octavo/tasks/build_planes.h"
 #include "octavo/tasks/file_planes.h"
+#include "octavo/tasks/files/decoding_memory.h"
 #include "octavo/tasks/inputs.h"
 #include "octavo/tasks/masks.h"
 #include "octavo/tasks/pictures/picture_files.h"
@@ -83,6 +87,7 @@ class MorphometryWork {
     }
     require_surface_for_maps();
     context.require_memory(2 * mask_.tree.memory_bytes() + room_bytes(), "the measures");
+    require_memory_for_surface();
   }
 
   MorphometryResult take() {
@@ -105,6 +110,15 @@ class MorphometryWork {
     throw Error(ErrorKind::invalid_argument,
                 "the mask fills the volume: without a surface no map of thickness is defined",
                 mask_.path);
+  }
+
+  void require_memory_for_surface() const {
+    const auto slabs = static_cast<std::uint64_t>(std::min<std::int64_t>(
+        context_.thread_count(), sum_slab_count(size_.z)));
+    require_memory_within(2 * mask_.tree.memory_bytes() + slabs * surface_shape_bytes(size_) +
+                              decoding_bytes(mask_.volume(), context_),
+                          context_.max_memory_bytes, "measuring the surface",
+                          memory_advice(static_cast<int>(slabs)));
   }
 
   std::uint64_t room_bytes() const {

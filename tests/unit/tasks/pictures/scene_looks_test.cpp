@@ -5,6 +5,8 @@
 #include <cmath>
 
 #include "octavo/core/error.h"
+#include "octavo/tasks/files/decoding_memory.h"
+#include "octavo/tasks/inputs.h"
 #include "support/built_file.h"
 #include "support/read_png.h"
 
@@ -158,7 +160,9 @@ TEST_F(LooksBesideGrey, CoarseLevelsShadesThreadsAndMemoryGoWithThem) {
     const Picture picture = draw();
     EXPECT_GT(at(picture, 30, 50)[0], at(picture, 30, 50)[1] + 30);
     context_.threads = 3;
-    context_.max_memory_bytes = 24 << 20;
+    context_.max_memory_bytes =
+        2 * (decoding_bytes(open_volume(options_.input, context_)->description(), context_) +
+             (12 << 20));
     EXPECT_EQ(draw().pixels, picture.pixels);
   }
 }
