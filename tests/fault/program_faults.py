@@ -450,7 +450,7 @@ class Salvage(InFolder):
         self.assertNotIn("x.raw", self.names())
 
 
-class Disks(InFolder):
+class SmallFolder(InFolder):
     def setUp(self):
         super().setUp()
         self.source = self.noisy_raw("v.raw", 64, 64, 40)
@@ -466,6 +466,8 @@ class Disks(InFolder):
         yield ["slice", "good.8vo", "-o", f"{folder}/x.png"], f"{folder}/x.png"
         yield ["build", *self.source, "-o", f"{folder}/x.8vo"], f"{folder}/x.8vo"
 
+
+class Disks(SmallFolder):
     def expect_clean_failures(self, words, **options):
         for command, path in self.commands("out"):
             with self.subTest(path):
@@ -584,8 +586,7 @@ class Targets(InFolder):
         for ending_length, code in [(255, 0), (256, 5)]:
             for command, name in self.commands("x"):
                 stem = "x" * (ending_length - len(name) + 1)
-                command = [part if part != name else name.replace("x", stem, 1)
-                           for part in command]
+                command = [name.replace("x", stem, 1) if part == name else part for part in command]
                 with self.subTest(command[-1][-8:]):
                     result = self.expect(code, *command)
                     if code:

@@ -19,7 +19,7 @@ import sys
 import unittest
 
 import program_faults
-from program_faults import InFolder
+from program_faults import InFolder, SmallFolder
 
 # Beyond any number that a process can have.
 NOBODY = 2147483647
@@ -261,10 +261,7 @@ class Signals(Traced):
         self.assertEqual(len(os.listdir(self.folder / "st")), 20)
 
 
-class FullDisk(InFolder):
-    setUp = program_faults.Disks.setUp
-    commands = program_faults.Disks.commands
-
+class FullDisk(SmallFolder):
     def large_results(self, folder):
         """More ways to write a file, of what fills a small disk."""
         self.expect(0, "plan", *self.source, "--parts", "1", "-o", "v.plan")

@@ -99,7 +99,9 @@ void require_place(const TiffDirectory& directory, const TiffDirectories& known,
     reject(directory.file().path(),
            begins + ", in the head of the file; copy it again from its origin");
   }
-  const auto behind = known.lower_bound(checked_add(offset, needed, "end of a block"));
+  const std::uint64_t end = checked_add(offset, needed, "end of a block");
+  if (end > directory.file().size()) return;  // what holds the page, or reads it, says so
+  const auto behind = known.lower_bound(end);
   if (behind == known.begin() || std::prev(behind)->second <= offset) return;
   reject(directory.file().path(), begins + " and has " + std::to_string(needed) +
                                       " or more, and a directory stands at byte " +
