@@ -99,11 +99,11 @@ def test_what_was_interrupted_is_read_later(far):
 
 @pytest.mark.parametrize("whole_group", [False, True])
 def test_a_build_by_the_program_leaves_nothing(tmp_path, whole_group):
-    (tmp_path / "scan.raw").write_bytes(np.random.default_rng(1).bytes(400 << 16))
+    (tmp_path / "scan.raw").write_bytes(np.random.default_rng(1).bytes(1600 << 16))
     code = ("import octavo, signal; signal.signal(signal.SIGINT, signal.default_int_handler)\n"
-            "octavo.build('scan.mhd', 'o.8vo')")
+            "octavo.build('scan.mhd', 'o.8vo', threads=1)")
     (tmp_path / "scan.mhd").write_text(
-        "ObjectType = Image\nNDims = 3\nDimSize = 256 256 400\nElementType = MET_UCHAR\n"
+        "ObjectType = Image\nNDims = 3\nDimSize = 256 256 1600\nElementType = MET_UCHAR\n"
         "ElementSpacing = 1 1 1\nElementDataFile = scan.raw\n")
     path = os.path.dirname(os.environ["OCTAVO"]) + os.pathsep + os.environ["PATH"]
     python = subprocess.Popen([sys.executable, "-c", code], cwd=tmp_path, start_new_session=True,
@@ -112,7 +112,7 @@ def test_a_build_by_the_program_leaves_nothing(tmp_path, whole_group):
     while not list(tmp_path.glob(".o.8vo.tmp-*")):
         assert python.poll() is None and time.monotonic() < until
         time.sleep(0.01)
-    time.sleep(0.5)
+    time.sleep(0.1)
     (os.killpg if whole_group else os.kill)(python.pid, signal.SIGINT)
     assert "KeyboardInterrupt" in python.communicate()[1]
     assert sorted(os.listdir(tmp_path)) == ["scan.mhd", "scan.raw"]
