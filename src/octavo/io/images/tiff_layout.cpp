@@ -99,9 +99,7 @@ void require_place(const TiffDirectory& directory, const TiffDirectories& known,
     reject(directory.file().path(),
            begins + ", in the head of the file; copy it again from its origin");
   }
-  const std::uint64_t end = checked_add(offset, needed, "end of a block");
-  if (end > directory.file().size()) return;  // what holds the page, or reads it, says so
-  const auto behind = known.lower_bound(end);
+  const auto behind = known.lower_bound(checked_add(offset, needed, "end of a block"));
   if (behind == known.begin() || std::prev(behind)->second <= offset) return;
   reject(directory.file().path(), begins + " and has " + std::to_string(needed) +
                                       " or more, and a directory stands at byte " +
@@ -140,15 +138,16 @@ TiffLayout tiff_layout(const TiffDirectory& directory, const TiffPageBits& page,
     }
     const std::uint64_t rows = grid.rows_of(i);
     const std::uint64_t needed = page.is_compressed ? 1 : grid.bytes_of(rows);
-    require_place(directory, known, grid.name(i), layout.offsets[i], needed);
-    if (page.is_compressed || layout.byte_counts.empty()) continue;
-    const std::uint64_t found = layout.byte_counts[i];
+    const bool has_count = !page.is_compressed && !layout.byte_counts.empty();
+    const std::uint64_t found = has_count ? layout.byte_counts[i] : needed;
     if (found < needed) {
       reject(directory.file().path(),
              grid.name(i) + " has " + std::to_string(found) + " bytes, and its " +
                  std::to_string(rows) + " rows need " + std::to_string(needed) +
                  "; copy the file again from its origin");
     }
+    require_place(directory, known, grid.name(i), layout.offsets[i], needed);
+    if (!has_count) continue;
     // Others fill the last strip with rows behind the page.
     const std::uint64_t most = grid.bytes_of(std::max(rows, grid.stated_rows));
     if (layout.excess_bytes == 0 && found > checked_add(most, kMostFill, "bytes of a block")) {
