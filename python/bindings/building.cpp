@@ -25,6 +25,7 @@
 #include "octavo/builder/builder.h"
 #include "octavo/file/storage/storage.h"
 #include "octavo/file/write/writer.h"
+#include "octavo/io/source/narrowing.h"
 #include "octavo/io/zarr/zarr_source.h"
 #include "octavo/planes/plane_cursor.h"
 #include "octavo/tasks/files/exported_voxels.h"
@@ -40,19 +41,27 @@ namespace {
 /// A plane, [y][x], of the type that was announced.
 using Plane = nb::ndarray<nb::ro, nb::c_contig, nb::device::cpu>;
 
-/// Planes that `plane_at(z)` gives.
+/// Planes of voxels or of wide numbers that `plane_at(z)` gives, in any order.
 class PythonPlanes final : public PlaneSource {
  public:
-  /// can_seek  whether any plane may be asked for at any time
-  PythonPlanes(VolumeDescription description, nb::object plane_at, bool can_seek, Call& call)
-      : description_(std::move(description)),
-        plane_at_(std::move(plane_at)),
-        can_seek_(can_seek),
-        call_(call) {}
+  PythonPlanes(VolumeDescription description, nb::object plane_at, Call& call)
+      : description_(std::move(description)), plane_at_(std::move(plane_at)), call_(call) {}
+
+  /// Decides by the first planes what voxels these numbers become.
+  /// Throws as choose_narrowing; what Python raised
+  void narrow_from(WideType from) {
+    const std::uint64_t count = plane_bytes(description_) / bytes_per_voxel(description_.type);
+    wide_.resize(count * bytes_per_value(from));
+    narrowing_ = choose_narrowing(
+        from, description_.size.z, wide_.size(),
+        [&](std::int64_t z, std::span<std::byte> numbers) { take_plane(z, numbers); });
+    description_.type = narrowing_->to;
+    if (narrowing_->rounds) warnings_.push_back(float_rounding_warning());
+  }
 
   const VolumeDescription& description() const override { return description_; }
   const std::vector<Warning>& warnings() const override { return warnings_; }
-  bool can_seek() const override { return can_seek_; }
+  bool can_seek() const override { return true; }
   void seek(std::int64_t first, std::int64_t end) override {
     if (first < 0 || first > end || end > description_.size.z) {
       throw Error(ErrorKind::invalid_argument, "no such planes");
@@ -61,23 +70,35 @@ class PythonPlanes final : public PlaneSource {
   }
 
   void read_plane(std::span<std::byte> plane) override {
+    if (narrowing_) {
+      take_plane(next_, wide_);
+      narrow(*narrowing_, wide_, plane, {kNoPath, description_.size.x, next_, 0});
+    } else {
+      take_plane(next_, plane);
+    }
+    ++next_;
+  }
+
+ private:
+  void take_plane(std::int64_t z, std::span<std::byte> plane) {
     call_.with_python([&] {
-      const auto given = nb::cast<Plane>(plane_at_(next_));
+      const auto given = nb::cast<Plane>(plane_at_(z));
       if (given.nbytes() != plane.size()) {
-        throw Error(ErrorKind::source_rejected, "plane " + std::to_string(next_) + " has " +
+        throw Error(ErrorKind::source_rejected, "plane " + std::to_string(z) + " has " +
                     std::to_string(given.nbytes()) + " bytes instead of " +
                     std::to_string(plane.size()));
       }
       std::memcpy(plane.data(), given.data(), plane.size());
     });
-    ++next_;
   }
 
- private:
+  static inline const std::string kNoPath;  // of an array
+
   VolumeDescription description_;
   nb::object plane_at_;
-  bool can_seek_;
   Call& call_;
+  std::optional<Narrowing> narrowing_;  // of wide numbers
+  std::vector<std::byte> wide_;         // a plane of them
   std::vector<Warning> warnings_;
   std::int64_t next_ = 0;
 };
@@ -121,6 +142,9 @@ class BuildWarnings {
     return clipped_listener(path, context_);
   }
   const TaskContext& context() const { return context_; }
+  void add(const std::vector<Warning>& of_planes) {
+    for (const Warning& one : of_planes) context_.on_warning(one);
+  }
   const std::vector<std::string>& texts() const { return texts_; }
 
  private:
@@ -133,11 +157,19 @@ std::vector<std::string> build(const std::string& path, const Zyx& shape, const 
                                nb::object plane_at, const nb::dict& given,
                                nb::object on_progress) {
   Call call(std::move(on_progress));
-  PythonPlanes planes(description_of(shape, facts), std::move(plane_at), true, call);
+  PythonPlanes planes(description_of(shape, facts), std::move(plane_at), call);
   BuildOptions options = options_of(given);
-  const BuildWarnings warnings;
+  BuildWarnings warnings;
   options.on_clipped = warnings.listener(path);
-  call.run_apart([&] { build_file(planes, local_storage(), path, options, call); });
+  const std::optional<WideType> wide = given_type(facts).wide();
+  call.run_apart([&] {
+    if (wide) {
+      check_target(local_storage(), path, options.overwrite);
+      planes.narrow_from(*wide);
+    }
+    build_file(planes, local_storage(), path, options, call);
+  });
+  warnings.add(planes.warnings());
   return warnings.texts();
 }
 
@@ -254,12 +286,24 @@ class Stop final : public Progress {
   std::atomic<bool> is_stopped{false};
 };
 
+/// Planes that come once cannot choose first what wide numbers become.
+/// Throws Error{invalid_argument} for them
+void require_voxels(StoredType type) {
+  if (!type.wide()) return;
+  throw Error(ErrorKind::invalid_argument,
+              "what " + std::string(stored_type_name(type)) +
+                  " becomes follows from the values, and planes that come one after another are "
+                  "not read twice: give them as int32, uint32 or float32")
+      .with_field("dtype");
+}
+
 /// A build whose planes are pushed: a thread of its own pulls them.
 class PlaneWriter {
  public:
   PlaneWriter(const std::string& path, const Zyx& shape, const nb::dict& facts,
               const nb::dict& given)
       : planes_(description_of(shape, facts)), options_(options_of(given)), path_(path) {
+    require_voxels(given_type(facts));
     check_target(local_storage(), path, options_.overwrite);
     options_.on_clipped = warnings_.listener(path);
     thread_ = std::thread([this] { work(); });

@@ -17,17 +17,6 @@ namespace octavo::python {
 
 namespace nb = nanobind;
 
-namespace {
-
-VoxelType type_of(const std::string& dtype) {
-  if (const std::optional<VoxelType> type = parse_voxel_type(dtype)) return *type;
-  throw Error(ErrorKind::invalid_argument,
-              "voxels of type " + dtype + " have no place in a file: int8, uint8, int16, uint16, "
-              "int32, uint32 and float32 do").with_field("dtype");
-}
-
-}  // namespace
-
 const char* kind_name(VolumeKind kind) { return kind == VolumeKind::labels ? "labels" : "grey"; }
 
 VolumeKind kind_of(const std::string& name) {
@@ -48,10 +37,19 @@ nb::dict volume_facts(const VolumeDescription& volume) {
   return facts;
 }
 
+StoredType given_type(const nb::dict& facts) {
+  const auto dtype = asked_for<std::string>(facts, "dtype");
+  if (const std::optional<StoredType> type = parse_stored_type(dtype)) return *type;
+  throw Error(ErrorKind::invalid_argument,
+              "voxels of type " + dtype + " have no place in a file: int8, uint8, int16, uint16, "
+              "int32, uint32 and float32 do; of int64, uint64 and float64 what fits these")
+      .with_field("dtype");
+}
+
 VolumeDescription description_of(const Zyx& shape, const nb::dict& facts) {
   VolumeDescription volume;
   MetadataFacts noted;
-  volume.type = type_of(asked_for<std::string>(facts, "dtype"));
+  volume.type = given_type(facts).voxel();
   volume.kind = kind_of(asked_for<std::string>(facts, "kind"));
   volume.size = size_of(shape);
   const auto spacing = asked_for<std::optional<std::array<double, 3>>>(facts, "spacing");

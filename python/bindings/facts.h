@@ -8,6 +8,7 @@
 #include <string>
 
 #include "octavo/core/volume.h"
+#include "octavo/io/source/stored_type.h"
 
 namespace octavo::python {
 
@@ -39,12 +40,17 @@ nanobind::list list_of(const All& all, Of of) {
 /// What files and maps say alike: dtype, direction, is_spacing_known, metadata, label_names.
 nanobind::dict volume_facts(const VolumeDescription& volume);
 
-/// The description of a volume that Python gives planes of.
+/// What the planes that Python gives are of: facts["dtype"].
+/// Throws Error{invalid_argument} where no voxels can be made of it
+StoredType given_type(const nanobind::dict& facts);
+
+/// The description of a volume that Python gives planes of; its type is that which wide numbers
+/// become unless their values ask for another.
 /// shape  z, y, x
 /// facts  dtype, kind, spacing (z, y, x) or None, origin (z, y, x), direction (9 numbers,
 ///        row-major, columns x, y, z), slope, intercept, unit or None, label_names (label: name),
 ///        format
-/// Throws Error{invalid_argument} for a dtype that files do not hold
+/// Throws as given_type
 VolumeDescription description_of(const Zyx& shape, const nanobind::dict& facts);
 
 }  // namespace octavo::python

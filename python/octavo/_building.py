@@ -35,7 +35,9 @@ def build(source, path, *, kind=None, spacing=None, origin=None, direction=None,
     source : array, Volume or View, LabelMap, path
         Anything of three dimensions [z, y, x] with `shape`, `dtype` and slices: a numpy, dask, zarr
         or h5py array. It is read some planes at a time, never as a whole, and may have any strides
-        and byte order. Or a path that the program `octavo` reads: a folder of DICOM or TIFF
+        and byte order. bool becomes uint8 and float16 float32; int64, uint64 and float64 become
+        int32, uint32 or float32, whichever holds what is in the first planes, with a warning where
+        values are rounded. Or a path that the program `octavo` reads: a folder of DICOM or TIFF
         slices, NIfTI, NRRD, MetaImage and others; the program has to be on PATH. OME-Zarr images
         and arrays of zarr, a folder or an .ozx file, are read without it. Of a volume or one of its
         levels, what is not given below stays as it is; of an array of `octavo.xarray`, its kind
@@ -211,6 +213,7 @@ class Writer:
     shape : (int, int, int)
         z, y, x.
     dtype : numpy.dtype
+        Of 32 bits at most: what wider numbers become follows from values that are not there yet.
     **options
         As of `build`; with resume=True planes that an interrupted writer has encoded are compared
         with those given again, and not encoded again.

@@ -64,6 +64,89 @@ def test_bool_becomes_a_mask_and_half_becomes_float(tmp_path):
         assert built.dtype == np.float32 and np.array_equal(built[...], half.astype(np.float32))
 
 
+BIG = 1 << 31
+
+
+@pytest.mark.parametrize("given, becomes", [
+    (np.int64([[[-3, BIG - 1]]]), np.int32), (np.int64([[[3, BIG]]]), np.uint32),
+    (np.uint64([[[3, 2 * BIG - 1]]]), np.uint32), (np.float64([[[3, -4]]]), np.int32),
+    (np.float64([[[3, BIG]]]), np.uint32), (np.float64([[[.5, -4]]]), np.float32),
+    (np.float64([[[np.nan, .25]]]), np.float32)], ids=str)
+def test_wide_numbers_become_voxels_that_hold_them(tmp_path, given, becomes):
+    for form in given, given.astype(given.dtype.newbyteorder()):
+        built = octavo.build(form, tmp_path / "a.8vo", overwrite=True)
+        assert built.dtype == becomes
+        np.testing.assert_array_equal(built[...].astype(given.dtype), given)
+
+
+def test_wide_numbers_become_what_the_program_makes_of_them(tmp_path, run):
+    smooth = np.random.default_rng(5).normal(size=(40, 20, 30))
+    smooth[:3] = 0
+    smooth.tofile(tmp_path / "a.raw")
+    done = run("build", tmp_path / "a.raw", "--raw", "30,20,40,float64", "--spacing", "1,1,1", "-o",
+               tmp_path / "a.8vo")
+    assert done.returncode == 0, done.stderr
+    with pytest.warns(UserWarning, match="float64 .* rounded") as caught:
+        built = octavo.build(smooth, tmp_path / "b.8vo")
+    assert str(caught[0].message) in done.stderr
+    assert np.array_equal(built[...], smooth.astype(np.float32))
+    assert built.voxels_sha256 == octavo.open(tmp_path / "a.8vo").voxels_sha256
+
+
+@pytest.mark.parametrize("first, later, text", [
+    (np.int64(1), 1 << 40, "the value 1099511627776 at x,y,z = 2,1,35 does not fit int32"),
+    (np.float64(1), .5, "the value 0.5 at x,y,z = 2,1,35 does not fit int32, .* float32 first"),
+    (np.float64(.5), 1e300, "the value 1e[+]300 at x,y,z = 2,1,35 does not fit float32")])
+def test_wide_numbers_that_come_late_and_do_not_fit_are_rejected(tmp_path, first, later, text):
+    array = np.arange(40 * 2 * 3).reshape(40, 2, 3).astype(first.dtype) * first
+    array[35, 1, 2] = later
+    with pytest.raises(octavo.SourceError, match=text):
+        octavo.build(array, tmp_path / "a.8vo")
+    assert not list(tmp_path.iterdir())
+
+
+def test_wide_numbers_are_read_by_the_plane(tmp_path):
+    """And what reading them raises is what the caller gets, also while the type is chosen."""
+    class Rows(OfOtherType):
+        asked = []
+
+        def __getitem__(self, key):
+            self.asked.append(key)
+            if len(self.asked) == Rows.last:
+                raise KeyError("a chunk is gone")
+            return super().__getitem__(key)
+
+    array = np.arange(50 * 4 * 5).reshape(50, 4, 5)
+    Rows.last = 0
+    assert np.array_equal(octavo.build(Rows(array, array.dtype), tmp_path / "a.8vo")[...], array)
+    assert len(Rows.asked) == 32 + 50
+    for Rows.last in 20, 60:
+        Rows.asked.clear()
+        with pytest.raises(KeyError, match="a chunk is gone"):
+            octavo.build(Rows(array, array.dtype), tmp_path / "b.8vo")
+    assert [one.name for one in tmp_path.iterdir()] == ["a.8vo"]
+
+
+def test_labels_of_64_bits_stay_labels(tmp_path):
+    labels = np.arange(60).reshape(3, 4, 5) // 7
+    for given in labels, labels.astype(np.float64):
+        built = octavo.build(given, tmp_path / "a.8vo", kind="labels", overwrite=True)
+        assert (built.kind, built.dtype) == ("labels", np.int32)
+        assert np.array_equal(built[...], labels)
+    with pytest.raises(octavo.ArgumentError, match="labels"):
+        octavo.build(labels / 7, tmp_path / "b.8vo", kind="labels")
+    assert [one.name for one in tmp_path.iterdir()] == ["a.8vo"]
+
+
+@pytest.mark.parametrize("dtype", ["int64", "uint64", "float64"])
+def test_planes_that_come_once_are_of_32_bits(tmp_path, dtype):
+    with pytest.raises(octavo.ArgumentError, match=f"what {dtype} becomes follows"):
+        octavo.Writer(tmp_path / "a.8vo", (3, 4, 5), dtype)
+    with pytest.raises(octavo.ArgumentError, match=f"what {dtype} becomes follows"):
+        octavo.build(iter(np.zeros((3, 4, 5), dtype)), tmp_path / "a.8vo", shape=(3, 4, 5))
+    assert not list(tmp_path.iterdir())
+
+
 class OfOtherType:
     """An array with a type of its own, as those of torch and of tensorstore."""
 
@@ -144,7 +227,7 @@ def test_a_level_of_a_volume_is_built_like_an_array(tmp_path, volume):
 
 
 BAD = {
-    "int64": (np.zeros((2, 2, 2), np.int64), {}, "voxels of type int64"),
+    "long floats": (np.zeros((2, 2, 2), np.longdouble), {}, "voxels of type float128"),
     "complex": (np.zeros((2, 2, 2), np.complex64), {}, "voxels of type complex64"),
     "text": (np.full((2, 2, 2), "a"), {}, "voxels of type <U1"),
     "structures": (np.zeros((2, 2, 2), "i2,i2"), {}, "voxels of type"),
