@@ -8,6 +8,7 @@ import os
 import shutil
 import signal
 import subprocess
+import threading
 
 import numpy as np
 
@@ -103,12 +104,12 @@ def build(source, path, *, kind=None, spacing=None, origin=None, direction=None,
             if series is not None:
                 raise ArgumentError("series are of DICOM and TIFF; zarr has none")
             return build_zarr(source, path, said, given, progress, channel=channel, time=time)
-        if progress is not None:
-            raise ArgumentError("progress is told of arrays; files are read by another program")
         require_there(source)
         require_free(path, given["overwrite"])
-        warn_of(_build_by_program(source, path, said, {**given, "channel": channel, "time": time,
-                                                       "series": series}))
+        chosen = {**given, "channel": channel, "time": time, "series": series}
+        with _reporter(progress) as report:
+            texts = _build_by_program(source, path, said, chosen, report)
+        warn_of(texts)
         return Volume(path)
     if channel is not None or time is not None or series is not None:
         raise ArgumentError("channel, time and series are of paths; index an array")
@@ -490,44 +491,69 @@ def _program():
     return program
 
 
-def _build_by_program(source, path, options, given):
+def _build_by_program(source, path, options, given, report):
     """Returns what the program warns of."""
     program = _program()
     command = [program, "build", _no_option(source), "-o", _no_option(path), "--json",
-               *_words_of(options, given)]
+               "--progress", "json" if report else "none", *_words_of(options, given)]
     for name, flag in (("threads", "--threads"), ("max_memory", "--max-memory")):
         if given[name]:
             command += [flag, repr(given[name])]
     for name, flag in (("overwrite", "--force"), ("resume", "--resume")):
         if given[name]:
             command.append(flag)
-    done = _ran(command)
+    done = _ran(command, report)
     if done.returncode != 0:
         raise _error_of_program(done)
     return json.loads(done.stdout).get("warnings", ())
 
 
-def _ran(command):
+def _ran(command, report=None):
     """As subprocess.run. What ends the wait, as Ctrl-C does, ends the program as well: once it has
-    tidied up."""
+    tidied up.
+
+    Parameters
+    ----------
+    report : callable, optional
+        Is told what the program tells of its progress, and may raise to end it.
+    """
     # A terminal sends Ctrl-C to both, and a second signal would end the program at once.
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         running = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                                   text=True)
+                                   text=True, errors="replace")
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
     with running:
         try:
-            said, warned = running.communicate()
+            if report:
+                said, warned = _followed(running, report)
+            else:
+                said, warned = running.communicate()
         except BaseException:
             running.terminate()
             try:
-                running.communicate(timeout=_SECONDS_TO_TIDY_UP)
+                (running.wait if report else running.communicate)(timeout=_SECONDS_TO_TIDY_UP)
             except BaseException:
                 running.kill()
             raise
     return subprocess.CompletedProcess(command, running.returncode, said, warned)
+
+
+def _followed(running, report):
+    """What a process says and warns of; lines of progress go to `report`."""
+    said, warned = [], []
+    listener = threading.Thread(target=lambda: said.append(running.stdout.read()), daemon=True)
+    listener.start()
+    for line in running.stderr:
+        if line.startswith('{"progress":'):
+            now = json.loads(line)["progress"]
+            report(now["done"], now["total"], now["what"])
+        else:
+            warned.append(line)
+    listener.join()
+    running.wait()
+    return said[0], "".join(warned)
 
 
 def _words_of(options, given):

@@ -413,6 +413,28 @@ def test_what_the_program_warns_of_is_a_warning(tmp_path, monkeypatch):
     assert {file for _, file in said} == {os.path.basename(__file__)}
 
 
+def test_progress_of_the_program_is_told_and_may_end_it(tmp_path, monkeypatch):
+    monkeypatch.setenv("PATH", os.path.dirname(os.environ["OCTAVO"]), prepend=os.pathsep)
+    noise = np.random.default_rng(1).integers(0, 4000, (60, 300, 300)).astype(float)
+    noise.tofile(tmp_path / "a.raw")
+    (tmp_path / "a.nhdr").write_text(
+        "NRRD0004\ntype: double\ndimension: 3\nsizes: 300 300 60\nspacings: 1 1 1\n"
+        "endian: little\nencoding: raw\ndata file: a.raw\n")
+
+    def stop(done, total, what):
+        raise ValueError("enough")
+
+    with pytest.raises(ValueError, match="enough"):
+        octavo.build(tmp_path / "a.nhdr", tmp_path / "a.8vo", threads=1, progress=stop)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.nhdr", "a.raw"]
+    told = []
+    octavo.build(tmp_path / "a.nhdr", tmp_path / "a.8vo", preset="fast",
+                 progress=lambda *what: told.append(what))
+    assert told[-1][0] == told[-1][1] > 0 and all(isinstance(what, str) for *_, what in told)
+    with pytest.raises(octavo.SourceError, match="not a DICOM"):
+        octavo.build(tmp_path / "a.raw", tmp_path / "b.8vo", progress=told.append)
+
+
 def test_a_writer_makes_the_file_of_the_array(tmp_path, voxels):
     octavo.build(voxels, tmp_path / "a.8vo", spacing=(2, 1, 1))
     with octavo.Writer(tmp_path / "b.8vo", voxels.shape, voxels.dtype, spacing=(2, 1, 1)) as w:
@@ -517,7 +539,7 @@ def test_a_scan_on_disk_goes_through_the_program(tmp_path, voxels, monkeypatch):
     monkeypatch.setenv("PATH", folder, prepend=os.pathsep)
     built = octavo.build(tmp_path / "a.8vo", tmp_path / "b.8vo", preset="fast")
     assert np.array_equal(built[...], voxels[:20])
-    for option in ({"unit": "HU"}, {"origin": (0, 0, 0)}, {"progress": print}):
+    for option in ({"unit": "HU"}, {"origin": (0, 0, 0)}):
         with pytest.raises(octavo.ArgumentError, match="array"):
             octavo.build(tmp_path / "a.8vo", tmp_path / "c.8vo", **option)
     # The program is told of a series, and says that a file of its own has none.
