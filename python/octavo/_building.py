@@ -2,25 +2,20 @@
 
 import contextlib
 import itertools
-import json
 import operator
 import os
-import shutil
-import signal
-import subprocess
-import threading
 
 import numpy as np
 
 from . import _octavo
 from ._coordinates import facts_of_coordinates
-from ._errors import ArgumentError, Error, SourceError
+from ._errors import ArgumentError, SourceError
+from ._program import build_by_program
 from ._sources import require_free, require_there, written_path
 from ._volume import RealView, View, Volume
 from ._work import MOST_THREADS, _reporter, if_given, number_of, one_of, warn_of, whole_number
 
 _BLOCK_BYTES = 64 << 20
-_SECONDS_TO_TIDY_UP = 10
 _OF_ARRAYS = ("slope", "intercept", "unit", "label_names", "direction", "origin")
 
 
@@ -108,7 +103,7 @@ def build(source, path, *, kind=None, spacing=None, origin=None, direction=None,
         require_free(path, given["overwrite"])
         chosen = {**given, "channel": channel, "time": time, "series": series}
         with _reporter(progress) as report:
-            texts = _build_by_program(source, path, said, chosen, report)
+            texts = build_by_program(source, path, _words_of(said, chosen), given, report)
         warn_of(texts)
         return Volume(path)
     if channel is not None or time is not None or series is not None:
@@ -479,83 +474,6 @@ def _require_not_own_source(view, path):
             raise ArgumentError(f"{path}: is the volume that is read", path=path)
 
 
-def _program():
-    program = shutil.which("octavo")
-    if program is None:
-        raise ArgumentError("files and folders are read by the program octavo, which is not on "
-                            "PATH; install it, or give an array")
-    from . import __version__
-    said = subprocess.run([program, "--version"], capture_output=True, text=True).stdout.split()
-    if __version__ not in said:
-        raise ArgumentError(f"{program} is another version than this package, {__version__}")
-    return program
-
-
-def _build_by_program(source, path, options, given, report):
-    """Returns what the program warns of."""
-    program = _program()
-    command = [program, "build", _no_option(source), "-o", _no_option(path), "--json",
-               "--progress", "json" if report else "none", *_words_of(options, given)]
-    for name, flag in (("threads", "--threads"), ("max_memory", "--max-memory")):
-        if given[name]:
-            command += [flag, repr(given[name])]
-    for name, flag in (("overwrite", "--force"), ("resume", "--resume")):
-        if given[name]:
-            command.append(flag)
-    done = _ran(command, report)
-    if done.returncode != 0:
-        raise _error_of_program(done)
-    return json.loads(done.stdout).get("warnings", ())
-
-
-def _ran(command, report=None):
-    """As subprocess.run. What ends the wait, as Ctrl-C does, ends the program as well: once it has
-    tidied up.
-
-    Parameters
-    ----------
-    report : callable, optional
-        Is told what the program tells of its progress, and may raise to end it.
-    """
-    # A terminal sends Ctrl-C to both, and a second signal would end the program at once.
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        running = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                                   text=True, errors="replace")
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
-    with running:
-        try:
-            if report:
-                said, warned = _followed(running, report)
-            else:
-                said, warned = running.communicate()
-        except BaseException:
-            running.terminate()
-            try:
-                (running.wait if report else running.communicate)(timeout=_SECONDS_TO_TIDY_UP)
-            except BaseException:
-                running.kill()
-            raise
-    return subprocess.CompletedProcess(command, running.returncode, said, warned)
-
-
-def _followed(running, report):
-    """What a process says and warns of; lines of progress go to `report`."""
-    said, warned = [], []
-    listener = threading.Thread(target=lambda: said.append(running.stdout.read()), daemon=True)
-    listener.start()
-    for line in running.stderr:
-        if line.startswith('{"progress":'):
-            now = json.loads(line)["progress"]
-            report(now["done"], now["total"], now["what"])
-        else:
-            warned.append(line)
-    listener.join()
-    running.wait()
-    return said[0], "".join(warned)
-
-
 def _words_of(options, given):
     """What the program is told of the bytes that it makes of a scan."""
     for name in _OF_ARRAYS:
@@ -578,25 +496,3 @@ def _words_of(options, given):
     if given["thumbnail"]:
         words.append("--thumbnail")
     return words
-
-
-def _no_option(path):
-    """The path in a form that no program takes for an option."""
-    return os.path.join(os.curdir, path) if path.startswith("-") else path
-
-
-_KIND_OF_EXIT = {2: "invalid_argument", 3: "unsupported_version", 4: "corrupt", 5: "io",
-                 6: "limit_exceeded", 7: "source_rejected"}
-
-
-def _error_of_program(done):
-    from ._errors import _CLASSES
-    lines = [line for line in done.stderr.splitlines() if line.strip()]
-    said = {}
-    if lines and lines[-1].startswith('{"error":'):
-        said = json.loads(lines.pop())["error"]
-    text = "\n".join(lines).removeprefix("octavo: ").removeprefix("error: ")
-    kind = said.get("kind") or _KIND_OF_EXIT.get(done.returncode, "internal")
-    return _CLASSES.get(kind, Error)(text or f"octavo ended with {done.returncode}",
-                                     said.get("detail", ""), said.get("path", ""),
-                                     said.get("offset"))

@@ -18,8 +18,9 @@ import subprocess
 import sys
 import warnings
 
-from ._building import _error_of_program, _given, _output, _reporter, _words_of
+from ._building import _given, _output, _reporter, _words_of
 from ._errors import ArgumentError, Error, StorageError
+from ._program import error_of_program
 from ._sources import require_free, require_name, require_there
 from ._volume import Volume
 from ._work import warn_of, whole_number
@@ -165,7 +166,7 @@ class _Work:
 
         def take_json(done):
             if done.returncode not in codes:
-                raise _error_of_program(done)
+                raise error_of_program(done)
             said = json.loads(done.stdout)
             self.warnings.update(dict.fromkeys(said.get("warnings", ())))
             take(said)
@@ -176,7 +177,7 @@ class _Work:
             else:
                 _run_on(self._client, commands, self._retries, codes, take_json)
         except subprocess.CalledProcessError as error:
-            raise _error_of_program(error) from None
+            raise error_of_program(error) from None
         except FileNotFoundError:
             raise ArgumentError("the program octavo is not on PATH where the work is done; install "
                                 "it on every node") from None
