@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <numeric>
 #include <span>
 #include <type_traits>
 
@@ -316,22 +317,15 @@ struct TokenRows {
   std::uint16_t* tokens = nullptr;
 };
 
-/// Takes the tokens of some rows from one of them on, whose contexts and tokens come first. Every
-/// row starts with the first state.
+/// Takes the tokens of some rows; gives whether any is big. Every row starts with the first state.
 template <int kStates>
-HWY_INLINE void take_rows_from(TokenStates<kStates>& states, int first, const TokenRows& rows) {
+HWY_NOINLINE bool take_rows_of(SymbolReader& symbols, const TokenRows& rows) {
+  TokenStates<kStates> states(symbols);
   int at = 0;
-  for (int r = first; r < rows.row_count; ++r) {
+  for (int r = 0; r < rows.row_count; ++r) {
     states.take_rest(rows.contexts + at, 0, rows.counts[r], rows.tokens + at);
     at += rows.counts[r];
   }
-}
-
-/// Takes the tokens of some rows; gives whether any is big.
-template <int kStates>
-bool take_rows_of(SymbolReader& symbols, const TokenRows& rows) {
-  TokenStates<kStates> states(symbols);
-  take_rows_from(states, 0, rows);
   states.give_back(symbols);
   return states.is_any_big();
 }
@@ -374,7 +368,6 @@ struct NoStreams {
   HWY_INLINE int fewest(int) const { return kMaxUnchecked; }
   HWY_INLINE void take_round(int) {}
   HWY_INLINE void take_rest(int, int) {}
-  HWY_INLINE void take_rows_from(int) {}
 };
 
 /// Streams that do not wait for each other, one by one: compilers keep no arrays in registers.
@@ -402,15 +395,22 @@ struct StreamGroup {
     rows.tokens += count;
     others.take_rest(r, i);
   }
-  HWY_INLINE void take_rows_from(int r) {
-    octavo::grey::HWY_NAMESPACE::take_rows_from(states, r, rows);
-    others.take_rows_from(r);
-  }
 
   TokenStates<kStates> states;
   TokenRows rows;
   std::conditional_t<kCount == 1, NoStreams, StreamGroup<kStates, kCount - 1>> others;
 };
+
+/// The rows of a stream from the given one on, which not all streams have.
+template <int kStates>
+HWY_NOINLINE void take_rows_alone(StreamRows& stream, int first) {
+  const TokenRows& rows = stream.rows;
+  if (rows.row_count <= first) return;
+  const int taken = std::accumulate(rows.counts, rows.counts + first, 0);
+  const TokenRows others{rows.counts + first, rows.row_count - first, rows.contexts + taken,
+                         rows.tokens + taken};
+  stream.has_big |= take_rows_of<kStates>(*stream.symbols, others);
+}
 
 template <int kStates, int kCount>
 void take_streams_of(StreamRows* streams) {
@@ -422,8 +422,8 @@ void take_streams_of(StreamRows* streams) {
     for (; i + kStates <= fewest; i += kStates) group.take_round(i);
     group.take_rest(r, i);
   }
-  group.take_rows_from(shared);
   group.give_back(streams);
+  for (StreamRows& one : std::span(streams, kCount)) take_rows_alone<kStates>(one, shared);
 }
 
 /// Streams of so many states, up to four at a time; two where vectors are so short that the states
@@ -437,7 +437,7 @@ void take_streams_of(std::span<StreamRows> streams) {
   switch (streams.size()) {
     case 3: return take_streams_of<kStates, 3>(streams.data());
     case 2: return take_streams_of<kStates, 2>(streams.data());
-    case 1: return take_streams_of<kStates, 1>(streams.data());
+    case 1: return take_rows_alone<kStates>(streams.front(), 0);
     default: return;
   }
 }
