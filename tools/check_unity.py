@@ -167,7 +167,7 @@ def headers_of(root: pathlib.Path, path: pathlib.Path) -> frozenset:
     found, waiting = set(), [path]
     while waiting:
         for name in INCLUDE.findall(waiting.pop().read_text()):
-            for folder in (root / "src", root / "cli", root / "tests"):
+            for folder in (root / "src", root / "cli", root / "python/bindings", root / "tests"):
                 header = folder / name
                 if header.exists() and header not in found:
                     found.add(header)
@@ -179,7 +179,7 @@ def sources_by_target(root: pathlib.Path) -> dict:
     """Sources that may be compiled together: of a library, those of the reading half apart."""
     reading = (root / "src/octavo/ReadingHalf.cmake").read_text()
     targets = {}
-    for top in ("src/octavo", "cli"):
+    for top in ("src/octavo", "cli", "python"):
         for path in sorted((root / top).rglob("*.cpp")):
             folder = next(f for f in path.parents if (f / "CMakeLists.txt").exists())
             apart = APART.findall((folder / "CMakeLists.txt").read_text())
