@@ -140,11 +140,12 @@ bool read_geometry(const MetaHeader& header, std::size_t dimensions, const Sourc
                       geometry.spacing_mm);
 }
 
-/// Whether the header says how the patient lies. "???" is what programs write that do not know.
+/// Whether the header says how the patient lies. "???" is what programs write that do not know,
+/// with a mark for each axis.
 std::optional<bool> place_known_of(const MetaHeader& header, const Geometry& geometry) {
   const std::string orientation = header.text("AnatomicalOrientation");
   if (orientation.empty() || !header.has("TransformMatrix")) return std::nullopt;
-  if (orientation != "???") return true;
+  if (orientation.find_first_not_of('?') != std::string::npos) return true;
   if (geometry.direction == Geometry{}.direction) return false;
   return std::nullopt;
 }

@@ -107,7 +107,9 @@ void take_component(const NiftiHeader& header, const SourceFacts& facts, VoxelRu
   run.take_volume(choice.channel * components.times + choice.time, volumes, bytes);
 }
 
+/// Colors are not scaled (NIfTI-1, "Data scaling").
 Rescale read_rescale(const NiftiHeader& header, const std::string& path) {
+  if (values_of_type(header.datatype) > 1) return {};
   // A slope of 0 says that there is no scaling (NIfTI-1, "Data scaling").
   if (header.slope == 0 || !std::isfinite(header.slope)) return {};
   if (!std::isfinite(header.intercept)) {

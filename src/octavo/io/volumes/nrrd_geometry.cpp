@@ -11,6 +11,7 @@
 
 #include "octavo/core/error.h"
 #include "octavo/core/text.h"
+#include "octavo/core/vectors.h"
 #include "octavo/io/source/axis_check.h"
 #include "octavo/io/source/length_unit.h"
 #include "octavo/io/source/source_file.h"
@@ -50,19 +51,22 @@ WorldAxes world_axes_of(const NrrdHeader& header) {
 void leave_unplaced(SourceFacts& facts) { facts.place_known = false; }
 
 /// The vectors "(a,b,c) none (d,e,f) ..." of a field; "none" is passed over.
-std::vector<Point3> vectors(const FieldText& field) {
+/// length  numbers of each: 3, or 2 of vectors in the plane z = 0
+std::vector<Point3> vectors(const FieldText& field, std::size_t length) {
   std::string flat(field.value);
   const auto count = static_cast<std::size_t>(std::count(flat.begin(), flat.end(), '('));
   std::replace_if(
       flat.begin(), flat.end(), [](char c) { return c == '(' || c == ')' || c == ','; }, ' ');
-  for (std::size_t at = 0; (at = lower_case(flat).find("none")) != std::string::npos;) {
-    flat.replace(at, 4, 4, ' ');
+  const std::string_view none = "none";
+  const std::string lower = lower_case(flat);
+  for (std::size_t at = lower.find(none); at != std::string::npos;
+       at = lower.find(none, at + none.size())) {
+    flat.replace(at, none.size(), none.size(), ' ');
   }
-  const std::vector<double> numbers = FieldText{field.path, field.name, flat}.numbers(count * 3);
-  std::vector<Point3> result;
-  for (std::size_t i = 0; i < count; ++i) {
-    result.push_back({numbers[i * 3], numbers[i * 3 + 1], numbers[i * 3 + 2]});
-  }
+  const std::vector<double> numbers =
+      FieldText{field.path, field.name, flat}.numbers(count * length);
+  std::vector<Point3> result(count);
+  for (std::size_t i = 0; i < numbers.size(); ++i) result[i / length][i % length] = numbers[i];
   return result;
 }
 
@@ -105,9 +109,26 @@ std::vector<double> units_in_mm(const NrrdHeader& header, const std::string& fie
   return factors;
 }
 
+/// Dimensions of the world: 3, or 2 of an image.
+std::size_t world_dimension(const NrrdHeader& header, const NrrdSpaceAxes& space) {
+  if (!header.has("space dimension")) return 3;
+  const std::int64_t dimension = header.field("space dimension").integer();
+  if (dimension == 3 || (dimension == 2 && space.axes.size() == 2)) {
+    return static_cast<std::size_t>(dimension);
+  }
+  reject(header.path(), "space dimension is " + std::to_string(dimension) +
+                            ", 3 expected; repair the header");
+}
+
 /// Millimeters in the unit of each axis of the world.
-std::vector<double> units_in_space(const NrrdHeader& header, const SourceOptions& options) {
-  return units_in_mm(header, "space units", 3, {0, 1, 2}, options);
+std::vector<double> units_in_space(const NrrdHeader& header, const NrrdSpaceAxes& space,
+                                   const SourceOptions& options) {
+  const std::size_t dimension = world_dimension(header, space);
+  std::vector<std::size_t> lengths = {0, 1, 2};
+  lengths.resize(dimension);
+  std::vector<double> units = units_in_mm(header, "space units", dimension, lengths, options);
+  units.resize(3, 1.0);
+  return units;
 }
 
 /// "spacings", one for each axis, "nan" where an axis has none.
@@ -144,7 +165,7 @@ void check_spacings_beside_directions(const NrrdHeader& header, const NrrdSpaceA
   const std::vector<double> given = given_spacings(header, space.axis_count);
   const std::vector<double> units =
       units_in_mm(header, "units", space.axis_count, space.axes, options);
-  const std::vector<double> space_units = units_in_space(header, options);
+  const std::vector<double> space_units = units_in_space(header, space, options);
   for (std::size_t i = 0; i < space.axes.size(); ++i) {
     const std::size_t axis = space.axes[i];
     if (!std::isfinite(given[axis])) continue;
@@ -165,39 +186,11 @@ void tell_of_borders_beside_directions(const NrrdHeader& header, SourceFacts& fa
   }
 }
 
-/// Vectors of three numbers are those of a space of three dimensions.
-void require_space_of_three(const NrrdHeader& header) {
-  if (!header.has("space dimension")) return;
-  const std::int64_t dimension = header.field("space dimension").integer();
-  if (dimension == 3) return;
-  reject(header.path(), "space dimension is " + std::to_string(dimension) +
-                            ", 3 expected; repair the header");
-}
-
-void read_space_directions(const NrrdHeader& header, const NrrdSpaceAxes& space,
-                           const SourceOptions& options, SourceFacts& facts) {
-  const std::size_t dimension = space.axes.size();
-  const std::vector<Point3> axes = vectors(header.field("space directions"));
-  if (axes.size() != dimension || dimension != 3) {
-    reject(header.path(), "space directions: " + std::to_string(dimension) +
-                              " vectors of 3 numbers expected, " + std::to_string(axes.size()) +
-                              " found");
-  }
-  require_space_of_three(header);
-  const WorldAxes world = world_axes_of(header);
-  facts.place_known = world.doubt.empty();
-  if (!world.doubt.empty()) {
-    facts.warnings.push_back(world.doubt + " does not say where left is: axes and origin are kept "
-                                           "as in the file: " + escaped(header.path()));
-  }
-  Geometry& geometry = facts.description.geometry;
-  Point3 signs = world.to_lps;
-  const std::vector<double> units = units_in_space(header, options);
-  for (std::size_t row = 0; row < 3; ++row) signs[row] *= units[row];
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const Point3 v = {signs[0] * axes[axis][0], signs[1] * axes[axis][1],
-                      signs[2] * axes[axis][2]};
-    const double length = std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+/// Takes spacings and directions from the vectors of three axes, in millimeters.
+void take_axes(const NrrdHeader& header, const std::vector<Point3>& axes, Geometry& geometry) {
+  for (std::size_t axis = 0; axis < axes.size(); ++axis) {
+    const Point3& v = axes[axis];
+    const double length = std::sqrt(dot(v, v));
     if (!(length > 0)) {
       reject(header.path(), std::string("space directions: the vector of axis ") +
                                 axis_name(axis) + " has no length; repair the header");
@@ -207,11 +200,40 @@ void read_space_directions(const NrrdHeader& header, const NrrdSpaceAxes& space,
       geometry.direction[row * 3 + axis] = v[row] / length;
     }
   }
+}
+
+/// The normal of an image, 1 mm long.
+Point3 normal_of(const Point3& a, const Point3& b) {
+  const Point3 normal = cross(a, b);
+  return dot(normal, normal) > 0 ? unit(normal) : Point3{0, 0, 1};
+}
+
+void read_space_directions(const NrrdHeader& header, const NrrdSpaceAxes& space,
+                           const SourceOptions& options, SourceFacts& facts) {
+  const std::size_t length = world_dimension(header, space);
+  std::vector<Point3> axes = vectors(header.field("space directions"), length);
+  if (axes.size() != space.axes.size()) {
+    reject(header.path(), "space directions: " + std::to_string(space.axes.size()) +
+                              " vectors expected, " + std::to_string(axes.size()) + " found");
+  }
+  const WorldAxes world = world_axes_of(header);
+  facts.place_known = world.doubt.empty();
+  if (!world.doubt.empty()) {
+    facts.warnings.push_back(world.doubt + " does not say where left is: axes and origin are kept "
+                                           "as in the file: " + escaped(header.path()));
+  }
+  Geometry& geometry = facts.description.geometry;
+  Point3 signs = world.to_lps;
+  const std::vector<double> units = units_in_space(header, space, options);
+  for (std::size_t row = 0; row < 3; ++row) signs[row] *= units[row];
+  for (Point3& v : axes) v = {signs[0] * v[0], signs[1] * v[1], signs[2] * v[2]};
+  if (axes.size() == 2) axes.push_back(normal_of(axes[0], axes[1]));
+  take_axes(header, axes, geometry);
   reject_shear(geometry, "space directions", header.path());
   check_spacings_beside_directions(header, space, options, geometry);
   tell_of_borders_beside_directions(header, facts);
   if (!header.has("space origin")) return;
-  const std::vector<Point3> origin = vectors(header.field("space origin"));
+  const std::vector<Point3> origin = vectors(header.field("space origin"), length);
   if (origin.size() != 1) reject(header.path(), "space origin: one vector expected");
   for (std::size_t row = 0; row < 3; ++row) geometry.origin_mm[row] = signs[row] * origin[0][row];
 }

@@ -28,6 +28,7 @@ TEST(DescribedSource, AxesThatAreStatedPlaceTheVolumeWhateverTheyAre) {
   for (const auto& [lines, expected] : std::vector<std::pair<std::string, std::string>>{
            {matrix + "AnatomicalOrientation = RAI\n", "\"place_known\":true"},
            {matrix + "AnatomicalOrientation = ???\n", "\"place_known\":false"},
+           {matrix + "AnatomicalOrientation = ??\n", "\"place_known\":false"},
            {matrix, ""},
            {"AnatomicalOrientation = RAI\n", ""}}) {
     write_file(folder.file("a.mha"), "ObjectType = Image\nNDims = 3\n" + lines +

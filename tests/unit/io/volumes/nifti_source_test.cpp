@@ -57,6 +57,21 @@ TEST(NiftiSource, WhatIsNoNumberOrOutOfTheFileIsNamed) {
   }
 }
 
+TEST(NiftiSource, ColorsAreNotScaled) {
+  const TempFolder folder;
+  for (const int datatype : {128, 2304}) {
+    NiftiSample sample;
+    sample.datatype = static_cast<std::int16_t>(datatype);
+    sample.slope = 2;
+    sample.intercept = std::numeric_limits<float>::quiet_NaN();
+    write_file(folder.file("a.nii"), nifti_header(sample) + counted(96, 0));
+    SourceOptions options;
+    options.channel = "red";
+    const auto source = open_source({folder.file("a.nii")}, options);
+    EXPECT_TRUE(source->description().rescale.is_identity()) << datatype;
+  }
+}
+
 TEST(NiftiSource, ALabelIntentMakesLabels) {
   const TempFolder folder;
   NiftiSample sample;

@@ -224,6 +224,40 @@ TEST(NrrdGeometry, ASpaceOfAnotherDimensionIsRejected) {
   EXPECT_EQ(spacing_of(path), (Point3{2, 3, 4}));
 }
 
+TEST(NrrdGeometry, AnImageLiesInThePlaneOrAsItsVectorsOfThreeNumbersSay) {
+  const TempFolder folder;
+  const std::string path = folder.file("a.nrrd");
+  const auto write = [&](const std::string& lines) {
+    write_file(path, "NRRD0005\ntype: uchar\ndimension: 2\nsizes: 4 3\nencoding: raw\n" + lines +
+                         "\n\n" + std::string(12, '\1'));
+  };
+  struct Row {
+    std::string lines;
+    Geometry geometry;
+  };
+  for (const auto& [lines, geometry] : std::vector<Row>{
+           {"space dimension: 2\nspace directions: (2,0) (0,3)\nspace origin: (5,6)",
+            {{5, 6, 0}, {2, 3, 1}}},
+           {"space dimension: 2\nspace directions: (0,2) (-3,0)\nspace units: \"cm\" \"cm\"",
+            {{0, 0, 0}, {20, 30, 1}, {0, -1, 0, 1, 0, 0, 0, 0, 1}}},
+           {"space: RAS\nspace directions: (0,2,0) (0,0,3)\nspace origin: (5,6,7)",
+            {{-5, -6, 7}, {2, 3, 1}, {0, 0, -1, -1, 0, 0, 0, 1, 0}}}}) {
+    write(lines);
+    const Geometry g = geometry_of(path);
+    EXPECT_EQ(g.spacing_mm, geometry.spacing_mm) << lines;
+    EXPECT_EQ(g.origin_mm, geometry.origin_mm) << lines;
+    for (std::size_t i = 0; i < 9; ++i) EXPECT_EQ(g.direction[i], geometry.direction[i]) << lines;
+  }
+  write("space dimension: 2\nspace directions: (2,0,0) (0,3,0)");
+  expect_rejected(path, {"space directions", "4 numbers expected, 6 found"});
+  write("space dimension: 2\nspace directions: (2,0) (2,0)");
+  expect_rejected(path, {"axes x and y stand at 0 degrees"});
+  write("space dimension: 2\nspace directions: (2,0) (0,0)");
+  expect_rejected(path, {"the vector of axis y has no length"});
+  write("space dimension: 2\nspace directions: (2,0) (0,3)\nspace units: \"cm\"");
+  expect_rejected(path, {"\"space units\" names 1 units in quotes, 2 expected"});
+}
+
 TEST(NrrdGeometry, AnAxisRunsBackwardsWhereItsSpacingIsNegative) {
   const TempFolder folder;
   const std::string path = folder.file("a.nrrd");
