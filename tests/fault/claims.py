@@ -60,12 +60,11 @@ class InFolder(unittest.TestCase):
         return process.returncode, said, used
 
     def write(self, name, data):
+        (self.folder / name).parent.mkdir(exist_ok=True)
         (self.folder / name).write_bytes(data)
 
-
-class Lengths(InFolder):
     def expect_cheap(self, code, words, *arguments):
-        """An error with `words` in it, in little memory and time."""
+        """An outcome with `words` in it, in little memory and time."""
         found, said, used = self.outcome(self.start(*arguments))
         self.assertEqual(found, code, said)
         for word in words:
@@ -73,6 +72,8 @@ class Lengths(InFolder):
         self.assertLess(used.ru_maxrss * 1024, SMALL_BYTES, said)
         self.assertLess(used.ru_utime + used.ru_stime, 2, said)
 
+
+class Lengths(InFolder):
     def sparse_file(self, section, length):
         """A file of 8 KiB on the disk whose header claims a section of `length` bytes."""
         data = bytearray((GOLDEN / "minimal.8vo").read_bytes())
@@ -168,6 +169,19 @@ class Lengths(InFolder):
         self.write("mosaic.dcm", mosaic(2048))
         self.expect_cheap(7, ["mosaic.dcm", "4194304 slices", "at most 4096"],
                           "build", "mosaic.dcm", "-o", "out.8vo")
+
+    def test_millions_of_frames_are_rejected_before_they_are_listed(self):
+        d = dicom_bytes
+        frames = 1 << 21
+        packed = d.compressed_frames(d.RUN_LENGTHS, 8, 16, frames, [bytes(64)])
+        head = packed[:packed.index(b"\xe0\x7f\x10\x00OB")]
+        self.write("packed.dcm", packed)
+        self.write("plain.dcm", head.replace(d.RUN_LENGTHS.encode(), d.PLAIN.encode()) +
+                   d.element(0x7fe00010, "OB", bytes(64)))
+        for name, words in (("packed.dcm", "1 compressed fragment;"), ("plain.dcm", "64 bytes;")):
+            with self.subTest(name):
+                self.expect_cheap(7, [name, "2097152", words], "build", name, "-o", "out.8vo",
+                                  "--spacing", "1,1,1")
 
 
 def has_ended(process):

@@ -2,6 +2,7 @@
 
 import struct
 
+PLAIN = "1.2.840.10008.1.2.1"  # little-endian, with kinds of values
 RUN_LENGTHS = "1.2.840.10008.1.2.5"
 JPEG = "1.2.840.10008.1.2.4.50"
 JPEG_LOSSLESS = "1.2.840.10008.1.2.4.70"
@@ -17,31 +18,39 @@ RUN_POWERS = ([0] * 4 + [1] * 4 + [2] * 4 + [3] * 4 + [4, 4, 5, 5, 6, 6, 7, 7] +
 def element(tag, kind, value):
     value += b"\0" * (len(value) & 1) if kind in ("UI", "OB") else b" " * (len(value) & 1)
     head = struct.pack("<HH", tag >> 16, tag & 0xffff) + kind.encode()
-    return head + struct.pack("<H", len(value)) + value
+    return head + struct.pack("<xxI" if kind == "OB" else "<H", len(value)) + value
 
 
 def compressed_slice(syntax, side, bits, picture):
     """A square slice of `bits` bits with one fragment."""
+    return compressed_frames(syntax, side, bits, 1, [picture])
+
+
+def compressed_frames(syntax, side, bits, frames, fragments):
+    """Square frames of `bits` bits; more than one have no positions."""
     meta = element(0x00020010, "UI", syntax.encode())
     data = b"".join([
         element(0x00080016, "UI", CT_IMAGE), element(0x00080018, "UI", b"1.2.3"),
         element(0x00180050, "DS", b"1"), element(0x0020000d, "UI", b"1.2.4"),
         element(0x0020000e, "UI", b"1.2.5"), element(0x00200032, "DS", b"0\\0\\0"),
         element(0x00200037, "DS", b"1\\0\\0\\0\\1\\0")])
-    for tag, value in ((0x00280002, 1), (0x00280004, None), (0x00280010, side),
-                       (0x00280011, side), (0x00280030, None), (0x00280100, bits),
-                       (0x00280101, bits), (0x00280102, bits - 1), (0x00280103, 0)):
+    for tag, value in ((0x00280002, 1), (0x00280004, None), (0x00280008, frames),
+                       (0x00280010, side), (0x00280011, side), (0x00280030, None),
+                       (0x00280100, bits), (0x00280101, bits), (0x00280102, bits - 1),
+                       (0x00280103, 0)):
         if tag == 0x00280004:
             data += element(tag, "CS", b"MONOCHROME2")
+        elif tag == 0x00280008:
+            data += element(tag, "IS", str(value).encode())
         elif tag == 0x00280030:
             data += element(tag, "DS", b"1\\1")
         else:
             data += element(tag, "US", struct.pack("<H", value))
-    picture += bytes(len(picture) & 1)
+    items = b"".join(struct.pack("<HHI", 0xfffe, 0xe000, len(one) + (len(one) & 1)) + one +
+                     bytes(len(one) & 1) for one in fragments)
     return (bytes(128) + b"DICM" + element(0x00020000, "UL", struct.pack("<I", len(meta))) + meta +
             data + struct.pack("<HH2sHI", 0x7fe0, 0x0010, b"OB", 0, 0xffffffff) +
-            struct.pack("<HHI", 0xfffe, 0xe000, 0) +
-            struct.pack("<HHI", 0xfffe, 0xe000, len(picture)) + picture +
+            struct.pack("<HHI", 0xfffe, 0xe000, 0) + items +
             struct.pack("<HHI", 0xfffe, 0xe0dd, 0))
 
 

@@ -38,11 +38,10 @@ std::vector<ByteRun> fragments_of(const DicomLayout& layout, std::int64_t frame)
   const std::uint64_t from = base + table[index];
   const std::uint64_t to = index + 1 < table.size() ? base + table[index + 1]
                                                     : std::numeric_limits<std::uint64_t>::max();
-  std::vector<ByteRun> result;
-  for (const ByteRun& run : all) {
-    if (run.offset - 8 >= from && run.offset - 8 < to) result.push_back(run);
-  }
-  return result;
+  // They rise, as they were found one behind the other.
+  const auto item_offset = [](const ByteRun& run) { return run.offset - 8; };
+  const auto first = std::ranges::lower_bound(all, from, {}, item_offset);
+  return {first, std::ranges::lower_bound(first, all.end(), to, {}, item_offset)};
 }
 
 /// The first `count` bytes of a picture, over the ends of fragments.

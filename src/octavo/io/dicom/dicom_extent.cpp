@@ -135,6 +135,20 @@ void check_compressed(const DicomLayout& layout) {
 
 }  // namespace
 
+void require_part_for_each_frame(const DicomLayout& layout) {
+  const DicomPixels& pixels = layout.pixels;
+  const auto frames = static_cast<std::uint64_t>(layout.frames);
+  const std::uint64_t parts =
+      pixels.is_encapsulated ? pixels.fragments.size() : pixels.native.length * 8;
+  if (frames < 2 || frames <= parts) return;
+  reject(layout, "Number of Frames (0028,0008) says " + std::to_string(frames) +
+                     ", and the pixel data have " +
+                     (pixels.is_encapsulated
+                          ? counted_text(static_cast<std::int64_t>(parts), "compressed fragment")
+                          : counted_text(static_cast<std::int64_t>(parts / 8), "byte")) +
+                     "; the file is cut or damaged");
+}
+
 void check_dicom_pixels(const DicomLayout& layout) {
   if (layout.is_slide) {
     reject(layout, "its " + std::to_string(layout.frames) +

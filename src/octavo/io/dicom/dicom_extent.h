@@ -8,6 +8,11 @@
 
 namespace octavo {
 
+/// Rejects pixel data of several frames that have no bit or fragment for each: before these are
+/// listed, which takes memory for each.
+/// Throws Error{source_rejected} with both counts
+void require_part_for_each_frame(const DicomLayout& layout);
+
 /// Proves that the located pixel data hold all frames, and no picture beside them.
 /// Throws Error{source_rejected} with both lengths or counts.
 void check_dicom_pixels(const DicomLayout& layout);

@@ -184,6 +184,7 @@ DicomLayout read_layout(const DicomFile& file) {
     reject(file.path, "a picture of " + size_text(layout.columns, layout.rows) +
                           " voxels, a DICOM picture has at most 65535 x 65535: it is damaged");
   }
+  require_part_for_each_frame(layout);
   find_frame_starts(layout);
   return layout;
 }

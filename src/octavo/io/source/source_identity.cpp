@@ -18,6 +18,7 @@ void SourceIdentity::note(const std::string& name, std::string value) {
     if (text.empty()) values_.erase(name);
     return;
   }
+  if (!noted_[name].insert(value).second) return;
   if (text.empty()) {
     text = std::move(value);
   } else if (("\n" + text + "\n").find("\n" + value + "\n") == std::string::npos) {

@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <map>
+#include <set>
 #include <string>
 
 #include "octavo/core/metadata_facts.h"
@@ -29,6 +30,7 @@ class SourceIdentity {
 
  private:
   std::map<std::string, std::string> values_;
+  std::map<std::string, std::set<std::string>> noted_;  ///< texts that stand in those of values_
   std::map<std::string, std::int64_t> counts_;  ///< of all names
 };
 

@@ -19,8 +19,10 @@ std::vector<OmeAxis> read_axes(const ZarrValue& image) {
   const ZarrValue list = image.at("axes");
   // Before version 0.3 images had five axes and did not say so.
   if (!list.is_there()) return {{"t", ""}, {"c", ""}, {"z", ""}, {"y", ""}, {"x", ""}};
+  const std::vector<ZarrValue> items = list.items();
+  if (items.empty() || items.size() > kMostAxes) list.reject("an image has 2 to 5 axes");
   std::vector<OmeAxis> axes;
-  for (const ZarrValue& one : list.items()) {
+  for (const ZarrValue& one : items) {
     const auto bare = one.text();
     const std::string name = bare ? *bare : one.at("name").text().value_or("");
     if (name.empty()) list.reject("an axis has no name");
@@ -31,7 +33,6 @@ std::vector<OmeAxis> read_axes(const ZarrValue& image) {
       if (axes[i].name == axes[j].name) list.reject("two axes are " + escaped(axes[i].name));
     }
   }
-  if (axes.empty() || axes.size() > kMostAxes) list.reject("an image has 2 to 5 axes");
   return axes;
 }
 

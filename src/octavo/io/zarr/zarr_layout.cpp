@@ -15,6 +15,7 @@ namespace octavo {
 namespace {
 
 constexpr std::size_t kMostDimensions = 8;
+constexpr std::size_t kMostCodecs = 16;
 constexpr std::uint64_t kMostShardChunks = std::uint64_t{1} << 22;
 
 /// The sides of an array or of its chunks, proven.
@@ -185,7 +186,7 @@ void take_transpose(const ZarrValue& configuration, ZarrCodecs& codecs) {
   const auto order = configuration.at("order").wholes();
   const std::size_t count = codecs.order.size();
   std::vector<std::size_t> turned;
-  if (order) {
+  if (order && order->size() == count) {
     for (const std::int64_t axis : *order) {
       const auto at = static_cast<std::size_t>(axis);
       if (axis < 0 || at >= count || std::ranges::count(*order, axis) != 1) continue;
@@ -206,7 +207,12 @@ ZarrCodecs read_codecs(const ZarrValue& list, StoredType type, std::size_t dimen
   ZarrCodecs codecs;
   codecs.order = as_numbered(dimensions);
   bool has_bytes = false;
-  for (const ZarrValue& codec : list.items()) {
+  const std::vector<ZarrValue> items = list.items();
+  if (items.size() > kMostCodecs) {
+    list.reject(std::to_string(items.size()) + " codecs are not read, " +
+                std::to_string(kMostCodecs) + " at most");
+  }
+  for (const ZarrValue& codec : items) {
     const std::string name = word(codec, "name");
     const ZarrValue configuration = codec.at("configuration");
     if (!has_bytes && name == "transpose") {
