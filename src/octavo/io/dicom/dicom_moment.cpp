@@ -56,8 +56,8 @@ std::optional<double> clock_number(std::string text, std::size_t digits) {
   double value = 0;
   const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value,
                                               std::chars_format::fixed);
-  if (failure != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return value;
+  const bool is_number = failure == std::errc() && end == text.data() + text.size();
+  return is_number && std::isfinite(value) ? std::optional(value) : std::nullopt;
 }
 
 constexpr std::size_t kDateTimeDigits = 14;

@@ -120,6 +120,11 @@ std::optional<std::int64_t> count_of(std::string_view tag, const std::string& na
   return is_whole && value >= 0 ? value : -1;
 }
 
+/// OME tells units apart by their case: "Mm" is a megameter, and "Pm" a petameter.
+std::optional<double> ome_unit_in_mm(const std::string& unit) {
+  return unit == "Mm" || unit == "Pm" ? std::nullopt : unit_in_mm(unit);
+}
+
 std::optional<double> length_mm(std::string_view pixels, const std::string& axis,
                                 TiffDescription& result) {
   const std::string text = text_of(pixels, "PhysicalSize" + axis);
@@ -127,7 +132,7 @@ std::optional<double> length_mm(std::string_view pixels, const std::string& axis
   const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (failure != std::errc() || !std::isfinite(value) || value <= 0) return std::nullopt;
   const std::string unit = attribute(pixels, "PhysicalSize" + axis + "Unit").value_or("um");
-  const std::optional<double> unit_mm = unit_in_mm(unit);
+  const std::optional<double> unit_mm = ome_unit_in_mm(unit);
   if (!unit_mm) {
     result.unknown_unit = unit;
     return std::nullopt;

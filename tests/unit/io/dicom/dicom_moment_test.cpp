@@ -74,5 +74,18 @@ TEST(DicomMoment, TriggerTimesThatDifferByLessThanATenthAreOne) {
   EXPECT_EQ(read_dicom_moment(set_with(trigger, 412.488), {}, {}).trigger_ms, 412.5);
 }
 
+TEST(DicomMoment, HasNoClockWhereATextIsNoNumber) {
+  for (const char* text : {"", "1", "10:15", "infini", "nan(1)", "1015301"}) {
+    DicomSet data;
+    data.add_value(0x00080032, text);
+    EXPECT_EQ(read_dicom_moment(data, {}, {}).acquisition_time, std::nullopt) << text;
+  }
+  for (const char* text : {"infinity123456", "nan(123456789)", "-nan(123456789"}) {
+    DicomSet data;
+    data.add_value(0x0008002a, text);
+    EXPECT_EQ(read_dicom_moment(data, {}, {}).acquisition_clock, std::nullopt) << text;
+  }
+}
+
 }  // namespace
 }  // namespace octavo::testing

@@ -137,10 +137,16 @@ TEST_F(SourceTiff, OmeUnitsMayBeEscaped) {
     EXPECT_EQ(open("a.ome.tif")->description().geometry.spacing_mm,
               (Point3{2 * mm, 2 * mm, 2 * mm})) << unit;
   }
-  const std::string odd = "PhysicalSizeX=\"2\" PhysicalSizeXUnit=\"&lt;&#;\"";
-  write("a.ome.tif", ome("", 2, 1, "XYZCT", "", odd), 2);
-  const std::string warning = first_warning(*open("a.ome.tif"));
-  EXPECT_TRUE(contains(warning, "OME description counts lengths in \"<&#;")) << warning;
+}
+
+TEST_F(SourceTiff, OmeUnitsThatAreNotKnownAreLeftOutWithAWarning) {
+  for (const auto& [unit, shown] : std::vector<std::pair<std::string, std::string>>{
+           {"&lt;&#;", "<&#;"}, {"Mm", "Mm"}, {"Pm", "Pm"}}) {
+    write("a.ome.tif", ome("", 2, 1, "XYZCT", "", "PhysicalSizeX=\"2\" PhysicalSizeXUnit=\"" +
+                                                      unit + "\""), 2);
+    const std::string warning = first_warning(*open("a.ome.tif"));
+    EXPECT_TRUE(contains(warning, "OME description counts lengths in \"" + shown)) << warning;
+  }
 }
 
 TEST_F(SourceTiff, OmeTiffDataGiveTheOrderOfPages) {
