@@ -127,10 +127,10 @@ std::optional<std::uint64_t> TiffDirectory::number(std::uint16_t tag) const {
   const std::optional<std::uint64_t> count = value_count(tag);
   if (!count) return std::nullopt;
   if (*count != 1) reject_tag(tag, "has " + std::to_string(*count) + " values, one expected");
-  return numbers(tag).front();
+  return numbers(tag, 1).front();
 }
 
-std::vector<std::uint64_t> TiffDirectory::numbers(std::uint16_t tag) const {
+std::vector<std::uint64_t> TiffDirectory::numbers(std::uint16_t tag, std::uint64_t most) const {
   const auto entry = entry_of(tag);
   if (!entry) return {};
   const std::uint64_t type = number_at(entry->subspan(2, 2));
@@ -149,12 +149,12 @@ std::vector<std::uint64_t> TiffDirectory::numbers(std::uint16_t tag) const {
                           std::to_string(start) + " on, and the file ends at byte " +
                           std::to_string(file_.size()));
     }
-    elsewhere.resize(static_cast<std::size_t>(count) * integers->bytes);
+    elsewhere.resize(static_cast<std::size_t>(std::min(count, most)) * integers->bytes);
     file_.read_exactly(start, elsewhere);
     raw = elsewhere;
   }
 
-  std::vector<std::uint64_t> values(static_cast<std::size_t>(count));
+  std::vector<std::uint64_t> values(static_cast<std::size_t>(std::min(count, most)));
   for (std::size_t i = 0; i < values.size(); ++i) {
     values[i] = number_at(raw.subspan(i * integers->bytes, integers->bytes));
     if (integers->is_signed && values[i] >> (8 * integers->bytes - 1) != 0) {

@@ -38,11 +38,12 @@ class TiffDirectory {
   /// How many values a tag has; nothing where it is absent.
   /// Throws Error{source_rejected} where it stands in several entries that differ
   std::optional<std::uint64_t> value_count(std::uint16_t tag) const;
-  /// All whole numbers of a tag, of any type of integers; none where it is absent.
-  /// Throws Error{source_rejected} where they are of another type or below 0, where the file ends
-  ///        before them, or where the tag stands in several entries that differ; Error{io}
+  /// The first whole numbers of a tag, of any type of integers; none where it is absent.
+  /// most   how many are wanted
+  /// Throws Error{source_rejected} where these are of another type or below 0, where the file ends
+  ///        before all of them, or where the tag stands in several entries that differ; Error{io}
   /// Memory 8 bytes each, up to eight times the bytes of the file
-  std::vector<std::uint64_t> numbers(std::uint16_t tag) const;
+  std::vector<std::uint64_t> numbers(std::uint16_t tag, std::uint64_t most) const;
   const SourceFile& file() const { return file_; }
   /// The bytes of the file that the directory takes up.
   std::uint64_t begin() const { return begin_; }

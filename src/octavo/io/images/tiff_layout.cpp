@@ -84,9 +84,7 @@ std::vector<std::uint64_t> list_of(const TiffDirectory& directory, const BlockGr
                             std::to_string(tag) + " lists " + std::to_string(listed) +
                             "; copy the file again from its origin");
   }
-  std::vector<std::uint64_t> numbers = directory.numbers(tag);
-  numbers.resize(static_cast<std::size_t>(grid.count));
-  return numbers;
+  return directory.numbers(tag, grid.count);
 }
 
 /// Proves the place of a block that is there.
@@ -119,7 +117,8 @@ void require_single_numbers(const TiffDirectory& directory) {
   // One number, or one for each sample: libtiff proves that these are alike.
   constexpr std::array<std::uint16_t, 3> kOfSamples = {
       TIFFTAG_BITSPERSAMPLE, TIFFTAG_COMPRESSION, TIFFTAG_SAMPLEFORMAT};
-  for (const std::uint16_t tag : kOfSamples) directory.numbers(tag);
+  constexpr std::uint64_t kMostSamples = 65535;
+  for (const std::uint16_t tag : kOfSamples) directory.numbers(tag, kMostSamples);
 }
 
 TiffLayout tiff_layout(const TiffDirectory& directory, const TiffPageBits& page,

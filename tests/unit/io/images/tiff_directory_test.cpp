@@ -134,11 +134,13 @@ TEST(TiffDirectory, GivesAllNumbersOfATagThatTheFileHolds) {
   write_file(folder.file("a"), directory_file(entries, false, false, rest));
   const SourceFile file(folder.file("a"));
   const TiffDirectory directory(file, 16, false);
-  EXPECT_EQ(directory.numbers(273), (std::vector<std::uint64_t>{5, 6, 7, 8, 9}));
-  EXPECT_EQ(directory.numbers(279), (std::vector<std::uint64_t>{5, 6}));
-  EXPECT_TRUE(directory.numbers(325).empty());
-  EXPECT_TRUE(directory.numbers(999).empty());
-  EXPECT_THROW(directory.numbers(324), Error);
+  EXPECT_EQ(directory.numbers(273, 9), (std::vector<std::uint64_t>{5, 6, 7, 8, 9}));
+  EXPECT_EQ(directory.numbers(273, 3), (std::vector<std::uint64_t>{5, 6, 7}));
+  EXPECT_EQ(directory.numbers(279, 9), (std::vector<std::uint64_t>{5, 6}));
+  EXPECT_EQ(directory.numbers(279, 1), (std::vector<std::uint64_t>{5}));
+  EXPECT_TRUE(directory.numbers(325, 9).empty());
+  EXPECT_TRUE(directory.numbers(999, 9).empty());
+  EXPECT_THROW(directory.numbers(324, 9), Error);
 }
 
 TEST(TiffDirectory, GivesTheLengthOfTheLongestTextThatFits) {
