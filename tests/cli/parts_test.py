@@ -100,6 +100,17 @@ class Joined(InParts):
             "parted.8vo", "parts", "scan.8vo", "scan.part-0000-of-0002",
             "scan.part-0001-of-0002", "scan.plan", "scan.raw", "whole.8vo"])
 
+    def test_an_export_that_comes_back_with_other_voxels_is_told_of_in_parts_as_well(self):
+        self.expect(0, "phantom", "--size", "32", "-o", "a.8vo", "-q")
+        self.expect(0, "export", "a.8vo", "-o", "a.zarr", "-q")
+        for is_whole in (True, False):
+            if not is_whole:
+                (self.folder / "a.zarr" / "0" / "c" / "0" / "0" / "0").unlink()
+            for how in ([], ["--parts", "1"]):
+                done = self.expect(0, "build", "a.zarr", *how, "-o", "b.8vo", "--force", "-q")
+                self.assertEqual(done.stderr.count("are not those that were exported"),
+                                 0 if is_whole else 1, how)
+
     def test_a_part_made_twice_has_the_same_bytes(self):
         self.plan("--parts", "3")
         self.part(0, "--part", "1")

@@ -34,9 +34,9 @@ BuiltVolume build_scan(const BuildScanOptions& options, const TaskContext& conte
   require_no_input(options.output.path, scan.planes->files().paths);
   const std::string& name = options.inputs.front();
   try {
-    BuiltVolume built = build_planes(*scan.planes, build_options_of(options, scan.kind),
-                                     options.output, "build", context);
-    compare_with_export(*scan.planes, build_options_of(options, scan.kind), built.build, name,
+    const BuildOptions how = build_options_of(options, scan.kind);
+    BuiltVolume built = build_planes(*scan.planes, how, options.output, "build", context);
+    compare_with_export(scan.planes->files().voxels_sha256, how.repair, built.build, name,
                         options.output.path, context);
     if (*scan.two_values) note_mask(name, **scan.two_values, context);
     return built;

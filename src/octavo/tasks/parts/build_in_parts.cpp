@@ -16,6 +16,7 @@
 #include "octavo/file/storage/temporary.h"
 #include "octavo/file/storage/unchanged.h"
 #include "octavo/tasks/files/build_scan.h"
+#include "octavo/tasks/files/exported_voxels.h"
 #include "octavo/tasks/parts/join_scan.h"
 #include "octavo/tasks/parts/make_parts.h"
 #include "octavo/tasks/parts/plan_file.h"
@@ -180,6 +181,8 @@ BuiltVolume build_in_parts(const BuildInPartsOptions& options, const TaskContext
   } catch (const Error& error) {
     throw with_unchanged(local_storage(), error, scan.output.path);
   }
+  compare_with_export(planned.voxels_sha256, plan.options.repair, built.build,
+                      scan.inputs.front(), scan.output.path, context);
   built.build.total_seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return built;

@@ -146,6 +146,7 @@ BuildPlan plan_in_memory(const PlanScanOptions& options, const TaskContext& cont
       require_bands(plan, *opened.planes);
     }
     describe_plan(plan, *opened.planes, result);
+    result.voxels_sha256 = opened.planes->files().voxels_sha256;
     plan.inputs = inputs;
     plan.recipe = recipe_text(opened.recipe);
     plan.part_count =

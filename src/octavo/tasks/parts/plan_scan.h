@@ -41,6 +41,7 @@ struct PlanResult {
   std::uint64_t thread_bytes = 0;       ///< that each further one adds
   bool can_seek = true;  ///< otherwise a part reads the source from its start
   std::int64_t file_count = 0;          ///< of the source
+  std::string voxels_sha256;  ///< that the source says of an export; empty where it says none
 };
 
 /// The plan of a scan: its first group is read and trained on.
