@@ -141,8 +141,9 @@ TiffLayout tiff_layout(const TiffDirectory& directory, const TiffPageBits& page,
     const std::uint64_t found = has_count ? layout.byte_counts[i] : needed;
     if (found < needed) {
       reject(directory.file().path(),
-             grid.name(i) + " has " + std::to_string(found) + " bytes, and its " +
-                 std::to_string(rows) + " rows need " + std::to_string(needed) +
+             grid.name(i) + " has " + std::to_string(found) +
+                 (found == 1 ? " byte" : " bytes") + ", and its " + std::to_string(rows) +
+                 " rows need " + std::to_string(needed) +
                  "; copy the file again from its origin");
     }
     require_place(directory, known, grid.name(i), layout.offsets[i], needed);

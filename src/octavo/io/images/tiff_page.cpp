@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "octavo/core/checked.h"
+#include "octavo/core/text.h"
 #include "octavo/io/images/tiff_deflate.h"
 #include "octavo/io/images/tiff_directory.h"
 #include "octavo/io/images/tiff_loss.h"
@@ -261,8 +262,9 @@ void TiffFile::take_layout(const TiffDirectory& directory, std::uint64_t bits,
   const std::vector<std::string> absent_values = directory.texts(kNoDataTag, 0);
   if (page.has_absent_blocks && !absent_values.empty() &&
       !is_zero(trimmed(absent_values.front()))) {
-    reject("nothing is stored of " + std::to_string(layout_.absent_blocks) +
-           " strips or tiles of page " + std::to_string(number_) +
+    const auto absent = static_cast<std::int64_t>(layout_.absent_blocks);
+    reject("nothing is stored of " + counted_text(absent, "strip or tile", "strips or tiles") +
+           " of page " + std::to_string(number_) +
            ", which stand for GDAL's no-data value, \"" + escaped(absent_values.front()) +
            "\"; save it with all of them, for instance with gdal_translate");
   }

@@ -148,8 +148,8 @@ void unfold_planes(TiffStack& stack) {
   const TiffPage first = stack.planes.front().page;
   if (pages != 1 || !may_hold(first, stack.plain_run, images, stack.files.front())) {
     reject_stack(stack, "its " + stack.description.program + " description says " +
-                            std::to_string(images) + " images, " +
-                            std::to_string(pages) + " pages found" +
+                            counted_text(images, "image") + ", " + counted_text(pages, "page") +
+                            " found" +
                             (stack.plain_run || pages > 1
                                  ? "; the file is cut"
                                  : ", and planes behind a page that is not one plain run of "
@@ -231,7 +231,7 @@ void add_excess_warning(const TiffStack& stack, SourceFacts& facts) {
 void add_warnings(const TiffStack& stack, SourceFacts& facts) {
   const TiffPage& first = stack.planes.front().page;
   if (stack.reduced_pages > 0) {
-    facts.warnings.push_back(std::to_string(stack.reduced_pages) + " thumbnail pages left out");
+    facts.warnings.push_back(counted_text(stack.reduced_pages, "thumbnail page") + " left out");
   }
   const std::string contradiction = contradiction_of(stack.description, first);
   if (!contradiction.empty()) facts.warnings.push_back(contradiction);
@@ -240,14 +240,15 @@ void add_warnings(const TiffStack& stack, SourceFacts& facts) {
   if (!stack.count_warning.empty()) facts.warnings.push_back(stack.count_warning);
   if (stack.silent_files > 0) {
     facts.warnings.push_back("the first file gives the size of pixels, " +
-                             std::to_string(stack.silent_files) +
-                             " of the others do not; it is taken for all");
+                             std::to_string(stack.silent_files) + " of the others " +
+                             (stack.silent_files == 1 ? "does" : "do") +
+                             " not; it is taken for all");
   }
   const auto absent = std::ranges::count_if(
       stack.planes, [](const TiffPlane& plane) { return plane.page.has_absent_blocks; });
   if (absent > 0) {
     facts.warnings.push_back("nothing is stored of some strips or tiles of " +
-                             std::to_string(absent) + " planes; their voxels are 0");
+                             counted_text(absent, "plane") + "; their voxels are 0");
   }
   add_excess_warning(stack, facts);
   if (has_few_levels(first)) {

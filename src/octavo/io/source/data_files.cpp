@@ -149,7 +149,8 @@ std::vector<std::string> find_data_files(const std::string& header, const DataFi
                                          std::int64_t dimension) {
   const std::uint64_t count = expected_count(header, sizes, dimension, names.count());
   if (names.count() != count) {
-    reject(header, "the header names " + std::to_string(names.count()) + " data files, " +
+    reject(header, "the header names " + std::to_string(names.count()) +
+                       (names.count() == 1 ? " data file, " : " data files, ") +
                        std::to_string(count) + " expected by its sizes; repair the header");
   }
   std::vector<std::string> files;

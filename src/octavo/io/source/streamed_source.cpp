@@ -20,7 +20,9 @@ constexpr std::size_t kChunkBytes = std::size_t{1} << 16;
 /// Tells what stands behind voxels.
 std::string left_out_warning(const BytesBehind& behind) {
   const std::int64_t others = static_cast<std::int64_t>(behind.files) - 1;
-  return std::to_string(behind.count) + " bytes behind the voxels were left out: " +
+  return counted_text(static_cast<std::int64_t>(behind.count), "byte") +
+         (behind.count == 1 ? " behind the voxels was left out: "
+                            : " behind the voxels were left out: ") +
          escaped(behind.path) +
          (others > 0 ? " and " + counted_text(others, "other file") : std::string());
 }

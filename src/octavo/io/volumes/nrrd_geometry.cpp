@@ -91,8 +91,9 @@ std::vector<double> units_in_mm(const NrrdHeader& header, const std::string& fie
   if (!header.has(field)) return factors;
   const std::vector<std::string> units = quoted_words(header.text(field));
   if (units.size() != count) {
-    reject(header.path(), "\"" + field + "\" names " + std::to_string(units.size()) +
-                              " units in quotes, " + std::to_string(count) + " expected");
+    reject(header.path(), "\"" + field + "\" names " +
+                              counted_text(static_cast<std::int64_t>(units.size()), "unit") +
+                              " in quotes, " + std::to_string(count) + " expected");
   }
   for (const std::size_t i : lengths) {
     if (units[i].empty() || units[i] == "???") continue;
@@ -242,7 +243,9 @@ void read_space_directions(const NrrdHeader& header, const NrrdSpaceAxes& space,
 std::vector<std::string> centers_of(const NrrdHeader& header, std::size_t axis_count) {
   std::vector<std::string> centers = words(lower_case(header.text("centers")));
   if (!centers.empty() && centers.size() != axis_count) {
-    reject(header.path(), "centers has " + std::to_string(centers.size()) + " words for " +
+    reject(header.path(), "centers has " +
+                              counted_text(static_cast<std::int64_t>(centers.size()), "word") +
+                              " for " +
                               std::to_string(axis_count) + " axes");
   }
   centers.resize(axis_count);

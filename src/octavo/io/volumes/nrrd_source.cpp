@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "octavo/core/checked.h"
+#include "octavo/core/text.h"
 #include "octavo/io/source/data_files.h"
 #include "octavo/io/source/header_text.h"
 #include "octavo/io/source/source_file.h"
@@ -89,7 +90,9 @@ bool is_unknown_kind(const std::string& kind) { return kind == "???" || kind == 
 std::vector<std::string> axis_kinds(const NrrdHeader& header, std::size_t count) {
   std::vector<std::string> kinds = words(lower_case(header.text("kinds")));
   if (!kinds.empty() && kinds.size() != count) {
-    reject(header.path(), "kinds has " + std::to_string(kinds.size()) + " words for " +
+    reject(header.path(), "kinds has " +
+                              counted_text(static_cast<std::int64_t>(kinds.size()), "word") +
+                              " for " +
                               std::to_string(count) + " axes");
   }
   kinds.resize(count);

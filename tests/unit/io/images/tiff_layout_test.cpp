@@ -262,7 +262,7 @@ TEST(TiffLayout, WithBlocksThatStandForAnotherValueThan0IsRejected) {
       EXPECT_EQ(voxels_of(*open_source({folder.file("a.tif")}, {})),
                 sample.pages[0].substr(0, 24 * 80) + std::string(8 * 80, '\0'));
     } else {
-      expect_rejected(folder.file("a.tif"), {"1 strips or tiles of page 0", "\"" + value + "\""});
+      expect_rejected(folder.file("a.tif"), {"1 strip or tile of page 0", "\"" + value + "\""});
     }
   }
 }

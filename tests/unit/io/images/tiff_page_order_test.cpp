@@ -267,7 +267,7 @@ TEST_F(SourceTiff, FilesOfDifferentMeaningAreNamedWithBoth) {
   write("s1.tif", "ImageJ=1.53t\nunit=furlong\n" + line, 1, 4);
   expect_rejected("", {"furlong", "[spacing_mm]"});
   write("s1.tif", "ImageJ=1.53t\n" + line, 1, 4);
-  EXPECT_TRUE(contains(first_warning(*open("")), "1 of the others do not"));
+  EXPECT_TRUE(contains(first_warning(*open("")), "1 of the others does not"));
 }
 
 TEST_F(SourceTiff, ResolutionTagsThatDifferAreReported) {

@@ -336,7 +336,7 @@ TEST(TiffSource, StripsWithMoreThanTheirRowsAreNotUnfolded) {
   ASSERT_NE(at, std::string::npos);
   bytes[at + (bytes.compare(at, 8, counts) == 0 ? 4 : 2)] = 8;
   write_file(folder.file("b.tif"), bytes);
-  EXPECT_TRUE(contains(source_error({folder.file("b.tif")}), "3 images, 1 pages"));
+  EXPECT_TRUE(contains(source_error({folder.file("b.tif")}), "3 images, 1 page"));
 }
 
 TEST(TiffSource, PlanesOfAMetaMorphStackAreUnfolded) {

@@ -116,7 +116,7 @@ TEST(NrrdGeometry, TheOriginIsWhereAxisMinsSay) {
   write_nrrd(path, "spacings: 1 1 2\naxis mins: 10 20");
   expect_rejected(path, {"axis mins: 3 numbers expected, 2 found"});
   write_nrrd(path, "spacings: 1 1 2\naxis mins: 10 20 30\ncenters: cell");
-  expect_rejected(path, {"centers has 1 words for 3 axes"});
+  expect_rejected(path, {"centers has 1 word for 3 axes"});
   write_nrrd(path, "axis mins: 10 20 30");
   EXPECT_TRUE(contains(with_hints(open_source({path}, {})->warnings()), "the origin is left out"));
 }
@@ -255,7 +255,7 @@ TEST(NrrdGeometry, AnImageLiesInThePlaneOrAsItsVectorsOfThreeNumbersSay) {
   write("space dimension: 2\nspace directions: (2,0) (0,0)");
   expect_rejected(path, {"the vector of axis y has no length"});
   write("space dimension: 2\nspace directions: (2,0) (0,3)\nspace units: \"cm\"");
-  expect_rejected(path, {"\"space units\" names 1 units in quotes, 2 expected"});
+  expect_rejected(path, {"\"space units\" names 1 unit in quotes, 2 expected"});
 }
 
 TEST(NrrdGeometry, AnAxisRunsBackwardsWhereItsSpacingIsNegative) {

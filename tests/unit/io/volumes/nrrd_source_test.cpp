@@ -224,7 +224,7 @@ TEST(NrrdSource, FilesThatDoNotFitTheirHeaderAreNamed) {
     expect_rejected(path, {words});
   };
   const std::string raw = "encoding: raw\n";
-  expect(raw + "data file: LIST\np1.raw\n", "names 1 data files, 2 expected");
+  expect(raw + "data file: LIST\np1.raw\n", "names 1 data file, 2 expected");
   expect(raw + "data file: LIST\np1.raw\np2.raw\np2.raw\n", "names 3 data files, 2 expected");
   expect(raw + "data file: LIST\np1.raw\np3.raw\n", "\"p3.raw\" is missing");
   expect(raw + "data file: LIST\np1.raw\n../p2.raw\n", "\"../p2.raw\" is not beneath");
