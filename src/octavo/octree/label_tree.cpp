@@ -174,7 +174,7 @@ constexpr std::array<std::uint8_t, 64> kVoxelPlaces = [] {
   return places;
 }();
 
-// Writes the voxels of a box, cube by cube.
+// Writes the voxels of a box that are not 0, cube by cube.
 template <class T>
 class Filler {
  public:
@@ -183,10 +183,10 @@ class Filler {
 
   void fill_cube(int rank, const LabelCube& cube, const Index3& corner) {
     const std::uint64_t inside = children_in_box(corner, child_side(rank), box_);
-    const auto fill = [&](std::uint32_t label, std::uint64_t bits) {
-      fill_children(bits, rank, corner, box_, value_of(label), voxels_);
-    };
-    tree_.visit_runs(rank, cube, fill);
+    tree_.visit_runs(rank, cube, [&](std::uint32_t label, std::uint64_t bits) {
+      const T value = value_of(label);
+      if (value != 0) fill_children(bits & inside, rank, corner, box_, value, voxels_);
+    });
     for (std::uint64_t left = cube.mixed & inside; left != 0; left &= left - 1) {
       const int bit = std::countr_zero(left);
       const Index3 child = child_box(corner, bit, child_side(rank)).lo;
@@ -201,21 +201,48 @@ class Filler {
 
  private:
   void fill_word(std::uint64_t place, const Index3& corner) {
+    const std::uint32_t palette = tree_.palette_of(place);
+    if (tree_.palette_size(palette) == 2) {
+      const T low = value_of(tree_.palette_label(palette, 0));
+      const T high = value_of(tree_.palette_label(palette, 1));
+      const std::uint64_t is_high = tree_.planes_of(place)[0];
+      write_rows(corner, [&](std::int64_t y, std::int64_t z) {
+        const std::uint64_t row = is_high >> bit_of_place({0, y, z});
+        const auto voxel = [&](std::int64_t x) {
+          return (row >> bit_of_place({x, 0, 0}) & 1) != 0 ? high : low;
+        };
+        return std::array<T, 4>{voxel(0), voxel(1), voxel(2), voxel(3)};
+      });
+      return;
+    }
     std::array<T, 64> values;  // [z][y][x]
     tree_.visit_word(place, [&](std::uint32_t label, std::uint64_t bits) {
       for (; bits != 0; bits &= bits - 1) {
         values[kVoxelPlaces[static_cast<std::size_t>(std::countr_zero(bits))]] = value_of(label);
       }
     });
+    write_rows(corner, [&](std::int64_t y, std::int64_t z) {
+      std::array<T, 4> row;
+      std::copy_n(values.data() + 16 * z + 4 * y, 4, row.data());
+      return row;
+    });
+  }
+
+  // Writes the rows of a word, which row_at(y, z) gives, as far as they lie in the box.
+  template <class RowAt>
+  void write_rows(const Index3& corner, RowAt row_at) {
     const Box part =
         intersection({corner, {corner.x + 4, corner.y + 4, corner.z + 4}}, box_);
     const Size3 size = box_.size();
+    const std::int64_t before = part.lo.x - corner.x;
+    const std::int64_t count = part.hi.x - part.lo.x;
     for (std::int64_t z = part.lo.z; z < part.hi.z; ++z) {
-      for (std::int64_t y = part.lo.y; y < part.hi.y; ++y) {
-        const T* const row =
-            values.data() + 16 * (z - corner.z) + 4 * (y - corner.y) - corner.x;
-        T* const to = voxels_ + ((z - box_.lo.z) * size.y + y - box_.lo.y) * size.x - box_.lo.x;
-        std::copy(row + part.lo.x, row + part.hi.x, to + part.lo.x);
+      T* to = voxels_ + ((z - box_.lo.z) * size.y + part.lo.y - box_.lo.y) * size.x + part.lo.x -
+              box_.lo.x;
+      for (std::int64_t y = part.lo.y; y < part.hi.y; ++y, to += size.x) {
+        const std::array<T, 4> row = row_at(y - corner.y, z - corner.z);
+        if (count == 4) std::copy_n(row.data(), 4, to);
+        else std::copy_n(row.data() + before, count, to);
       }
     }
   }
@@ -337,6 +364,7 @@ LinearOctree to_linear_octree(const LabelTree& tree) {
 
 template <class T>
 void fill_voxels(const LabelTree& tree, const Box& box, T* voxels) {
+  std::fill_n(voxels, box.size().voxel_count(), T{0});
   Filler<T>(tree, box, voxels).fill_cube(tree.rank_count() - 1, tree.root(), {0, 0, 0});
 }
 

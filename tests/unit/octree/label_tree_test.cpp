@@ -145,9 +145,13 @@ TEST(LabelTree, GivesItsLeavesInTheOrderOfTheirCodes) {
 
 TEST(LabelTree, FillsAnyBox) {
   std::mt19937 random(73);
-  const DenseLabels dense = random_labels({130, 67, 71}, 20, random);
-  const LabelTree tree = testing::tree_of(dense);
+  // Words of two labels, and of many.
+  const std::array<DenseLabels, 2> maps = {random_labels({130, 67, 71}, 2, random),
+                                           random_labels({130, 67, 71}, 20, random)};
+  const std::array<LabelTree, 2> trees = {testing::tree_of(maps[0]), testing::tree_of(maps[1])};
   for (int round = 0; round < 60; ++round) {
+    const DenseLabels& dense = maps[static_cast<std::size_t>(round % 2)];
+    const LabelTree& tree = trees[static_cast<std::size_t>(round % 2)];
     Box box;
     for (int axis = 0; axis < 3; ++axis) {
       box.lo[axis] = static_cast<std::int64_t>(random() % 60);
