@@ -19,14 +19,15 @@ constexpr const char* kSubject = "the components";
 
 constexpr std::size_t kGrain = 256;
 
-// Two of 4 x 4 x 4 children that touch, `to` one step in `direction` from `from`.
+// The children of a cube that touch others one step in `direction`: those at `from`, and where the
+// others stand, by bit, in their own cube.
 struct Touch {
-  int from = 0;
-  int to = 0;
   Direction direction;
+  std::uint64_t from = 0;
+  std::array<std::uint8_t, 64> to{};
 };
 
-// The pairs of children that touch inside one cube, or from one cube to the next in a direction.
+// Where children touch inside one cube, or from one cube to the next in a direction.
 class Touches {
  public:
   explicit Touches(Connectivity connectivity) {
@@ -49,12 +50,39 @@ class Touches {
   void add(int bit, const Direction& direction) {
     const Index3 at = deinterleave(static_cast<std::uint64_t>(bit));
     const Index3 to{at.x + direction.x, at.y + direction.y, at.z + direction.z};
-    const auto to_bit = static_cast<int>(interleave({to.x & 3, to.y & 3, to.z & 3}));
-    lists_[index({side(to.x), side(to.y), side(to.z)})].push_back({bit, to_bit, direction});
+    std::vector<Touch>& list = lists_[index({side(to.x), side(to.y), side(to.z)})];
+    if (list.empty() || list.back().direction != direction) list.push_back({direction});
+    list.back().from |= std::uint64_t{1} << bit;
+    list.back().to[static_cast<std::size_t>(bit)] =
+        static_cast<std::uint8_t>(interleave({to.x & 3, to.y & 3, to.z & 3}));
   }
 
   std::array<std::vector<Touch>, 27> lists_;
 };
+
+// A word one step in `direction`; what leaves it on one side comes back on the other.
+std::uint64_t turned(std::uint64_t word, const Direction& direction) {
+  const std::array<int, 3> steps = {direction.x, direction.y, direction.z};
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto a = static_cast<std::size_t>(axis);
+    if (steps[a] > 0) {
+      word = step_up(word, axis) | (word & slab_of(axis, 3)) >> word_detail::kWhole[a];
+    } else if (steps[a] < 0) {
+      word = step_down(word, axis) | (word & slab_of(axis, 0)) << word_detail::kWhole[a];
+    }
+  }
+  return word;
+}
+
+// Calls visit(bit, bit of the other) where a child out of `from` touches one out of `to`, which are
+// turned back already.
+template <class Visit>
+void for_each_touch(const Touch& touch, std::uint64_t from, std::uint64_t to, Visit visit) {
+  for (std::uint64_t left = from & to & touch.from; left != 0; left &= left - 1) {
+    const int bit = std::countr_zero(left);
+    visit(bit, static_cast<int>(touch.to[static_cast<std::size_t>(bit)]));
+  }
+}
 
 // The bits on the border of a word in a direction.
 std::uint64_t border_of(const Direction& direction) {
@@ -121,15 +149,17 @@ class Components::Linker {
 
   void link_inside(int rank, std::uint64_t place) {
     const Item item{rank, place};
-    const MaskCube& here = cube(item);
+    const MaskCube here = cube(item);
     if (here.mixed == 0) return;
     for (const Touch& touch : touches_.inside()) {
-      if ((here.mixed >> touch.from & 1) == 0) continue;
-      if ((here.full >> touch.to & 1) != 0) {
-        join_full(full_part(item, touch.to), child(item, touch.from), touch.direction);
-      } else if ((here.mixed >> touch.to & 1) != 0 && touch.direction.is_forward()) {
-        link(child(item, touch.from), child(item, touch.to), touch.direction);
-      }
+      const Direction back = touch.direction.reversed();
+      for_each_touch(touch, here.mixed, turned(here.full, back), [&](int from, int to) {
+        join_full(full_part(item, to), child(item, from), touch.direction);
+      });
+      if (!touch.direction.is_forward()) continue;
+      for_each_touch(touch, here.mixed, turned(here.mixed, back), [&](int from, int to) {
+        link(child(item, from), child(item, to), touch.direction);
+      });
     }
   }
 
@@ -139,30 +169,36 @@ class Components::Linker {
       link_words(a, b, direction);
       return;
     }
-    const MaskCube& in_a = cube(a);
-    const MaskCube& in_b = cube(b);
+    const MaskCube in_a = cube(a);
+    const MaskCube in_b = cube(b);
     for (const Touch& touch : touches_.across(direction)) {
-      const bool is_full_a = (in_a.full >> touch.from & 1) != 0;
-      const bool is_full_b = (in_b.full >> touch.to & 1) != 0;
-      const bool is_mixed_a = (in_a.mixed >> touch.from & 1) != 0;
-      const bool is_mixed_b = (in_b.mixed >> touch.to & 1) != 0;
-      if (is_full_a && is_full_b) {
-        join(full_part(a, touch.from), full_part(b, touch.to));
-      } else if (is_full_a && is_mixed_b) {
-        join_full(full_part(a, touch.from), child(b, touch.to), touch.direction.reversed());
-      } else if (is_mixed_a && is_full_b) {
-        join_full(full_part(b, touch.to), child(a, touch.from), touch.direction);
-      } else if (is_mixed_a && is_mixed_b) {
-        link(child(a, touch.from), child(b, touch.to), touch.direction);
-      }
+      const Direction back = touch.direction.reversed();
+      const std::uint64_t full_b = turned(in_b.full, back);
+      const std::uint64_t mixed_b = turned(in_b.mixed, back);
+      for_each_touch(touch, in_a.full, full_b, [&](int from, int to) {
+        join(full_part(a, from), full_part(b, to));
+      });
+      for_each_touch(touch, in_a.full, mixed_b, [&](int from, int to) {
+        join_full(full_part(a, from), child(b, to), back);
+      });
+      for_each_touch(touch, in_a.mixed, full_b, [&](int from, int to) {
+        join_full(full_part(b, to), child(a, from), touch.direction);
+      });
+      for_each_touch(touch, in_a.mixed, mixed_b, [&](int from, int to) {
+        link(child(a, from), child(b, to), touch.direction);
+      });
     }
   }
 
   void link_words(const Item& a, const Item& b, const Direction& direction) {
     for (std::uint32_t in_a = begin(a); in_a < end(a); ++in_a) {
-      const std::uint64_t beyond =
-          touched_beyond(all_.parts_[in_a], direction, connectivity_);
+      std::uint64_t beyond = 0;  // is not asked for where all are joined already, as most are
+      bool has_beyond = false;
       for (std::uint32_t in_b = begin(b); in_b < end(b); ++in_b) {
+        if (is_linked(in_a, in_b)) continue;
+        if (!std::exchange(has_beyond, true)) {
+          beyond = touched_beyond(all_.parts_[in_a], direction, connectivity_);
+        }
         if ((beyond & all_.parts_[in_b]) != 0) join(in_a, in_b);
       }
     }
@@ -205,6 +241,11 @@ class Components::Linker {
       std::uint32_t seen = a;
       if (link_of(a).compare_exchange_strong(seen, b, std::memory_order_relaxed)) return;
     }
+  }
+
+  // Whether links of two parts lead to the same one. They may be joined without it.
+  bool is_linked(std::uint32_t a, std::uint32_t b) {
+    return link_of(a).load(std::memory_order_relaxed) == link_of(b).load(std::memory_order_relaxed);
   }
 
   std::atomic_ref<std::uint32_t> link_of(std::uint32_t part) {
