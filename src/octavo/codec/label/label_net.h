@@ -70,7 +70,7 @@ class LabelNet {
   const std::int16_t* out() const { return rows_.data() + kOutAt; }
 
   static constexpr std::size_t pair_offset(std::size_t pair, std::size_t a, std::size_t b) {
-    return kLabelHidden * (64 * pair + 8 * a + b);
+    return kLabelHidden * (64 * pair + 8 * b + a);
   }
 
  private:
@@ -92,7 +92,7 @@ extern const std::array<std::uint16_t, 2 * kLogitLimit + 1> kProbability;
 /// 65536 / (1 + exp(-logit / 256)), by a table and linear interpolation, within 16 .. 65520; a
 /// logit beyond +-kLogitLimit counts as this limit.
 [[gnu::always_inline]] inline Probability probability_of(int logit) {
-  const int within = std::clamp(logit, -kLogitLimit, kLogitLimit);
+  const int within = std::min(std::max(logit, -kLogitLimit), kLogitLimit);
   return detail::kProbability[static_cast<std::size_t>(within + kLogitLimit)];
 }
 

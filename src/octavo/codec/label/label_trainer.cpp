@@ -72,6 +72,7 @@ std::vector<std::uint32_t> shuffled(std::size_t count) {
 }  // namespace
 
 void LabelSamples::add(const LabelQuestion& question, bool answer) {
+  if (list_.empty()) list_.reserve(capacity_);
   if (list_.size() == capacity_) {
     for (std::size_t i = 0; i < capacity_ / 2; ++i) list_[i] = list_[2 * i];
     list_.resize(capacity_ / 2);

@@ -13,6 +13,7 @@
 //                                                          aims at it: its votes count for nothing
 //     void settle(std::size_t digit, LabelCell)            the child got its label
 //     void tell(LabelQuestion&) const                      the neighbors of the question
+//     Pair                                                 that of a PairOctant, if there is one
 //
 // An Io offers
 //   bool ask(bool target, Probability yes)              the answer
@@ -21,6 +22,7 @@
 //   void visit(parent, digits)                          mean nothing: the targets of some children
 //   TargetSample target(digit)
 //   std::int64_t label_of(const TargetSample&)
+//   PairTargets pair_targets(parent, parent_slot)       of all children where there are two labels
 //   void met(std::int64_t label, std::uint32_t slot)   a label got its slot
 
 inline constexpr std::uint32_t kNoLabelSlot = 0xffffffffu;
@@ -30,6 +32,8 @@ struct TargetSample {
   std::uint32_t slot = kNoLabelSlot;  ///< kNoLabelSlot while the label has none
   bool is_uniform = false;
 };
+
+#include "octavo/codec/label/label_pair_walk-inl.h"
 
 template <class Io>
 class LabelWalk {
@@ -77,13 +81,42 @@ class LabelWalk {
       for (std::int64_t y = 0; y < parents.size().y; ++y, ++row) {
         for (auto left = work_.mixed_parents[row]; left != 0; left &= left - 1) {
           const Index3 parent{std::countr_zero(left), y, z};
-          visit(parent, slot_of(*parents.at(parent)));
+          visit_any(parent, slot_of(*parents.at(parent)));
         }
       }
     }
   }
 
  private:
+  [[gnu::always_inline]] void visit_any(const Index3& parent, std::uint32_t parent_slot) {
+    if constexpr (HasPairs<Around>) {
+      if (is_pair_octant(parent)) return visit_pair<Around>(parent, parent_slot);
+    }
+    visit(parent, parent_slot);
+  }
+
+  /// Whether an octant is that of a PairOctant.
+  bool is_pair_octant(const Index3& parent) const {
+    return work_.is_pair && child_digits(work_.grid.size(), mask_, parent) == 0xff &&
+           weights_.are_alike(parent);
+  }
+
+  template <HasPairs Any>
+  void visit_pair(const Index3& parent, std::uint32_t parent_slot) {
+    const bool is_tie = work_.labels[1 - parent_slot] < work_.labels[parent_slot];
+    PairOctant<Io, typename Any::Pair> octant(
+        model_, level_category_, io_, neighborhood_, place_,
+        work_.grid.at(child_position(mask_, parent, 0)), parent_slot, is_tie,
+        io_.pair_targets(parent, parent_slot));
+    if (level_ == 0) {
+      octant.visit_voxels();
+      return;
+    }
+    for (std::uint32_t left = octant.visit_octants(); left != 0; left &= left - 1) {
+      mark_mixed(parent, static_cast<std::size_t>(std::countr_zero(left)));
+    }
+  }
+
   void visit(const Index3& parent, std::uint32_t parent_slot) {
     LabelGrid& grid = work_.grid;
     LabelCell* first = grid.at(child_position(mask_, parent, 0));
@@ -260,8 +293,10 @@ class DecodingIo {
   explicit DecodingIo(ByteSpan segment) : coder_(segment) {}
 
   bool ask(bool, Probability yes) { return coder_.get(yes); }
-  void observe(LabelAsk, const Around&, std::size_t, std::size_t, bool) {}
+  template <class Seen>
+  void observe(LabelAsk, const Seen&, std::size_t, std::size_t, bool) {}
   std::int64_t root_label() const { return 0; }
+  PairTargets pair_targets(const Index3&, std::uint32_t) const { return {}; }
   void visit(const Index3&, std::uint32_t) {}
   TargetSample target(std::size_t) const { return {}; }
   std::int64_t label_of(const TargetSample&) const { return 0; }
@@ -300,6 +335,26 @@ class TargetIo {
       const auto digit = static_cast<std::size_t>(std::countr_zero(left));
       rank_[digit] = level_->rank[at(digit)];
     }
+  }
+
+  PairTargets pair_targets(const Index3& parent, std::uint32_t parent_slot) const {
+    PairTargets targets;
+    if (is_finest_ && pyramid_.words != nullptr) {
+      const std::uint64_t octant = interleave(parent);
+      for (const LabelWordPart& part : pyramid_.words->parts_of(octant >> 3)) {
+        if (slot_of_rank_[part.label] == parent_slot) continue;
+        targets.others = static_cast<std::uint32_t>(part.bits >> 8 * (octant & 7) & 0xff);
+      }
+      return targets;
+    }
+    const std::size_t first = dense_offset(level_->size, child_position(mask_, parent, 0));
+    for (std::size_t digit = 0; digit < 8; ++digit) {
+      const std::size_t child = first + static_cast<std::size_t>(steps_[digit]);
+      const bool is_other = slot_of_rank_[level_->rank[child]] != parent_slot;
+      targets.others |= std::uint32_t{is_other} << digit;
+      targets.mixed |= std::uint32_t{level_->is_uniform[child] == 0} << digit;
+    }
+    return targets;
   }
 
   TargetSample target(std::size_t digit) const {
@@ -345,7 +400,8 @@ class EncodingIo : public TargetIo {
     coder_.put(target, yes);
     return target;
   }
-  void observe(LabelAsk, const Around&, std::size_t, std::size_t, bool) {}
+  template <class Seen>
+  void observe(LabelAsk, const Seen&, std::size_t, std::size_t, bool) {}
 
   BinaryEncoder& coder() { return coder_; }
 
@@ -359,7 +415,8 @@ class ObservingIo : public TargetIo {
       : TargetIo(pyramid), observer_(observer) {}
 
   bool ask(bool target, Probability) { return target; }
-  void observe(LabelAsk kind, const Around& around, std::size_t first, std::size_t second,
+  template <class Seen>
+  void observe(LabelAsk kind, const Seen& around, std::size_t first, std::size_t second,
                bool answer) {
     if (!observer_.wants_next(kind)) return;
     around.tell(question_);

@@ -56,8 +56,10 @@ constexpr Layout layout(int digit) {
   const auto at = [&](int steps_x, int steps_y) {
     return static_cast<std::uint8_t>(plane_byte(y + step_y * steps_y, x + step_x * steps_x));
   };
+  // Those two steps away along x lie in the odd bytes, along y and then z in the even ones.
   const auto far = [&](int axis) {
-    return static_cast<std::uint8_t>(2 * (4 * (digit & 1) + axis) + (digit >> 1 & 1));
+    const int child = 2 * (digit & 1) + (digit >> 1 & 1);
+    return static_cast<std::uint8_t>(2 * child + (axis == 0 ? 1 : 8 * (axis - 1)));
   };
   for (auto* bytes : {result.low_inner, result.low_own, result.low_far, result.high_own,
                       result.high_outer, result.high_beyond, result.high_far}) {
@@ -124,80 +126,60 @@ constexpr RowLayout row_layout(bool is_upper) {
 
 constexpr RowLayout kRowLayouts[2] = {row_layout(false), row_layout(true)};
 
-/// What is known around the children of an octant.
-///
-/// The rows of four cells through an octant are kept beside the grid: loading them back from there
-/// so soon after the narrow stores of single cells would stall. Their codes, compared to the
-/// parent's label, serve all children.
-class Around {
+constexpr hn::FixedTag<LabelCell, 8> kCells{};
+constexpr hn::FixedTag<std::uint8_t, 16> kBytes{};
+using Cells = hn::Vec<hn::FixedTag<LabelCell, 8>>;
+using CodeBytes = hn::Vec<hn::FixedTag<std::uint8_t, 16>>;
+
+HWY_INLINE Cells two_rows(std::uint64_t low, std::uint64_t high) {
+  const hn::FixedTag<std::uint64_t, 1> half;
+  return hn::BitCast(kCells, hn::Combine(hn::FixedTag<std::uint64_t, 2>(), hn::Set(half, high),
+                                         hn::Set(half, low)));
+}
+
+/// A code is 2 * state + equal. A byte holds it twice, in bits 0 .. 2 and 5 .. 7, so that what two
+/// bytes say is the place of a row of weights as it stands.
+constexpr unsigned twice(unsigned code) { return code | code << 5; }
+constexpr LabelCell kPairBits = 0x07e0;   ///< of two bytes: 32 times the first code, 256 the second
+constexpr LabelCell kEqualBits = 0x0120;  ///< those of "equal"
+static_assert(2 * LabelNet::pair_offset(0, 1, 1) == kEqualBits);
+static_assert(2 * LabelNet::pair_offset(0, 7, 7) == kPairBits);
+
+/// The codes of cells compared to a slot.
+HWY_INLINE Cells codes(Cells cells, Cells slot) {
+  const auto state = hn::And(cells, hn::Set(kCells, 3));
+  const auto is_equal = hn::VecFromMask(kCells, hn::Eq(hn::ShiftRight<2>(cells), slot));
+  return hn::Sub(hn::Add(state, state), is_equal);
+}
+
+/// Codes of `low` in the even bytes, of `high` in the odd ones.
+HWY_INLINE CodeBytes joined(Cells low, Cells high) {
+  const auto both = hn::Or(low, hn::ShiftLeft<8>(high));
+  return hn::BitCast(kBytes, hn::Or(both, hn::ShiftLeft<5>(both)));
+}
+
+HWY_INLINE CodeBytes shuffled(CodeBytes bytes, const std::uint8_t* order) {
+  return hn::TableLookupBytesOr0(bytes, hn::Load(kBytes, order));
+}
+
+/// The neighbors of a child as a network is asked about them.
+class Neighbors {
  public:
-  HWY_INLINE Around(const LabelCell* first, const LabelNeighborhood& offsets, std::uint32_t parent)
-      : offsets_(offsets), parent_(parent) {
-    const std::ptrdiff_t row_stride = offsets[1][29] / 2;
-    const std::ptrdiff_t plane_stride = offsets[4][31] / 2;
-    const auto own = hn::Set(kCells, static_cast<LabelCell>(parent));
-    for (std::size_t z = 0; z < 4; ++z) {
-      const LabelCell* plane = first + (static_cast<std::ptrdiff_t>(z) - 1) * plane_stride;
-      for (std::size_t y = 0; y < 4; ++y) {
-        const LabelCell* row = plane + (static_cast<std::ptrdiff_t>(y) - 1) * row_stride;
-        // The cell before the first belongs to the octant visited just now.
-        std::uint64_t four;
-        std::memcpy(&four, row, sizeof four);
-        rows_[z][y] = four << 16 | row[-1];
-      }
-      planes_[z] = joined(codes(two_rows(rows_[z][0], rows_[z][1]), own),
-                          codes(two_rows(rows_[z][2], rows_[z][3]), own));
-    }
-    for (std::size_t z = 0; z < 2; ++z) {
-      const LabelCell* at = first + static_cast<std::ptrdiff_t>(z) * plane_stride;
-      const auto lower = two_rows(far_cells(at, 4 * z), far_cells(at + row_stride, 4 * z + 1));
-      const auto upper = two_rows(far_cells(at + 1, 4 * z + 2),
-                                  far_cells(at + 1 + row_stride, 4 * z + 3));
-      far_[z] = joined(codes(lower, own), codes(upper, own));
-    }
+  HWY_INLINE void place(CodeBytes low, CodeBytes high) {
+    const auto pair_bits = hn::Set(kCells, kPairBits);
+    hn::Store(hn::And(hn::BitCast(kCells, low), pair_bits), kCells, pair_);
+    hn::Store(hn::And(hn::BitCast(kCells, high), pair_bits), kCells, pair_ + 8);
+    // Loading the offsets costs less than extracting them from the register, which is what
+    // compilers make of it when they may.
+    asm("" : "+m"(pair_));
   }
 
-  /// Where an axis is not halved, the places of the missing children are seen, but not asked for.
-  HWY_INLINE void see(const LabelCell* cell, std::size_t digit) {
-    cell_ = cell;
-    digit_ = digit;
-    const Layout& from = kLayouts[digit];
-    const std::size_t z = digit >> 2 & 1;
-    const CodeBytes own = planes_[1 + z];
-    place(0, hn::Or(hn::Or(shuffled(planes_[2 - z], from.low_inner), shuffled(own, from.low_own)),
-                    shuffled(far_[z], from.low_far)));
-    place(1, hn::Or(hn::Or(shuffled(planes_[3 * z], from.high_outer),
-                           shuffled(own, from.high_own)),
-                    hn::Or(shuffled(planes_[3 - 3 * z], from.high_beyond),
-                           shuffled(far_[z], from.high_far))));
-  }
-
-  HWY_INLINE void settle(std::size_t digit, LabelCell cell) {
-    const std::size_t z = 1 + (digit >> 2 & 1);
-    std::uint64_t& row = rows_[z][1 + (digit & 1)];
-    row = with(row, digit, cell);
-    const auto code =
-        static_cast<std::uint8_t>(2 * state_of(cell) + (slot_of(cell) == parent_ ? 1 : 0));
-    const auto child = hn::Load(kBytes, kLayouts[digit].child);
-    planes_[z] = hn::Or(hn::AndNot(child, planes_[z]), hn::And(child, hn::Set(kBytes, code)));
-  }
-
-  /// As aim at the other label, where the neighbors have two.
+  /// As compared to the other label, where the neighbors have two.
   HWY_INLINE void flip() {
     for (std::size_t k = 0; k < kLabelPairs; k += 8) {
-      const auto is_equal = hn::Set(kCells, LabelNet::pair_offset(0, 1, 1));
-      hn::Store(hn::Xor(hn::Load(kCells, pair_ + k), is_equal), kCells, pair_ + k);
+      hn::Store(hn::Xor(hn::Load(kCells, pair_ + k), hn::Set(kCells, kEqualBits)), kCells,
+                pair_ + k);
     }
-  }
-
-  /// Requires propose before it.
-  HWY_INLINE void aim(std::uint32_t slot) {
-    const auto own = hn::Set(kCells, static_cast<LabelCell>(slot));
-    const auto code = [&](std::size_t i) { return codes(cells_[i], own); };
-    const RowLayout& from = kRowLayouts[digit_ >> 1 & 1];
-    const auto others = hn::BitCast(kBytes, code(4));
-    place(0, hn::Or(shuffled(joined(code(0), code(1)), from.rows), shuffled(others, from.along)));
-    place(1, hn::Or(shuffled(joined(code(2), code(3)), from.rows), shuffled(others, from.across)));
   }
 
   HWY_INLINE int logit(const LabelNet& net, std::size_t first, std::size_t second) const {
@@ -206,19 +188,219 @@ class Around {
     auto total = hn::Zero(sums);
     auto unused = hn::Zero(sums);
     for (std::size_t j = 0; j < kLabelHidden; j += hn::Lanes(lanes)) {
-      const std::int16_t* rows = net.pairs() + j;
       auto even = hn::Load(lanes, net.categories(first, second) + j);
-      auto odd = hn::Load(lanes, rows + pair_[0]);
+      auto odd = hn::Load(lanes, row(net, 0) + j);
       for (std::size_t k = 1; k + 1 < kLabelPairs; k += 2) {
-        even = hn::Add(even, hn::Load(lanes, rows + pair_[k]));
-        odd = hn::Add(odd, hn::Load(lanes, rows + pair_[k + 1]));
+        even = hn::Add(even, hn::Load(lanes, row(net, k) + j));
+        odd = hn::Add(odd, hn::Load(lanes, row(net, k + 1) + j));
       }
-      even = hn::Add(even, hn::Load(lanes, rows + pair_[kLabelPairs - 1]));
+      even = hn::Add(even, hn::Load(lanes, row(net, kLabelPairs - 1) + j));
       const auto sum = hn::Max(hn::Add(even, odd), hn::Zero(lanes));
       total = hn::ReorderWidenMulAccumulate(sums, sum, hn::Load(lanes, net.out() + j), total,
                                             unused);
     }
     return hn::GetLane(hn::SumOfLanes(sums, hn::Add(total, unused)));
+  }
+
+  void tell(LabelQuestion& question) const {
+    for (std::size_t k = 0; k < kLabelPairs; ++k) {
+      question.neighbor[2 * k] = static_cast<std::uint8_t>(pair_[k] >> 5 & 7);
+      question.neighbor[2 * k + 1] = static_cast<std::uint8_t>(pair_[k] >> 8 & 7);
+    }
+  }
+
+ private:
+  /// Of weights of pair k.
+  HWY_INLINE const std::int16_t* row(const LabelNet& net, std::size_t k) const {
+    const auto* const bytes = reinterpret_cast<const std::uint8_t*>(net.pairs());
+    constexpr std::size_t kPairBytes = 2 * LabelNet::pair_offset(1, 0, 0);
+    return reinterpret_cast<const std::int16_t*>(bytes + kPairBytes * k + pair_[k]);
+  }
+
+  alignas(16) LabelCell pair_[kLabelPairs];  ///< bytes from the first row of each pair
+};
+
+/// Two cells in a row.
+HWY_INLINE std::uint64_t two_cells(const LabelCell* at) {
+  std::uint32_t two;
+  std::memcpy(&two, at, sizeof two);
+  return two;
+}
+
+/// Two cells, and two others.
+HWY_INLINE std::uint64_t two_and_two(const LabelCell* low, const LabelCell* high) {
+  return two_cells(low) | two_cells(high) << 32;
+}
+
+/// Makes codes of cells compared to a slot: of `low` in the even bytes, of `high` in the odd ones.
+struct AnyCodes {
+  explicit HWY_INLINE AnyCodes(std::uint32_t slot)
+      : own(hn::Set(kCells, static_cast<LabelCell>(slot))) {}
+  HWY_INLINE CodeBytes operator()(Cells low, Cells high) const {
+    return joined(codes(low, own), codes(high, own));
+  }
+  Cells own;
+};
+
+/// The codes of cells where there are slots 0 and 1 alone: a cell is a number below 8 then.
+struct CodesOfPairs {
+  alignas(16) std::uint8_t of_cell[16];
+};
+constexpr CodesOfPairs codes_of_pairs(unsigned slot) {
+  CodesOfPairs codes{};
+  for (unsigned cell = 0; cell < 8; ++cell) {
+    const unsigned is_equal = cell >> 2 == slot ? 1 : 0;
+    codes.of_cell[cell] = static_cast<std::uint8_t>(twice(2 * (cell & 3) + is_equal));
+  }
+  return codes;
+}
+constexpr CodesOfPairs kCodesOfPairs[2] = {codes_of_pairs(0), codes_of_pairs(1)};
+
+/// The same as AnyCodes there.
+struct PairCodes {
+  explicit HWY_INLINE PairCodes(std::uint32_t slot)
+      : table(hn::Load(kBytes, kCodesOfPairs[slot].of_cell)) {}
+  HWY_INLINE CodeBytes operator()(Cells low, Cells high) const {
+    return hn::TableLookupBytes(table, hn::BitCast(kBytes, hn::Or(low, hn::ShiftLeft<8>(high))));
+  }
+  CodeBytes table;
+};
+
+/// The codes of the cells around an octant, compared to the label of its parent; they serve all
+/// children.
+class NearCodes {
+ public:
+  /// rows  gets the rows of four cells through the octant and beside it, [z][y], cells -1 .. 2
+  ///       along x, from -1 along y and z
+  template <class Codes>
+  HWY_INLINE void look(const LabelCell* first, const LabelNeighborhood& offsets,
+                       const Codes& codes_of, std::uint64_t (&rows)[4][4]) {
+    const std::ptrdiff_t row_stride = offsets[1][29] / 2;
+    const std::ptrdiff_t plane_stride = offsets[4][31] / 2;
+    for (std::size_t z = 0; z < 4; ++z) {
+      const LabelCell* plane = first + (static_cast<std::ptrdiff_t>(z) - 1) * plane_stride;
+      for (std::size_t y = 0; y < 4; ++y) {
+        const LabelCell* row = plane + (static_cast<std::ptrdiff_t>(y) - 1) * row_stride;
+        std::uint64_t four;
+        if ((z == 1 || z == 2) && (y == 1 || y == 2)) {
+          // The cell before the first may belong to the octant visited just now.
+          std::memcpy(&four, row, sizeof four);
+          rows[z][y] = four << 16 | row[-1];
+        } else {
+          std::memcpy(&rows[z][y], row - 1, sizeof four);
+        }
+      }
+      planes_[z] = codes_of(two_rows(rows[z][0], rows[z][1]), two_rows(rows[z][2], rows[z][3]));
+    }
+    for (std::size_t z = 0; z < 2; ++z) {
+      const LabelCell* const plane = first + static_cast<std::ptrdiff_t>(z) * plane_stride;
+      const LabelCell* const far_plane = first + (z == 0 ? -2 : 3) * plane_stride;
+      const auto ends = [](const LabelCell* row) {
+        return std::uint64_t{row[-2]} | std::uint64_t{row[3]} << 16;
+      };
+      const auto along_y_and_z =
+          two_rows(two_and_two(plane - 2 * row_stride, plane + 3 * row_stride),
+                   two_and_two(far_plane, far_plane + row_stride));
+      const auto along_x = two_rows(ends(plane) | ends(plane + row_stride) << 32, 0);
+      far_[z] = codes_of(along_y_and_z, along_x);
+    }
+  }
+
+  /// The codes of the neighbors of a child. Where an axis is not halved, the places of the missing
+  /// children are seen, but not asked for.
+  HWY_INLINE void see(std::size_t digit, Neighbors& neighbors) const {
+    const Layout& from = kLayouts[digit];
+    const std::size_t z = digit >> 2 & 1;
+    const CodeBytes own = planes_[1 + z];
+    neighbors.place(
+        hn::Or(hn::Or(shuffled(planes_[2 - z], from.low_inner), shuffled(own, from.low_own)),
+               shuffled(far_[z], from.low_far)),
+        hn::Or(hn::Or(shuffled(planes_[3 * z], from.high_outer), shuffled(own, from.high_own)),
+               hn::Or(shuffled(planes_[3 - 3 * z], from.high_beyond),
+                      shuffled(far_[z], from.high_far))));
+  }
+
+  /// A child has that code now.
+  HWY_INLINE void settle(std::size_t digit, unsigned code) {
+    CodeBytes& plane = planes_[1 + (digit >> 2 & 1)];
+    const auto child = hn::Load(kBytes, kLayouts[digit].child);
+    const auto settled = hn::Set(kBytes, static_cast<std::uint8_t>(twice(code)));
+    plane = hn::Or(hn::AndNot(child, plane), hn::And(child, settled));
+  }
+
+ private:
+  CodeBytes planes_[4];
+  CodeBytes far_[2];  ///< of the far cells of lower and upper children
+};
+
+/// What is known around the children of an octant in a brick of two labels.
+class PairAround {
+ public:
+  HWY_INLINE PairAround(const LabelCell* first, const LabelNeighborhood& offsets,
+                        std::uint32_t parent) {
+    std::uint64_t rows[4][4];
+    near_.look(first, offsets, PairCodes(parent), rows);
+  }
+
+  HWY_INLINE void see(std::size_t digit) { near_.see(digit, neighbors_); }
+  HWY_INLINE void flip() { neighbors_.flip(); }
+  HWY_INLINE int logit(const LabelNet& net, std::size_t first, std::size_t second) const {
+    return neighbors_.logit(net, first, second);
+  }
+  HWY_INLINE void settle(std::size_t digit, bool is_same, LabelState state) {
+    near_.settle(digit, 2u * state + (is_same ? 1u : 0u));
+  }
+  void tell(LabelQuestion& question) const { neighbors_.tell(question); }
+
+ private:
+  NearCodes near_;
+  Neighbors neighbors_;
+};
+
+/// What is known around the children of an octant.
+///
+/// The rows of four cells through an octant are kept beside the grid: loading them back from there
+/// so soon after the narrow stores of single cells would stall.
+class Around {
+ public:
+  using Pair = PairAround;
+
+  HWY_INLINE Around(const LabelCell* first, const LabelNeighborhood& offsets, std::uint32_t parent)
+      : offsets_(offsets), parent_(parent) {
+    near_.look(first, offsets, AnyCodes(parent), rows_);
+  }
+
+  HWY_INLINE void see(const LabelCell* cell, std::size_t digit) {
+    cell_ = cell;
+    digit_ = digit;
+    near_.see(digit, neighbors_);
+  }
+
+  HWY_INLINE void settle(std::size_t digit, LabelCell cell) {
+    const std::size_t z = 1 + (digit >> 2 & 1);
+    std::uint64_t& row = rows_[z][1 + (digit & 1)];
+    row = with(row, digit, cell);
+    near_.settle(digit, 2u * state_of(cell) + (slot_of(cell) == parent_ ? 1u : 0u));
+  }
+
+  /// As aim at the other label, where the neighbors have two.
+  HWY_INLINE void flip() { neighbors_.flip(); }
+
+  /// Requires propose before it.
+  HWY_INLINE void aim(std::uint32_t slot) {
+    const auto own = hn::Set(kCells, static_cast<LabelCell>(slot));
+    const RowLayout& from = kRowLayouts[digit_ >> 1 & 1];
+    const auto two = [&](std::size_t i) HWY_ATTR {
+      return joined(codes(cells_[i], own), codes(cells_[i + 1], own));
+    };
+    const auto own_row = codes(cells_[4], own);
+    const auto others = hn::BitCast(kBytes, hn::Or(own_row, hn::ShiftLeft<5>(own_row)));
+    neighbors_.place(hn::Or(shuffled(two(0), from.rows), shuffled(others, from.along)),
+                     hn::Or(shuffled(two(2), from.rows), shuffled(others, from.across)));
+  }
+
+  HWY_INLINE int logit(const LabelNet& net, std::size_t first, std::size_t second) const {
+    return neighbors_.logit(net, first, second);
   }
 
   HWY_INLINE bool propose(LabelCandidates& candidates) {
@@ -260,33 +442,9 @@ class Around {
     return false;
   }
 
-  void tell(LabelQuestion& question) const {
-    for (std::size_t k = 0; k < kLabelPairs; ++k) {
-      const std::size_t code = pair_[k] / kLabelHidden;
-      question.neighbor[2 * k] = static_cast<std::uint8_t>(code >> 3 & 7);
-      question.neighbor[2 * k + 1] = static_cast<std::uint8_t>(code & 7);
-    }
-  }
+  void tell(LabelQuestion& question) const { neighbors_.tell(question); }
 
  private:
-  static constexpr hn::FixedTag<LabelCell, 8> kCells{};
-  static constexpr hn::FixedTag<std::uint8_t, 16> kBytes{};
-  using Cells = hn::Vec<hn::FixedTag<LabelCell, 8>>;
-  using CodeBytes = hn::Vec<hn::FixedTag<std::uint8_t, 16>>;
-
-  static HWY_INLINE Cells two_rows(std::uint64_t low, std::uint64_t high) {
-    const hn::FixedTag<std::uint64_t, 1> half;
-    return hn::BitCast(kCells, hn::Combine(hn::FixedTag<std::uint64_t, 2>(), hn::Set(half, high),
-                                           hn::Set(half, low)));
-  }
-
-  /// The cells two steps away from the siblings of the child of `digit`, along x, y and z.
-  HWY_INLINE std::uint64_t far_cells(const LabelCell* child, std::size_t digit) const {
-    const auto& at = offsets_[digit];
-    return std::uint64_t{child[at[15]]} | std::uint64_t{child[at[29]]} << 16 |
-           std::uint64_t{child[at[31]]} << 32;
-  }
-
   /// The rows around the child and the cells far from it.
   HWY_INLINE void gather() {
     const auto& at = offsets_[digit_];
@@ -308,37 +466,6 @@ class Around {
   static HWY_INLINE std::uint64_t with(std::uint64_t row, std::size_t digit, LabelCell cell) {
     const std::size_t shift = (digit >> 1 & 1) != 0 ? 32 : 16;
     return (row & ~(std::uint64_t{0xffff} << shift)) | std::uint64_t{cell} << shift;
-  }
-
-  /// 2 * state + equal of every cell.
-  static HWY_INLINE Cells codes(Cells cells, Cells slot) {
-    const auto state = hn::And(cells, hn::Set(kCells, 3));
-    const auto is_equal = hn::VecFromMask(kCells, hn::Eq(hn::ShiftRight<2>(cells), slot));
-    return hn::Sub(hn::Add(state, state), is_equal);
-  }
-
-  /// Codes of `low` in the even bytes, of `high` in the odd ones.
-  static HWY_INLINE CodeBytes joined(Cells low, Cells high) {
-    return hn::BitCast(kBytes, hn::Or(low, hn::ShiftLeft<8>(high)));
-  }
-
-  static HWY_INLINE CodeBytes shuffled(CodeBytes bytes, const std::uint8_t* order) {
-    return hn::TableLookupBytesOr0(bytes, hn::Load(kBytes, order));
-  }
-
-  /// The offsets of 8 pairs of codes in a network's table.
-  HWY_INLINE void place(std::size_t half, CodeBytes bytes) {
-    alignas(16) static constexpr LabelCell kFirst[16] = {
-        0x0000, 0x0400, 0x0800, 0x0c00, 0x1000, 0x1400, 0x1800, 0x1c00,
-        0x2000, 0x2400, 0x2800, 0x2c00, 0x3000, 0x3400, 0x3800, 0x3c00};
-    const auto pairs = hn::BitCast(kCells, bytes);
-    const auto a = hn::And(hn::ShiftLeft<7>(pairs), hn::Set(kCells, 0x380));
-    const auto b = hn::And(hn::ShiftRight<4>(pairs), hn::Set(kCells, 0x70));
-    hn::Store(hn::Or(hn::Or(a, b), hn::Load(kCells, kFirst + 8 * half)), kCells,
-              pair_ + 8 * half);
-    // Loading the offsets costs less than extracting them from the register, which is what
-    // compilers make of it when they may.
-    asm("" : "+m"(pair_));
   }
 
   static std::uint32_t label_of(LabelCell proposed) {
@@ -378,11 +505,10 @@ class Around {
   std::uint32_t parent_;
   std::size_t digit_ = 0;
   const LabelCell* cell_ = nullptr;
-  std::uint64_t rows_[4][4];  ///< [z][y], cells -1 .. 2 along x, from -1 along y and z
-  CodeBytes planes_[4];       ///< their codes, compared to the parent's label
-  CodeBytes far_[2];          ///< those of the far cells of lower and upper children
-  Cells cells_[5];            ///< eight rows around, the own row, the cells far along y and z
-  alignas(16) LabelCell pair_[kLabelPairs];
+  std::uint64_t rows_[4][4];  ///< as NearCodes has found them, with the children's labels
+  NearCodes near_;
+  Neighbors neighbors_;
+  Cells cells_[5];  ///< eight rows around, the own row, the cells far along y and z
 };
 
 #endif

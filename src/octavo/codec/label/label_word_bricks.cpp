@@ -5,6 +5,8 @@
 #include <bit>
 #include <cstddef>
 #include <cstring>
+#include <numeric>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -30,15 +32,19 @@ constexpr std::array<Place, 64> kPlaces = [] {
   return places;
 }();
 
-// Calls visit(word, where it stands among the words of its brick) for all words.
+constexpr std::size_t kWordsPerOctant = 8;
+
+// Where a word stands among the words of its brick.
+Index3 place_of_word(std::size_t word) {
+  const Place& cube = kPlaces[word / 64];
+  const Place& own = kPlaces[word % 64];
+  return {4 * cube.x + own.x, 4 * cube.y + own.y, 4 * cube.z + own.z};
+}
+
+// Calls visit(word, its place) for all words.
 template <class Visit>
 void visit_words(Visit visit) {
-  std::size_t word = 0;
-  for (const Place& cube : kPlaces) {
-    for (const Place& own : kPlaces) {
-      visit(word++, Index3{4 * cube.x + own.x, 4 * cube.y + own.y, 4 * cube.z + own.z});
-    }
-  }
+  for (std::size_t word = 0; word < LabelWords::kCount; ++word) visit(word, place_of_word(word));
 }
 
 Index3 scaled(const Index3& place, std::int64_t factor) {
@@ -164,6 +170,24 @@ class CellReader {
       octant_steps_ = child_steps(kHalveAll, octants->row_stride(), octants->plane_stride());
     }
     is_pair_ = label_of_slot.size() == 2 && label_of_slot[0] != label_of_slot[1];
+  }
+
+  /// The label of the eight words from `place` on, where they have but one.
+  std::optional<std::uint32_t> only_label_of_words(const Index3& place) const {
+    if (octants_ == nullptr) return std::nullopt;
+    const LabelCell* const first = octants_->at(scaled(place, 2));
+    const LabelCell* plane = first;
+    std::uint64_t differs = 0;
+    for (int z = 0; z < 4; ++z, plane += octants_->plane_stride()) {
+      const LabelCell* row = plane;
+      for (int y = 0; y < 4; ++y, row += octants_->row_stride()) {
+        std::uint64_t four;
+        std::memcpy(&four, row, sizeof four);
+        differs |= four ^ *first * 0x0001000100010001u;
+      }
+    }
+    const bool is_one = state_of(*first) == kUniform && differs == 0;
+    return is_one ? std::optional(label_of_slot_[slot_of(*first)]) : std::nullopt;
   }
 
   /// Appends the parts of the word at `place`.
@@ -327,13 +351,25 @@ void words_of_cells(const BrickShape& shape, const LabelWork& work, LabelWords& 
   const Size3& size = shape.size[0];
   const bool is_whole = size == Size3{64, 64, 64};
   words.parts.clear();
-  visit_words([&](std::size_t word, const Index3& place) {
+  const auto read = [&](std::size_t word) {
+    const Index3 place = place_of_word(word);
     words.first[word] = static_cast<std::uint32_t>(words.parts.size());
     const std::uint64_t inside =
         is_whole ? ~std::uint64_t{0}
                  : bits_within({size.x - 4 * place.x, size.y - 4 * place.y, size.z - 4 * place.z});
     if (inside != 0) cells.read(place, inside, words.parts);
-  });
+  };
+  for (std::size_t word = 0; word < LabelWords::kCount; word += kWordsPerOctant) {
+    const auto only = is_whole ? cells.only_label_of_words(place_of_word(word)) : std::nullopt;
+    if (!only) {
+      for (std::size_t i = 0; i < kWordsPerOctant; ++i) read(word + i);
+      continue;
+    }
+    std::iota(words.first.begin() + static_cast<std::ptrdiff_t>(word),
+              words.first.begin() + static_cast<std::ptrdiff_t>(word + kWordsPerOctant),
+              static_cast<std::uint32_t>(words.parts.size()));
+    words.parts.insert(words.parts.end(), kWordsPerOctant, {*only, ~std::uint64_t{0}});
+  }
   words.first.back() = static_cast<std::uint32_t>(words.parts.size());
   choose_labels(labels, words);
 }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <random>
 
+#include "octavo/codec/label/label_octant.h"
 #include "octavo/codec/label/label_start_weights.h"
 #include "support/label_brick.h"
 
@@ -112,6 +113,43 @@ TEST(LabelWalk, EveryInstructionSetWritesAndReadsTheSameBytes) {
     expect_all_alike(testing::noise<std::uint8_t>(less, 1, 2));
     expect_all_alike(testing::noise<std::uint32_t>(less, 2, 40));
   }
+}
+
+/// Cubes of two labels, from single voxels to whole octants of levels far above.
+LabelBrick<std::uint8_t> cubes_of_two(const Size3& size, unsigned seed) {
+  LabelBrick<std::uint8_t> sample(size);
+  std::mt19937 random(seed);
+  constexpr std::int64_t kSide = 16;
+  for (std::int64_t z = 0; z < size.z; z += kSide) {
+    for (std::int64_t y = 0; y < size.y; y += kSide) {
+      for (std::int64_t x = 0; x < size.x; x += kSide) {
+        const auto shift = static_cast<unsigned>(random() % 5);
+        const auto share = static_cast<unsigned>(random() % 9);
+        const std::uint64_t salt = random();
+        const Box cube{{x, y, z}, {x + kSide, y + kSide, z + kSide}};
+        const Box inside = intersection(cube, box_of(size));
+        for (std::int64_t k = inside.lo.z; k < inside.hi.z; ++k) {
+          for (std::int64_t j = inside.lo.y; j < inside.hi.y; ++j) {
+            for (std::int64_t i = inside.lo.x; i < inside.hi.x; ++i) {
+              const std::uint64_t place = interleave({i >> shift, j >> shift, k >> shift});
+              const std::uint64_t drawn = (place + salt) * 0x9e3779b97f4a7c15u >> 60;
+              sample.voxels[dense_offset(size, {i, j, k})] = drawn % 8 < share ? 9 : 4;
+            }
+          }
+        }
+      }
+    }
+  }
+  return sample;
+}
+
+TEST(LabelWalk, OctantsOfTwoLabelsGiveTheSameBytesHoweverTheyAreDivided) {
+  for (unsigned seed = 0; seed < 12; ++seed) {
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
+    const std::int64_t odd = seed % 3;
+    expect_all_alike(cubes_of_two({32 + odd, 32, 32 - odd}, seed));
+  }
+  expect_all_alike(cubes_of_two({64, 64, 64}, 12));
 }
 
 TEST(LabelWalk, ThickSlicesGiveTheSameBytesToo) {
