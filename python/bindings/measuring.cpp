@@ -5,6 +5,7 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -14,6 +15,7 @@
 #include "octavo/core/sha256.h"
 #include "octavo/core/text.h"
 #include "octavo/tasks/file_planes.h"
+#include "octavo/tasks/files/decoding_memory.h"
 #include "octavo/tasks/files/plane_compare.h"
 #include "octavo/tasks/masks.h"
 #include "octavo/tasks/measure.h"
@@ -95,14 +97,14 @@ nb::list measure_file(const OpenFile& labels, const std::string& name, const Ope
 nb::dict compare_files(const OpenFile& a, const OpenFile& b, double max_error,
                        const nb::dict& given) {
   Work work(given);
+  const TaskContext& context = work.context();
   const Comparison found = work.run({{"a", &a}, {"b", &b}}, [&] {
     if (const auto stated = compare_digests(a.reader(), b.reader())) return *stated;
-    FilePlanes planes_a(a.shared_reader(), 0, work.context().thread_count());
-    FilePlanes planes_b(b.shared_reader(), 0, work.context().thread_count());
-    const double tolerance =
-        tolerance_in_compared_units(planes_a.description(), planes_b.description(), max_error);
-    work.context().require_memory(compare_memory_bytes(planes_a, planes_b), "the planes");
-    return compare_planes(planes_a, planes_b, tolerance, work.context().watcher());
+    FilePlanes planes_a(a.shared_reader(), 0, context.thread_count());
+    FilePlanes planes_b(b.shared_reader(), 0, context.thread_count());
+    const std::uint64_t decoding = std::max(decoding_bytes(planes_a.description(), context),
+                                            decoding_bytes(planes_b.description(), context));
+    return compare_sources(planes_a, planes_b, max_error, decoding, context);
   });
   nb::dict row;
   row["equal"] = found.is_equal();

@@ -29,6 +29,16 @@ def test_one_voxel_digest_does_not_make_other_real_values_equal(built, given):
     assert a.compare(b, max_error=real.max() + 1)["equal"]
 
 
+def test_what_is_decoded_in_counts_against_the_memory_limit(built, run):
+    a, b = built("a"), built("b", VOXELS + 1)
+    done = run("compare", a.name, b.name, "--max-memory", 4 << 20, "-j", 2)
+    assert done.returncode == 6
+    with pytest.raises(octavo.LimitError, match="comparing layers of planes") as raised:
+        a.compare(b, max_memory=4 << 20, threads=2)
+    assert raised.value.detail.partition("; raise")[0] in done.stderr
+    assert a.compare(b, max_memory=1 << 30)["different_voxels"] == VOXELS.size
+
+
 def test_label_maps_of_one_digest_on_other_grids_are_not_equal(built):
     labels = (VOXELS % 3).astype(np.uint8)
     a = built("a", labels, kind="labels", spacing=(1, 1, 1))

@@ -58,13 +58,9 @@ CompareResult compare_volumes(const CompareOptions& options, const TaskContext& 
   if (const auto result = compared_by_digest(options, context)) return *result;
   const auto a = open_planes({options.a}, options.scan, context, OptionsOf::any_source);
   const auto b = open_planes({options.b}, options.scan, context, OptionsOf::any_source);
-  context.require_memory(
-      compare_memory_bytes(*a, *b) + decoding_bytes_of_files(options, {a.get(), b.get()}, context),
-      "comparing layers of planes");
-  CompareResult result{a->description(), b->description(), {}};
-  const double tolerance = tolerance_in_compared_units(result.a, result.b, options.max_error);
-  result.comparison = compare_planes(*a, *b, tolerance, context.watcher());
-  return result;
+  const std::uint64_t decoding = decoding_bytes_of_files(options, {a.get(), b.get()}, context);
+  return CompareResult{a->description(), b->description(),
+                       compare_sources(*a, *b, options.max_error, decoding, context)};
 }
 
 CompareLabelsResult compare_labels(const CompareLabelsOptions& options,

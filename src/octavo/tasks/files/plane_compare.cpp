@@ -155,4 +155,13 @@ Comparison compare_planes(PlaneSource& a, PlaneSource& b, double tolerance, Prog
   return result;
 }
 
+Comparison compare_sources(PlaneSource& a, PlaneSource& b, double max_error,
+                           std::uint64_t decoding_bytes, const TaskContext& context) {
+  context.require_memory(compare_memory_bytes(a, b) + decoding_bytes,
+                         "comparing layers of planes");
+  const double tolerance =
+      tolerance_in_compared_units(a.description(), b.description(), max_error);
+  return compare_planes(a, b, tolerance, context.watcher());
+}
+
 }  // namespace octavo

@@ -8,6 +8,7 @@
 #include "octavo/core/progress.h"
 #include "octavo/file/reader.h"
 #include "octavo/planes/plane_source.h"
+#include "octavo/tasks/task_context.h"
 
 namespace octavo {
 
@@ -60,5 +61,12 @@ std::uint64_t compare_memory_bytes(const PlaneSource& a, const PlaneSource& b);
 /// Throws  what the sources throw; Error{cancelled}
 /// Memory  compare_memory_bytes: two planes, and those as numbers, besides what the sources hold
 Comparison compare_planes(PlaneSource& a, PlaneSource& b, double tolerance, Progress& progress);
+
+/// The same within the memory of a task.
+/// max_error       a tolerance in real units
+/// decoding_bytes  that the sources take beside what they hold
+/// Throws          as compare_planes; Error{limit_exceeded}
+Comparison compare_sources(PlaneSource& a, PlaneSource& b, double max_error,
+                           std::uint64_t decoding_bytes, const TaskContext& context);
 
 }  // namespace octavo
