@@ -40,6 +40,7 @@ void Waiters::remove(const Call& call) {
 }
 
 bool Waiters::are_stopped() const {
+  if (this_threads_call != nullptr && this_threads_call->is_over()) return true;
   const std::lock_guard guard(lock_);
   return !calls_.empty() &&
          std::ranges::all_of(calls_, [](const Call* call) { return call->is_over(); });
@@ -138,6 +139,7 @@ void Call::end() {
 }
 
 void Call::tell() {
+  const call_detail::Current current(this);
   const nb::gil_scoped_acquire acquire;
   std::int64_t done;
   std::int64_t total;

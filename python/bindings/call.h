@@ -30,7 +30,7 @@ class Waiters {
  public:
   void add(const Call& call);
   void remove(const Call& call);
-  /// Whether there are some, and none of them wants the bytes any more.
+  /// Whether the call of this thread wants the bytes no more, or none of those that wait does.
   bool are_stopped() const;
 
  private:

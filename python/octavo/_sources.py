@@ -2,6 +2,7 @@
 
 import asyncio
 import concurrent.futures
+import contextlib
 import io
 import os
 import pickle
@@ -184,6 +185,9 @@ class _Url:
 
     # Where everything begins: the header, and what the index of most files fits into with what is
     # read before it.
+_LOOK_SECONDS = 0.1  # between two looks whether an answer is still wanted
+
+
     _HEAD, _TAIL = _BLOCK, 5 * _BLOCK
 
     _MOST_WHOLE = 1 << 20  # of a file that is taken whole from a server without ranges
@@ -191,7 +195,6 @@ class _Url:
     _SILENT_SECONDS = 60  # that a server may be
     _PAUSES = 0.2, 0.4, 0.8  # before what failed for a while is asked for again
     _LONGEST_PAUSE = 60  # that a busy server may ask for
-    _LOOK_SECONDS = 0.1  # between two looks whether an answer is still wanted
 
     def __init__(self, url, options=None, file=None):
         """file  an OpenFile of it, where there is one"""
@@ -240,12 +243,14 @@ class _Url:
             except Exception as error:
                 raise OSError(self._words_of(error)) from None
 
-        self._blocks = _Blocks(fetch, size, self._BLOCK, self._BLOCKS_KEPT)
+        self._blocks = _Blocks(fetch, size, self._BLOCK, self._BLOCKS_KEPT, self._require_waiters)
 
         def fetch_all(offsets, lengths):
             ranges = [(offset, offset + length) for offset, length in zip(offsets, lengths)]
             found = {one: self._held(*one) for one in ranges}
             wanted = [one for one in ranges if found[one] is None]
+            except _Stopped:
+                raise
             asked = time.perf_counter()
             try:
                 if wanted:
@@ -367,7 +372,7 @@ class _Url:
 
     def _tried(self, ask, error_in=lambda answer: None):
         """What the future of `ask` holds; asked again as long as a server is busy or loses
-        connections. Raises OSError when nobody waits for it any more."""
+        connections. Raises _Stopped once the call that asks has ended."""
         for pause in (*self._PAUSES, None):
             try:
                 answer = self._awaited(ask())
@@ -382,13 +387,12 @@ class _Url:
                     raise
             until = time.monotonic() + pause
             while (left := until - time.monotonic()) > 0:
-                time.sleep(min(left, self._LOOK_SECONDS))
+                time.sleep(min(left, _LOOK_SECONDS))
                 self._require_waiters()
 
     def _awaited(self, future):
         try:
-            while not concurrent.futures.wait([future], timeout=self._LOOK_SECONDS).done:
-                self._require_waiters()
+            return _result_of(future, self._require_waiters)
         except BaseException:
             future.cancel()
             raise
@@ -396,7 +400,7 @@ class _Url:
 
     def _require_waiters(self):
         if self._waiters.are_stopped():
-            raise OSError("stopped")
+            raise _Stopped("stopped")
 
     def _pause_before(self, error, pause):
         """Seconds until it is worth asking again: at least `pause`. None: it is not."""
@@ -444,16 +448,27 @@ def _asked(files, name, *args, **options):
     """The future of what a method of a file system returns. Who cancels it does not wait."""
     if getattr(files, "async_impl", False) and not getattr(files, "asynchronous", False):
         ask = getattr(files, "_" + name)
+class _Stopped(OSError):
+    """The call that wanted bytes has ended."""
+
+
+def _result_of(future, require_waiters):
+    """What a future holds or raises; what `require_waiters` raises before that."""
+    while not concurrent.futures.wait([future], timeout=_LOOK_SECONDS).done:
+        require_waiters()
+    return future.result()
+
+
         return asyncio.run_coroutine_threadsafe(ask(*args, **options), files.loop)
     future = concurrent.futures.Future()
 
     def work():
         try:
-            future.set_result(getattr(files, name)(*args, **options))
-        except concurrent.futures.InvalidStateError:
-            pass  # cancelled
+            tell, found = future.set_result, getattr(files, name)(*args, **options)
         except BaseException as error:
-            future.set_exception(error)
+            tell, found = future.set_exception, error
+        with contextlib.suppress(concurrent.futures.InvalidStateError):  # cancelled
+            tell(found)
 
     threading.Thread(target=work, daemon=True).start()
     return future
@@ -485,7 +500,8 @@ class _Blocks:
     Any number of threads may read; no block is fetched by two of them at once.
     """
 
-    def __init__(self, fetch, size, block, kept):
+    def __init__(self, fetch, size, block, kept, require_waiters=lambda: None):
+        """require_waiters  raises _Stopped on threads whose call has ended"""
         self._fetch = fetch
         self._size = size
         self._block = block
@@ -495,15 +511,22 @@ class _Blocks:
 
     def read(self, at, length):
         first, last = at // self._block, (at + max(length, 1) - 1) // self._block
-        found, runs = self._claim(first, last)
-        try:
-            for run in runs:
-                self._fetch_run(run)
-        except BaseException as error:
-            self._give_up([block for run in runs for block in run], error)
-            raise
-        joined = b"".join(future.result() for future in found)
-        return joined[at - first * self._block:at - first * self._block + length]
+        self._require_waiters = require_waiters
+        while True:
+            found, runs = self._claim(first, last)
+            try:
+                for run in runs:
+                    self._fetch_run(run)
+            except BaseException as error:
+                self._give_up([block for run in runs for block in run], error)
+                raise
+            try:
+                joined = b"".join(_result_of(one, self._require_waiters) for one in found)
+            except _Stopped:
+                # Of the call that fetches for this one as well, or of this one.
+                self._require_waiters()
+                continue
+            return joined[at - first * self._block:at - first * self._block + length]
 
     def forget(self):
         with self._lock:
@@ -545,3 +568,5 @@ class _Blocks:
                 with self._lock:
                     self._blocks.pop(number, None)
                 future.set_exception(error)
+        if not isinstance(error, Exception):
+            error = _Stopped("stopped")

@@ -1,5 +1,6 @@
 """Ctrl-C while a server is silent: every call that reads a URL ends soon and leaves nothing."""
 
+import contextlib
 import os
 import signal
 import subprocess
@@ -44,6 +45,8 @@ CALLS = {
     "threshold": lambda a: a.grey.threshold(0),
     "touch": lambda a: a.labels.touch(),
     "touch masks": lambda a: a.mask.touch(a.other),
+    "told of a build": lambda a: octavo.build(np.zeros((300, 300, 200), np.int16), a.out("o.8vo"),
+                                              progress=lambda *_: a.grey[...]),
     "transform": lambda a: a.grey.transform(a.out("o.8vo"), mirror="x"),
 }
 
@@ -64,7 +67,7 @@ def far(tmp_path_factory):
     (folder / "other.8vo").write_bytes((folder / "mask.8vo").read_bytes())
     with serving(str(folder)) as (handler, root):
         yield types.SimpleNamespace(
-            handler=handler, url=f"{root}/grey.8vo",
+            handler=handler, url=f"{root}/grey.8vo", held=(folder / "grey.8vo").read_bytes(),
             **{name: octavo.open(f"{root}/{name}.8vo", cache_bytes=0)
                for name in ("grey", "labels", "mask", "other")})
 
@@ -91,6 +94,68 @@ def test_an_interrupt_ends_every_call_that_waits_for_a_server(name, far, tmp_pat
         far.handler.silence.set()
         far.handler.silence = None
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("planes", [np.s_[60:70], np.s_[90:100]])
+def test_an_interrupt_ends_a_call_while_another_thread_waits(planes, far, with_interrupts):
+    volume = octavo.open(far.url)
+    far.handler.is_waiting.clear()
+    far.handler.silence = threading.Event()
+    read = []
+
+    def read_on():
+        with contextlib.suppress(octavo.StorageError):
+            read.append(volume[60:70])
+
+    other = threading.Thread(target=read_on)
+    other.start()
+    try:
+        assert far.handler.is_waiting.wait(20)
+        threading.Timer(0.3, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+        begun = time.monotonic()
+        with pytest.raises(KeyboardInterrupt):
+            volume[planes]
+        assert time.monotonic() - begun < 3 and other.is_alive()
+    finally:
+        far.handler.silence.set()
+        far.handler.silence = None
+        other.join()
+    assert not read or np.array_equal(read[0], volume[60:70])
+
+
+def test_a_file_system_without_async_calls_is_left_alone(far, with_interrupts, monkeypatch):
+    fsspec = pytest.importorskip("fsspec")
+    from fsspec.implementations.memory import MemoryFileSystem
+    may_go_on, raised = threading.Event(), []
+
+    class Slow(MemoryFileSystem):
+        protocol = "slow"
+        is_slow = False
+
+        @classmethod
+        def _strip_protocol(cls, path):
+            return super()._strip_protocol(path.replace("slow://", "memory://"))
+
+        def cat_ranges(self, paths, starts, ends, **kwargs):
+            if Slow.is_slow:
+                may_go_on.wait(30)
+                raise OSError("late")
+            return super().cat_ranges(paths, starts, ends, **kwargs)
+
+    fsspec.register_implementation("slow", Slow, clobber=True)
+    fsspec.filesystem("slow").pipe("/grey.8vo", far.held)
+    volume = octavo.open("slow://grey.8vo", cache_bytes=0)
+    monkeypatch.setattr(threading, "excepthook", raised.append)
+    Slow.is_slow = True
+    threads = threading.active_count()
+    threading.Timer(0.3, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+    with pytest.raises(KeyboardInterrupt):
+        volume[60:70]
+    may_go_on.set()
+    until = time.monotonic() + 20
+    while threading.active_count() > threads and time.monotonic() < until:
+        time.sleep(0.01)
+    assert not raised
 
 
 def test_what_was_interrupted_is_read_later(far):

@@ -347,6 +347,31 @@ def test_threads_fetch_no_block_twice():
         for (at, length), part in zip(places, pool.map(lambda p: blocks.read(*p), places)):
             assert part == held[at:at + length]
     fetched = [n for start, stop in asked for n in range(start, stop, 1000)]
+@pytest.mark.parametrize("raised", [KeyboardInterrupt, "stopped"])
+def test_who_waits_for_a_block_fetches_it_where_another_call_has_ended(raised):
+    from octavo._sources import _Blocks, _Stopped
+    held = bytes(range(200))
+    is_asked, may_end = threading.Event(), threading.Event()
+
+    def fetch(start, stop):
+        if not is_asked.is_set():
+            is_asked.set()
+            may_end.wait()
+            raise _Stopped("stopped") if raised == "stopped" else raised
+        return held[start:stop]
+
+    blocks = _Blocks(fetch, len(held), 100, 20)
+    with concurrent.futures.ThreadPoolExecutor(2) as pool:
+        first = pool.submit(blocks.read, 0, 20)
+        is_asked.wait()
+        second = pool.submit(blocks.read, 10, 20)
+        assert not concurrent.futures.wait([second], timeout=0.2).done
+        may_end.set()
+        assert second.result() == held[10:30]
+        with pytest.raises(_Stopped if raised == "stopped" else raised):
+            first.result()
+
+
     assert len(fetched) == len(set(fetched))
 
 
