@@ -19,6 +19,7 @@
 
 #include "asked.h"
 #include "octavo/core/sha256.h"
+#include "octavo/core/url_text.h"
 #include "octavo/file/parallel_read.h"
 #include "octavo/file/storage/round_meter.h"
 #include "octavo/file/storage/sparse_source.h"
@@ -291,6 +292,8 @@ OpenFile::OpenFile(const nb::dict& bytes, std::uint64_t cache_bytes) {
 }
 
 void bind_reading(nb::module_& module) {
+  module.def("public_name", &public_name, "url"_a);
+  module.def("without_secrets", &without_secrets, "text"_a);
   nb::class_<Waiters>(module, "Waiters")
       .def(nb::init<>())
       .def("are_stopped", &Waiters::are_stopped);

@@ -54,8 +54,17 @@ def _is_of_fsspec(place):
 
 
 def without_secrets(url):
-    """The URL without user, password and query, as it may stand in messages."""
-    parts = urllib.parse.urlsplit(url)
+    """The URL, or chain of URLs, without user, password and query, as it may stand in messages."""
+    return "::".join(map(_public_name, re.split(r"::(?=[\w.+-]+::|[\w.+-]+://)", url)))
+
+
+def _public_name(url):
+    if re.match("https?://", url, re.IGNORECASE):
+        return _octavo.public_name(url)
+    try:
+        parts = urllib.parse.urlsplit(url)
+    except ValueError:
+        return url.partition("://")[0] + "://..."
     place = parts.netloc.rpartition("@")[2]
     return urllib.parse.urlunsplit((parts.scheme, place, parts.path, "", ""))
 
@@ -176,6 +185,9 @@ def _file_on_disk(file):
     return file if type(file) is io.FileIO else None
 
 
+_LOOK_SECONDS = 0.1  # between two looks whether an answer is still wanted
+
+
 class _Url:
     """A file behind fsspec, read in ranges; blocks that were fetched are kept."""
 
@@ -185,9 +197,6 @@ class _Url:
 
     # Where everything begins: the header, and what the index of most files fits into with what is
     # read before it.
-_LOOK_SECONDS = 0.1  # between two looks whether an answer is still wanted
-
-
     _HEAD, _TAIL = _BLOCK, 5 * _BLOCK
 
     _MOST_WHOLE = 1 << 20  # of a file that is taken whole from a server without ranges
@@ -240,6 +249,8 @@ _LOOK_SECONDS = 0.1  # between two looks whether an answer is still wanted
                 return held
             try:
                 return self._tried(lambda: _asked(files, "cat_file", path, start=start, end=stop))
+            except _Stopped:
+                raise
             except Exception as error:
                 raise OSError(self._words_of(error)) from None
 
@@ -249,8 +260,6 @@ _LOOK_SECONDS = 0.1  # between two looks whether an answer is still wanted
             ranges = [(offset, offset + length) for offset, length in zip(offsets, lengths)]
             found = {one: self._held(*one) for one in ranges}
             wanted = [one for one in ranges if found[one] is None]
-            except _Stopped:
-                raise
             asked = time.perf_counter()
             try:
                 if wanted:
@@ -396,7 +405,6 @@ _LOOK_SECONDS = 0.1  # between two looks whether an answer is still wanted
         except BaseException:
             future.cancel()
             raise
-        return future.result()
 
     def _require_waiters(self):
         if self._waiters.are_stopped():
@@ -429,7 +437,7 @@ _LOOK_SECONDS = 0.1  # between two looks whether an answer is still wanted
         status = getattr(reason, "status", None)
         if status:
             return f"the server answered {status}"
-        words = str(reason).replace(self._url, self.name).strip()
+        words = _octavo.without_secrets(str(reason).replace(self._url, self.name)).strip()
         return words or f"the server did not answer ({type(reason).__name__})"
 
 
@@ -440,14 +448,6 @@ def _renew_loop(asyn):
         asyn.reset_lock()
 
 
-class _NoRanges(OSError):
-    """A server sends whole files alone, and this one is large."""
-
-
-def _asked(files, name, *args, **options):
-    """The future of what a method of a file system returns. Who cancels it does not wait."""
-    if getattr(files, "async_impl", False) and not getattr(files, "asynchronous", False):
-        ask = getattr(files, "_" + name)
 class _Stopped(OSError):
     """The call that wanted bytes has ended."""
 
@@ -459,6 +459,14 @@ def _result_of(future, require_waiters):
     return future.result()
 
 
+class _NoRanges(OSError):
+    """A server sends whole files alone, and this one is large."""
+
+
+def _asked(files, name, *args, **options):
+    """The future of what a method of a file system returns. Who cancels it does not wait."""
+    if getattr(files, "async_impl", False) and not getattr(files, "asynchronous", False):
+        ask = getattr(files, "_" + name)
         return asyncio.run_coroutine_threadsafe(ask(*args, **options), files.loop)
     future = concurrent.futures.Future()
 
@@ -503,6 +511,7 @@ class _Blocks:
     def __init__(self, fetch, size, block, kept, require_waiters=lambda: None):
         """require_waiters  raises _Stopped on threads whose call has ended"""
         self._fetch = fetch
+        self._require_waiters = require_waiters
         self._size = size
         self._block = block
         self._kept = kept
@@ -511,7 +520,6 @@ class _Blocks:
 
     def read(self, at, length):
         first, last = at // self._block, (at + max(length, 1) - 1) // self._block
-        self._require_waiters = require_waiters
         while True:
             found, runs = self._claim(first, last)
             try:
@@ -563,10 +571,10 @@ class _Blocks:
 
     def _give_up(self, claimed, error):
         """Nobody waits for blocks that will not come; who asks again fetches them again."""
+        if not isinstance(error, Exception):
+            error = _Stopped("stopped")
         for number, future in claimed:
             if not future.done():
                 with self._lock:
                     self._blocks.pop(number, None)
                 future.set_exception(error)
-        if not isinstance(error, Exception):
-            error = _Stopped("stopped")

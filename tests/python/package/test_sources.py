@@ -186,6 +186,21 @@ def test_secrets_of_urls_are_never_seen(served, voxels):
     assert not [text for text in said if "hunter2" in text]
 
 
+def test_secrets_of_chained_urls_are_never_seen():
+    pytest.importorskip("aiohttp")
+    for place, name in (
+            ("simplecache::http://u:hunter2@127.0.0.1:1/x.8vo?t=hunter2",
+             "simplecache::http://127.0.0.1:1/x.8vo"),
+            ("zip://a.8vo::http://u:hunter2@127.0.0.1:1/x.zip?t=hunter2",
+             "zip://a.8vo::http://127.0.0.1:1/x.zip"),
+            ("http://u:hunter/2@127.0.0.1:1/x.8vo", "http://..."),
+            ("nosuch://[hunter2", "nosuch://...")):
+        with pytest.raises(octavo.Error) as caught:
+            octavo.open(place)
+        assert str(caught.value).startswith(name + ": ") and caught.value.path == name
+        assert "hunter" not in str(caught.value)
+
+
 def test_bytes_that_came_damaged_are_fetched_again(served, voxels):
     pytest.importorskip("aiohttp")
     handler, root = served
