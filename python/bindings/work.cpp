@@ -2,7 +2,7 @@
 
 #include <nanobind/stl/string.h>
 
-#include <map>
+#include <utility>
 
 #include "octavo/core/error.h"
 #include "octavo/core/url_text.h"
@@ -59,11 +59,12 @@ namespace octavo::python {
 
 namespace nb = nanobind;
 
-Work::Inputs::Inputs(const std::vector<NamedFile>& files) {
+Work::Inputs::Inputs(const std::vector<NamedFile>& files)
+    : around_(std::exchange(named_sources, {})) {
   for (const NamedFile& file : files) named_sources[file.name] = file.file->source();
 }
 
-Work::Inputs::~Inputs() { named_sources.clear(); }
+Work::Inputs::~Inputs() { named_sources = std::move(around_); }
 
 FilesRead Work::files_read(const std::vector<NamedFile>& files) {
   FilesRead read;
@@ -75,9 +76,9 @@ Work::Work(const nb::dict& given) : call_(given["progress"]) {
   context_.threads = nb::cast<int>(given["threads"]);
   context_.max_memory_bytes = nb::cast<std::uint64_t>(given["max_memory"]);
   context_.progress = &call_;
-  context_.on_warning = [this](const Warning& warning) {
+  context_.on_warning = [this, caller = PyThread_get_thread_ident()](const Warning& warning) {
     call_.with_python([&] {
-      nb::module_::import_("octavo._work").attr("warn_of")(nb::make_tuple(warning.text));
+      nb::module_::import_("octavo._work").attr("warn_of")(nb::make_tuple(warning.text), caller);
     });
   };
 }

@@ -4,6 +4,7 @@
 
 #include <nanobind/nanobind.h>
 
+#include <map>
 #include <memory>
 #include <string>
 #include <type_traits>
@@ -54,13 +55,16 @@ class Work {
   }
 
  private:
-  /// The files of a call while it lives.
+  /// The files of a call while it lives; then those of the call that it is made amid.
   class Inputs {
    public:
     explicit Inputs(const std::vector<NamedFile>& files);
     ~Inputs();
     Inputs(const Inputs&) = delete;
     Inputs& operator=(const Inputs&) = delete;
+
+   private:
+    std::map<std::string, std::shared_ptr<const ByteSource>> around_;
   };
 
   static FilesRead files_read(const std::vector<NamedFile>& files);

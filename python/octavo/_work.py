@@ -5,6 +5,7 @@ import math
 import numbers
 import operator
 import sys
+import threading
 import warnings
 
 import numpy as np
@@ -16,15 +17,15 @@ CONNECTIVITIES = (6, 18, 26)
 AXES = {"z": 2, "y": 1, "x": 0}
 
 
-def warn_of(texts):
-    """Warns who has called the package."""
-    level = 1
-    frame = sys._getframe()
+def warn_of(texts, thread=None):
+    """Warns who has called the package, on the thread of that number or on this one."""
+    frame = sys._current_frames()[thread or threading.get_ident()]
     while frame.f_back and frame.f_globals.get("__name__", "").partition(".")[0] == __package__:
         frame = frame.f_back
-        level += 1
+    names = frame.f_globals
     for text in texts:
-        warnings.warn(text, stacklevel=level)
+        warnings.warn_explicit(text, UserWarning, frame.f_code.co_filename, frame.f_lineno,
+                               names.get("__name__"), names.setdefault("__warningregistry__", {}))
 
 
 @contextlib.contextmanager

@@ -437,6 +437,19 @@ def test_a_volume_still_pickles(volume):
     assert pickle.loads(pickle.dumps(volume)).threshold(0) == volume.threshold(0)
 
 
+def test_a_call_amid_another_one_leaves_it_its_files(grey, tmp_path):
+    octavo.build(grey, tmp_path / "a.8vo", spacing=(1, 1, 1)).close()
+    volume = octavo.open((tmp_path / "a.8vo").read_bytes())
+    mask = volume.threshold(0)
+    told = []
+
+    def progress(*_):
+        told.append(volume.threshold(0).voxels)
+
+    mask.morphometry(of=volume, progress=progress)
+    assert told and set(told) == {mask.voxels}
+
+
 def test_a_map_pickles_as_what_it_is(mask):
     for one in mask, mask.components(keep_largest=5), mask - mask, mask.dilate(2):
         there = pickle.loads(pickle.dumps(one))

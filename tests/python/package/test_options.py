@@ -36,6 +36,16 @@ def test_messages_count_z_y_x(scan, folder):
         scan.transform(folder / "moved.8vo", shift=(99, 0, 1), in_place=True)
 
 
+def test_who_has_called_is_warned_whatever_thread_works(scan):
+    fsspec = pytest.importorskip("fsspec")
+    with open(scan.name, "rb") as file:
+        fsspec.filesystem("memory").pipe("/scan.8vo", file.read())
+    for volume in scan, octavo.open("memory://scan.8vo"):
+        with pytest.warns(UserWarning, match="the mask is empty") as caught:
+            volume.threshold(1e6)
+        assert [one.filename for one in caught] == [__file__]
+
+
 @pytest.fixture(scope="module")
 def labels(folder):
     at = np.indices((40, 70, 66)) - np.array([20, 35, 33]).reshape(3, 1, 1, 1)
