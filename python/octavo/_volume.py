@@ -182,8 +182,13 @@ class View:
         return f"<octavo level {self.level}: {size} {self.dtype} of {self._file.name}>"
 
     def __dask_tokenize__(self):
-        # Equal for equal voxels, whatever stands under the path by then.
-        return ("octavo", self._file.facts["voxels_sha256"], self.level)
+        # Equal for equal voxels, whatever stands under the path by then. Those of coarse levels go
+        # with how a file was built as well.
+        facts = self._file.facts
+        token = ("octavo", facts["voxels_sha256"], facts["dtype"], self.shape, self.level)
+        if self.level == 0:
+            return token
+        return (*token, self.factor, facts["kind"], facts["file_bytes"], facts["metadata"])
 
     def __reduce__(self):
         return (_opened_view, (self.level, *self._file.state))
@@ -230,6 +235,8 @@ class RealView:
         return self._real(self._view.at_mm(box_mm))
 
     def __array__(self, dtype=None, copy=None):
+        if copy is False:
+            raise ValueError("real values are computed, so an array of them is always a copy")
         return np.asarray(self[...], dtype=dtype)
 
     @property
@@ -421,19 +428,22 @@ class _File:
         self._opened_with = cache_bytes, storage_options
         self._cache_bytes = whole_number(cache_bytes, "cache_bytes", 0)
         self._only_thread = False
-        self._open()
+        self._open(identity)
         self.facts = self._handle.facts()
-        if identity is not None:
-            self._require(identity)
 
     @property
     def state(self):
         """What opens the same file elsewhere, as arguments."""
-        return _identity_of(self.facts), self._source.place, *self._opened_with
+        return _identity_of(self.facts), self.place, *self._opened_with
 
     @property
     def name(self):
         return self._source.name
+
+    @property
+    def place(self):
+        """What it is opened from, wherever the process is by now."""
+        return self._source.place
 
     @property
     def levels(self):
@@ -444,28 +454,25 @@ class _File:
     def is_closed(self):
         return self._handle is None
 
-    def _open(self):
-        self._handle = self._source.open(self._cache_bytes)
+    def _open(self, identity):
+        handle = self._source.open(self._cache_bytes)
+        if identity is not None and _identity_of(handle.facts()) != identity:
+            raise StorageError(f"{self.name}: was replaced by another file", path=self.name)
+        self._handle = handle
         self._process = os.getpid()
+        return handle
 
     def _opened(self):
-        if self._process != os.getpid():
-            # Threads do not live on in a forked process; what waits for them would wait for ever.
-            self._only_thread = True
-            if self._handle is not None:
-                _kept_for_good.append(self._handle)
-                self._open()
-                self._require(_identity_of(self.facts))
         handle = self._handle
         if handle is None:
             raise ArgumentError(f"{self.name}: is closed")
+        if self._process != os.getpid():
+            # Threads do not live on in a forked process; what waits for them would wait for ever.
+            self._only_thread = True
+            own = self._open(_identity_of(self.facts))
+            _kept_for_good.append(handle)
+            return own
         return handle
-
-    def _require(self, identity):
-        if _identity_of(self._handle.facts()) == identity:
-            return
-        self._handle = None
-        raise StorageError(f"{self.name}: was replaced by another file", path=self.name)
 
     def read(self, start, stop, level, out, threads):
         handle = self._opened()
@@ -486,9 +493,9 @@ class _File:
 
 
 def _identity_of(facts):
-    """Equal for files of the same voxels, real values and places."""
+    """Equal for files of the same voxels on all levels, real values and places."""
     shape, spacing, origin, *_ = facts["levels"][0]
-    same = ("voxels_sha256", "dtype", "slope", "intercept", "max_error", "detail_level",
+    same = ("voxels_sha256", "dtype", "kind", "slope", "intercept", "max_error", "detail_level",
             "direction")
     return tuple(facts[name] for name in same), shape, spacing, origin
 

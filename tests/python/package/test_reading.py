@@ -248,6 +248,13 @@ def test_a_closed_volume_says_so(path):
     assert "closed" in repr(volume)
 
 
+def test_real_values_are_never_a_view(volume):
+    for one in volume, volume.real, volume.levels[1], volume.real.levels[1]:
+        with pytest.raises(ValueError, match="always a copy"):
+            one.__array__(copy=False)
+        assert one.__array__(copy=True).shape == one.shape
+
+
 def test_an_array_whose_voxels_share_memory_is_not_filled(volume):
     box = ((1, 2, 3), (5, 7, 9))
     held = np.zeros((4, 5, 12), np.int16)

@@ -347,21 +347,6 @@ def test_a_block_that_fails_is_fetched_again():
     assert asked == [(200, 300), (0, 200), (0, 200), (300, 800)]
 
 
-def test_threads_fetch_no_block_twice():
-    from octavo._sources import _Blocks
-    held = os.urandom(64000)
-    asked = []
-
-    def fetch(start, stop):
-        asked.append((start, stop))
-        return held[start:stop]
-
-    blocks = _Blocks(fetch, len(held), 1000, 100)
-    with concurrent.futures.ThreadPoolExecutor(8) as pool:
-        places = [(7 * i * 613 % 60000, 3000) for i in range(200)]
-        for (at, length), part in zip(places, pool.map(lambda p: blocks.read(*p), places)):
-            assert part == held[at:at + length]
-    fetched = [n for start, stop in asked for n in range(start, stop, 1000)]
 @pytest.mark.parametrize("raised", [KeyboardInterrupt, "stopped"])
 def test_who_waits_for_a_block_fetches_it_where_another_call_has_ended(raised):
     from octavo._sources import _Blocks, _Stopped
@@ -387,6 +372,21 @@ def test_who_waits_for_a_block_fetches_it_where_another_call_has_ended(raised):
             first.result()
 
 
+def test_threads_fetch_no_block_twice():
+    from octavo._sources import _Blocks
+    held = os.urandom(64000)
+    asked = []
+
+    def fetch(start, stop):
+        asked.append((start, stop))
+        return held[start:stop]
+
+    blocks = _Blocks(fetch, len(held), 1000, 100)
+    with concurrent.futures.ThreadPoolExecutor(8) as pool:
+        places = [(7 * i * 613 % 60000, 3000) for i in range(200)]
+        for (at, length), part in zip(places, pool.map(lambda p: blocks.read(*p), places)):
+            assert part == held[at:at + length]
+    fetched = [n for start, stop in asked for n in range(start, stop, 1000)]
     assert len(fetched) == len(set(fetched))
 
 
@@ -443,11 +443,12 @@ def test_bytes_of_any_kind_pickle(path, voxels):
 
 
 @pytest.mark.parametrize("given", [
-    {}, {"slope": 3}, {"spacing": (1, 1, 1)}, {"origin": (0, 0, 1)}])
+    {}, {"slope": 3}, {"spacing": (1, 1, 1)}, {"origin": (0, 0, 1)},
+    {"kind": "labels", "slope": None}])
 def test_a_pickle_of_a_file_does_not_open_another_one(tmp_path, given):
     path = tmp_path / "a.8vo"
     voxels = np.arange(1000, dtype=np.int16).reshape(10, 10, 10)
-    facts = dict(spacing=(2, 1, 1), slope=2)
+    facts = dict(spacing=(2, 1, 1), slope=1 if "kind" in given else 2)
     volume = octavo.build(voxels, path, **facts)
     pickled = [pickle.dumps(one) for one in (volume, volume.levels[1], volume.levels[0])]
     octavo.build(voxels, path, preset="fast", overwrite=True, **facts)
@@ -456,6 +457,20 @@ def test_a_pickle_of_a_file_does_not_open_another_one(tmp_path, given):
     for one in pickled:
         with pytest.raises(octavo.StorageError, match="a.8vo: was replaced by another file"):
             pickle.loads(one)
+
+
+def test_a_forked_process_says_each_time_that_a_file_was_replaced(tmp_path):
+    path = tmp_path / "a.8vo"
+    volume = octavo.build(np.zeros((9, 9, 9), np.uint8), path)
+    octavo.build(np.ones((9, 9, 9), np.uint8), path, overwrite=True)
+
+    def is_told():
+        with pytest.raises(octavo.StorageError, match="was replaced by another file"):
+            volume[3]
+        return True
+
+    assert forked(lambda: is_told() and is_told())() == 0
+    assert not volume[...].any()
 
 
 def test_a_volume_pickles_as_its_place(volume, voxels, monkeypatch, tmp_path):
@@ -476,6 +491,21 @@ def test_tokens_of_dask_follow_the_voxels(path, tmp_path, voxels):
               for view in (volume, volume.levels[1], volume.real)]
     assert len(set(tokens)) == len(tokens)
     assert octavo.open(tmp_path / "a.8vo").__dask_tokenize__() == tokens[3]
+
+
+@pytest.mark.parametrize("given", [{"kind": "labels"}, {"preset": "fast"}, {"dtype": np.int8}])
+def test_levels_that_differ_are_two_arrays_of_one_computation(tmp_path, given):
+    dask = pytest.importorskip("dask")
+    pytest.importorskip("dask.array")
+    voxels = np.random.default_rng(1).integers(0, 5, (64, 64, 64)).astype(np.uint8)
+    a = octavo.build(voxels, tmp_path / "a.8vo")
+    b = octavo.build(voxels.astype(given.pop("dtype", np.uint8)), tmp_path / "b.8vo", **given)
+    assert a.voxels_sha256 == b.voxels_sha256
+    for level in 0, 1:
+        views = a.levels[level], b.levels[level]
+        computed = dask.compute(*map(octavo.as_dask, views))
+        for view, one in zip(views, computed):
+            assert one.dtype == view.dtype and np.array_equal(one, view[...])
 
 
 def test_many_threads_read_one_volume(volume, voxels):
