@@ -58,17 +58,21 @@ class OctavoBackend(BackendEntrypoint):
         volume = Volume(filename_or_obj)
         level = whole_number(level, "level", 0, len(volume.levels) - 1)
         view = volume.real.levels[level] if real else volume.levels[level]
-        places, is_world = grid_coordinates(view.affine, view.translation)
-        is_known = volume._file.facts["is_spacing_known"]
+        is_known = volume.is_spacing_known
+        if is_known:
+            places, is_world = grid_coordinates(view.affine, view.translation)
+            system = WORLD if is_world else ALONG_AXES
+        else:
+            places = [((factor - 1) / 2, factor) for factor in view.factor]
+            system = "voxels of level 0"
         units = {"units": "mm"} if is_known else {}
         coordinates = {
             axis: DataArray(first + step * np.arange(count), dims=(axis,), attrs=units)
             for axis, (first, step), count in zip("zyx", places, view.shape)}
-        system = WORLD if is_world else ALONG_AXES
         # NetCDF has attributes of one axis at most.
-        attributes = {"kind": volume.kind, "affine": view.affine.ravel().tolist(), "level": level,
-                      "translation": list(view.translation),
-                      "coordinate_system": system if is_known else "voxels of level 0"}
+        attributes = {"kind": "grey" if real else volume.kind, "level": level,
+                      "affine": view.affine.ravel().tolist(),
+                      "translation": list(view.translation), "coordinate_system": system}
         if not real:
             attributes |= {"slope": volume.slope, "intercept": volume.intercept}
         if volume.unit:

@@ -375,10 +375,23 @@ def test_coordinates_of_xarray_are_those_of_the_world(tmp_path, voxels, oblique)
     with xarray.open_dataset(oblique, engine=OctavoBackend) as dataset:
         assert dataset["voxels"].attrs["coordinate_system"].startswith("mm along the axes")
         assert [float(dataset[axis][0]) for axis in "zyx"] == [0, 0, 0]
-    plain = octavo.build(voxels, tmp_path / "plain.8vo")
-    with xarray.open_dataset(plain.name, engine=OctavoBackend) as dataset:
-        assert dataset["voxels"].attrs["coordinate_system"] == "voxels of level 0"
-        assert "units" not in dataset["z"].attrs
+    plain = octavo.build(voxels, tmp_path / "plain.8vo", origin=(9, 8, 7),
+                         direction=np.diag([-1, -1, 1]))
+    for level, first in (0, 0), (1, 0.5):
+        with xarray.open_dataset(plain.name, engine=OctavoBackend, level=level) as dataset:
+            assert dataset["voxels"].attrs["coordinate_system"] == "voxels of level 0"
+            for axis in "zyx":
+                assert dataset[axis].values[:2].tolist() == [first, first + 2 ** level]
+                assert "units" not in dataset[axis].attrs
+
+
+def test_real_values_of_labels_are_built_as_grey_ones(tmp_path, voxels):
+    xarray = pytest.importorskip("xarray", minversion="2023.1")
+    from octavo.xarray import OctavoBackend
+    octavo.build((voxels % 7).astype(np.uint8), tmp_path / "a.8vo", kind="labels").close()
+    with xarray.open_dataset(tmp_path / "a.8vo", engine=OctavoBackend, real=True) as dataset:
+        made = octavo.build(dataset["voxels"], tmp_path / "b.8vo")
+    assert made.kind == "grey" and np.array_equal(made[...], voxels % 7)
 
 
 def test_xarray_writes_netcdf_that_keeps_the_place(path, volume, tmp_path):
