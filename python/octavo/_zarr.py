@@ -9,7 +9,7 @@ import numpy as np
 
 from . import _octavo
 from ._building import BUILD_OPTIONS, _given, _output, build, build_zarr, is_zarr
-from ._errors import ArgumentError
+from ._errors import ArgumentError, Error
 from ._sources import require_there, written_path
 from ._tasks import FileTasks, opened_file
 from ._volume import RealView, View, Volume
@@ -291,7 +291,8 @@ def from_ome_zarr(source, path, *, level=0, channel=None, time=None, **options):
         Ends in .8vo.
     level : int
         Of the image: its resolution that becomes level 0.
-    channel, time : int, optional
+    channel : int or str, optional
+    time : int, optional
         What is taken where there are several; a channel also by its label.
     **options
         Of `octavo.build`; what is not given is what the image says: the spacing in mm, and all
@@ -323,30 +324,51 @@ def from_ome_zarr(source, path, *, level=0, channel=None, time=None, **options):
             return _build_of_path(folder, path, level, channel, time, options)
     group = source if isinstance(source, zarr.Group) else _opened_group(zarr, source)
     attributes = dict(group.attrs)
-    multiscales = attributes.get("ome", attributes).get("multiscales")
-    if not multiscales:
-        raise ArgumentError(f"{source}: is no OME-Zarr image: it has no multiscales")
-    image = multiscales[0]
-    axes = [axis["name"] if isinstance(axis, dict) else axis for axis in image["axes"]]
-    units = {axis["name"]: axis.get("unit") for axis in image["axes"] if isinstance(axis, dict)}
-    datasets = image["datasets"]
-    dataset = datasets[whole_number(level, "level", 0, len(datasets) - 1)]
-    array = group[dataset["path"]]
-    chosen = _Chosen(array, axes, {"c": channel, "t": time}, source)
-    facts = _facts_of_image(attributes, image, dataset, axes, units, level)
-    facts.setdefault("kind", "grey")
+    try:
+        chosen, facts = _volume_of(group, attributes, level, channel, time, source)
+    except Error:
+        raise
+    except (LookupError, TypeError, ValueError, AttributeError) as error:
+        raise ArgumentError(f"{source}: what it says is not that of an OME-Zarr image 0.4 or 0.5 "
+                            f"({type(error).__name__}: {error})") from None
     facts.update(options)
     if "spacing" not in facts and "octavo" not in attributes:
         warn_of([f"{source}: its axes have no unit of length that is known here: its scale and "
                  "place are left out; 1 mm assumed"])
     made = build(chosen, path, **facts)
-    if level == 0 and not any(options.get(name) for name in _CHANGING):
+    is_replaced = options.get("nan") is not None or options.get("inf") is not None
+    if level == 0 and not is_replaced \
+            and not made.max_error and not made._file.facts["detail_level"]:
         _compare_with_export(attributes, made, source)
     return made
 
 
-# Options that make other voxels than those of the source.
-_CHANGING = ("max_error", "keep_details", "nan", "inf")
+def _volume_of(group, attributes, level, channel, time, source):
+    """The array that is built of an image, and what `build` is told of it."""
+    said = attributes.get("ome", attributes)
+    if not said.get("multiscales"):
+        raise ArgumentError(f"{source}: is no OME-Zarr image: it has no multiscales")
+    image = said["multiscales"][0]
+    axes = [axis["name"] if isinstance(axis, dict) else axis for axis in image["axes"]]
+    units = {axis["name"]: axis.get("unit") for axis in image["axes"] if isinstance(axis, dict)}
+    datasets = image["datasets"]
+    dataset = datasets[whole_number(level, "level", 0, len(datasets) - 1)]
+    if isinstance(channel, str):
+        channel = _numbered(channel, said.get("omero", {}).get("channels", ()), source)
+    chosen = _Chosen(group[dataset["path"]], axes, {"c": channel, "t": time}, source)
+    return chosen, {"kind": "grey",
+                    **_facts_of_image(attributes, image, dataset, axes, units, level)}
+
+
+def _numbered(channel, channels, source):
+    """The number of a channel that is given as text: its label, or its number."""
+    labels = [one.get("label") for one in channels]
+    if channel in labels:
+        return labels.index(channel)
+    if channel.isdecimal():
+        return int(channel)
+    raise ArgumentError(f"{source}: channel {channel} is not there: "
+                        f"{', '.join(map(str, labels)) or 'its channels have no labels'}")
 
 
 def _compare_with_export(attributes, made, source):

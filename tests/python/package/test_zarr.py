@@ -218,6 +218,17 @@ def test_a_chunk_that_is_missing_of_a_group_of_zarr_is_told(zarr3, plain, tmp_pa
             octavo.from_ome_zarr(group, tmp_path / "back.8vo", overwrite=True)
 
 
+@pytest.mark.filterwarnings("error::UserWarning")
+def test_values_that_were_replaced_by_0_are_no_damage(zarr3, tmp_path):
+    voxels = np.ones((20, 20, 20), np.float32)
+    voxels[1, 2, 3], voxels[4, 5, 6] = np.nan, np.inf
+    octavo.export(octavo.build(voxels, tmp_path / "a.8vo", spacing=(1, 1, 1)), tmp_path / "a.ozx")
+    group = zarr3.open_group(zarr3.storage.ZipStore(tmp_path / "a.ozx", mode="r"), mode="r")
+    for given in {"nan": 0}, {"inf": 0.0}, {"nan": 0, "inf": 0, "max_error": 0.5}:
+        made = octavo.from_ome_zarr(group, tmp_path / "b.8vo", overwrite=True, **given)
+        assert made[1, 2, 3] == 0 or made[4, 5, 6] == 0
+
+
 @pytest.mark.filterwarnings("ignore:.*OME-Zarr has no slope")
 def test_a_landmark_stays_where_it_is_on_three_levels(zarr3, volume, tmp_path):
     octavo.export(volume, tmp_path / "image.ome.zarr")
@@ -291,6 +302,49 @@ def test_channels_and_times_are_chosen(zarr3, tmp_path):
     made = octavo.from_ome_zarr(tmp_path / "five.zarr", tmp_path / "x.8vo", time=1, channel=2)
     assert np.array_equal(made[...], voxels[1, 2])
     assert made.spacing == pytest.approx((0.004, 0.002, 0.001))
+
+
+@pytest.fixture
+def in_memory(zarr3):
+    """A group that no path leads to: two channels with labels, axes in micrometers."""
+    group = zarr3.create_group(zarr3.storage.MemoryStore())
+    voxels = np.random.default_rng(1).integers(0, 900, (2, 8, 9, 10)).astype("u2")
+    group.create_array("0", data=voxels)
+    space = [{"name": name, "type": "space", "unit": "micrometer"} for name in "zyx"]
+    scale = {"type": "scale", "scale": [1, 4, 2, 1]}
+    group.attrs["ome"] = {
+        "version": "0.5", "omero": {"channels": [{"label": "DAPI"}, {"label": "GFP"}]},
+        "multiscales": [{"axes": [{"name": "c", "type": "channel"}, *space],
+                         "datasets": [{"path": "0", "coordinateTransformations": [scale]}]}]}
+    return group, voxels
+
+
+def test_a_channel_is_chosen_by_its_label(in_memory, tmp_path):
+    group, voxels = in_memory
+    for channel, number in ("DAPI", 0), ("GFP", 1), ("1", 1), (0, 0):
+        made = octavo.from_ome_zarr(group, tmp_path / "a.8vo", channel=channel, overwrite=True)
+        assert np.array_equal(made[...], voxels[number])
+    for channel, said in (("RFP", "channel RFP is not there: DAPI, GFP"), ("2", "0 to 1")):
+        with pytest.raises(octavo.ArgumentError, match=said):
+            octavo.from_ome_zarr(group, tmp_path / "b.8vo", channel=channel)
+    assert not (tmp_path / "b.8vo").exists()
+
+
+def placed(scale):
+    return {"datasets": [{"path": "0", "coordinateTransformations": [{"type": "scale", **scale}]}]}
+
+
+@pytest.mark.parametrize("changed", [
+    {"axes": None}, {"axes": [{"type": "space"}] * 4}, {"datasets": None}, {"datasets": []},
+    {"datasets": [{"path": "none"}]}, placed({"path": "x"}), placed({"scale": [1, 2]})])
+def test_a_group_that_is_no_image_is_rejected(in_memory, tmp_path, changed):
+    group, _ = in_memory
+    said = group.attrs["ome"]
+    image = {**said["multiscales"][0], **changed}
+    image = {name: value for name, value in image.items() if value is not None}
+    group.attrs["ome"] = {**said, "multiscales": [image]}
+    with pytest.raises(octavo.ArgumentError):
+        octavo.from_ome_zarr(group, tmp_path / "a.8vo", channel=1)
 
 
 def test_all_files_of_a_store_are_listed(volume):
