@@ -8,8 +8,11 @@ import torch
 
 from . import _octavo
 from ._errors import ArgumentError
-from ._volume import Volume
+from ._volume import DEFAULT_CACHE_BYTES, Volume
 from ._work import level_of, several_of, whole_number
+
+
+_MOST_OPEN = 256  # files at a time, of the 1024 that systems commonly allow a process
 
 
 class PatchDataset(torch.utils.data.Dataset):
@@ -17,7 +20,8 @@ class PatchDataset(torch.utils.data.Dataset):
 
     Item i is the same whatever worker reads it, and another one in another epoch (`set_epoch`).
     Files are opened by each worker for itself, and once by the data set, which looks whether they
-    fit.
+    fit. Of a worker those 256 stay open that were read last, and together keep as many bytes of
+    decoded bricks as one volume does.
 
     Parameters
     ----------
@@ -31,6 +35,7 @@ class PatchDataset(torch.utils.data.Dataset):
     real : bool
         Real values as float32; stored ones otherwise.
     seed : int
+        0 or more.
 
     Notes
     -----
@@ -53,9 +58,11 @@ class PatchDataset(torch.utils.data.Dataset):
         self._length = whole_number(length, "length", 1)
         self._level = level_of(level)
         self._real = real
-        self._seed = seed
+        self._seed = whole_number(seed, "seed", 0)
         self._epoch = 0
-        self._opened = {}
+        self._opened = {}  # that was read last stands last
+        files = len({path for case in self._paths for path in case})
+        self._cache_bytes = DEFAULT_CACHE_BYTES // min(files, _MOST_OPEN)
         for case in self._paths:
             _require_fitting(case, self._level)
 
@@ -87,9 +94,13 @@ class PatchDataset(torch.utils.data.Dataset):
         return {**self.__dict__, "_opened": {}}
 
     def _volume(self, path):
-        if path not in self._opened:
-            self._opened[path] = Volume(path)
-        return self._opened[path]
+        volume = self._opened.pop(path, None)
+        if volume is None:
+            volume = Volume(path, self._cache_bytes)
+        self._opened[path] = volume
+        if len(self._opened) > _MOST_OPEN:
+            self._opened.pop(next(iter(self._opened)), None)
+        return volume
 
     def _patch(self, volume, start, outside):
         view = volume.levels[self._level]

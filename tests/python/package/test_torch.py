@@ -1,5 +1,8 @@
 """Patches for PyTorch, where it is installed."""
 
+import os
+import resource
+
 import numpy as np
 import pytest
 
@@ -34,6 +37,26 @@ def test_patches_for_pytorch_are_those_of_the_scan(scan, tmp_path):
     assert large.shape == (1, 64, 8, 8) and (large[0, 40:] == large[0, 63]).all()
 
 
+def test_any_number_of_files_is_read(scan, tmp_path):
+    from octavo.torch import PatchDataset
+    octavo.build(scan[:8, :8, :8], tmp_path / "0.8vo").close()
+    paths = [tmp_path / f"{i}.8vo" for i in range(150)]
+    for path in paths[1:]:
+        os.link(paths[0], path)
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    patches = PatchDataset(paths * 2, (4, 4, 4), 900)
+    first = patches[0]
+    assert patches._cache_bytes * len(set(paths)) <= octavo.DEFAULT_CACHE_BYTES
+    try:
+        resource.setrlimit(resource.RLIMIT_NOFILE, (len(os.listdir("/proc/self/fd")) + 80, hard))
+        with pytest.MonkeyPatch.context() as patched:
+            patched.setattr("octavo.torch._MOST_OPEN", 64)
+            assert all(patch.shape == (1, 4, 4, 4) for patch in patches)
+        assert torch.equal(patches[0], first)
+    finally:
+        resource.setrlimit(resource.RLIMIT_NOFILE, (soft, hard))
+
+
 @pytest.fixture
 def elsewhere(scan, tmp_path):
     """Builds labels in the place of those of the scan."""
@@ -66,6 +89,7 @@ def test_what_is_no_data_set_is_said_when_it_is_made(scan, elsewhere):
     for wrong, said in (({"level": 20}, "level 20 is not there"), ({"level": -1}, "level"),
                         ({"paths": [(scan.name, elsewhere()), scan.name]}, "not both"),
                         ({"paths": [(scan.name,) * 3]}, "pairs"), ({"paths": []}, "one file"),
-                        ({"paths": 7}, "paths"), ({"shape": 4}, "sides")):
+                        ({"paths": 7}, "paths"), ({"shape": 4}, "sides"),
+                        ({"seed": -1}, "seed"), ({"seed": None}, "seed")):
         with pytest.raises(octavo.ArgumentError, match=said):
             PatchDataset(**{"paths": [scan.name], "shape": (4, 4, 4), "length": 9, **wrong})
