@@ -139,6 +139,10 @@ def build(source, path, *, kind=None, spacing=None, origin=None, direction=None,
 
 def is_zarr(path):
     """Whether a path is an image or array of zarr that is read without the program."""
+    try:
+        path.encode()
+    except UnicodeEncodeError:
+        return False
     return "://" not in path and "\0" not in path and _octavo.is_zarr(path)
 
 
@@ -467,10 +471,10 @@ def _output(path):
 
 
 def _require_not_own_source(view, path):
-    # Bytes and URLs are no file here.
+    place = view._file.place
+    # Bytes and most URLs are no file here.
     with contextlib.suppress(OSError):
-        is_same = os.path.samefile(view._file.name.removeprefix("file://"), path)
-        if is_same:
+        if isinstance(place, str) and os.path.samefile(place.removeprefix("file://"), path):
             raise ArgumentError(f"{path}: is the volume that is read", path=path)
 
 

@@ -50,9 +50,7 @@ class FileTasks(StructureTasks, PictureTasks, SurfaceTasks):
             For grey values in the place of labels, and grids that differ.
         """
         name, handle = self._opened_file()
-        grey_name, grey = ("", None) if of is None else opened_file(of, "of")
-        if grey_name == name and grey is not handle:
-            grey_name += " (grey)"
+        grey_name, grey = ("", None) if of is None else opened_beside(of, "of", name)
         numbers, names = asked_labels(labels)
         with work_of(threads, max_memory, progress) as work:
             return _octavo.measure(handle, name, grey, grey_name,
@@ -125,9 +123,7 @@ class FileTasks(StructureTasks, PictureTasks, SurfaceTasks):
                                 f"{interpolation!r}")
         name, handle = self._opened_file()
         grid_name, grid = (("", None) if grid_of is None else
-                           opened_file(grid_of, "grid_of"))
-        if grid_name == name and grid is not handle:
-            grid_name += " (grid)"
+                           opened_beside(grid_of, "grid_of", name))
         asked = dict(overwrite=bool(overwrite), in_place=bool(in_place), inverse=bool(inverse),
                      interpolation=interpolation, preset=preset,
                      fill=None if fill is None else number_of(fill, "fill"),

@@ -23,7 +23,8 @@ from ._errors import ArgumentError, Error, StorageError
 from ._program import error_of_program
 from ._sources import require_free, require_name, require_there
 from ._volume import Volume
-from ._work import warn_of, whole_number
+from ._work import several_of, warn_of, whole_number
+
 
 def build(source, path, *, client=None, parts=None, part_size=None, bands=None, retries=3,
           joins_side_by_side=False, kind=None, spacing=None, preset="small", access=None,
@@ -222,7 +223,7 @@ def _cluster(client):
 
 
 def _sources(source):
-    paths = [source] if isinstance(source, (str, os.PathLike)) else list(source)
+    paths = [source] if isinstance(source, (str, os.PathLike)) else several_of(source, "sources")
     if not paths or not all(isinstance(path, (str, os.PathLike)) for path in paths):
         raise ArgumentError("the source is a folder or files of a scan; arrays are built by "
                             "octavo.build")

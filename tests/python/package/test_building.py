@@ -159,6 +159,23 @@ class OfOtherType:
         return self._array[key]
 
 
+def test_a_volume_is_known_as_the_source_wherever_the_process_is(tmp_path, voxels, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    os.mkdir("other")
+    volume = octavo.build(voxels[:9], "a.8vo")
+    octavo.build(voxels[:5], "other/a.8vo").close()
+    monkeypatch.chdir("other")
+    assert np.array_equal(octavo.build(volume, "a.8vo", overwrite=True)[...], voxels[:9])
+    with pytest.raises(octavo.ArgumentError, match="is the volume that is read"):
+        octavo.build(volume, "../a.8vo", overwrite=True)
+
+
+def test_a_source_whose_name_is_no_utf_8_is_looked_for(tmp_path):
+    for make in octavo.build, octavo.from_ome_zarr:
+        with pytest.raises(octavo.MissingError):
+            make(f"{tmp_path}/\udcff.nii", tmp_path / "a.8vo")
+
+
 def test_types_of_other_libraries_are_known_or_rejected(tmp_path, voxels):
     class NamingNumpys:
         numpy_dtype = voxels.dtype

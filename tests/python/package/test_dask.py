@@ -134,7 +134,8 @@ def test_what_cannot_be_built_is_said(folder, voxels, monkeypatch):
     build = octavo.dask.build
     for wrong, said in (({"parts": 2, "part_size": "4M"}, "one of parts"),
                         ({"source": voxels}, "octavo.build"), ({"source": []}, "octavo.build"),
-                        ({"retries": -1}, "retries"), ({"path": "scan.raw"}, "8vo"),
+                        ({"source": 5}, "sources are several"), ({"retries": -1}, "retries"),
+                        ({"path": "scan.raw"}, "8vo"),
                         ({"parts": 0}, "parts"), ({"part_size": "x"}, "x"),
                         ({"part_size": 0}, "part_size"), ({"bands": "2"}, "bands"),
                         ({"kind": "gray"}, "kind"), ({"plan_options": ("--none",)}, "none")):
