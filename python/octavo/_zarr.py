@@ -297,8 +297,7 @@ def from_ome_zarr(source, path, *, level=0, channel=None, time=None, **options):
     **options
         Of `octavo.build`; what is not given is what the image says: the spacing in mm, and all
         else of one that `export` wrote. Paths and groups of local folders are read as by the
-        program; other groups and URLs through zarr 3, which has to be installed and does not
-        narrow voxels of 64 bits.
+        program; other groups and URLs through zarr 3, which has to be installed.
 
     Returns
     -------
