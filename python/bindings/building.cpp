@@ -196,7 +196,8 @@ nb::tuple build_zarr(const std::string& source, const std::string& path, const n
     const auto planes = open_zarr_source(source, how, level);
     options.kind = kind ? kind_of(*kind) : planes->description().kind;
     const BuildResult built = build_file(*planes, local_storage(), path, options, call);
-    compare_with_export(*planes, options, built, source, path, of_build.context());
+    compare_with_export(planes->files().voxels_sha256, options.repair, built, source, path,
+                        of_build.context());
     warnings = planes->warnings();
   });
   return nb::make_tuple(list_of(warnings, [](const Warning& one) { return one.text; }),
