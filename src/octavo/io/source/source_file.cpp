@@ -85,6 +85,7 @@ SourceFile::SourceFile(SourceFile&& other) noexcept
       size_(other.size_) {}
 
 std::size_t SourceFile::read_some(std::uint64_t offset, std::span<std::byte> bytes) const {
+  if (offset > size_) return 0;
   std::size_t done = 0;
   while (done < bytes.size()) {
     const ssize_t count = ::pread(descriptor_, bytes.data() + done, bytes.size() - done,

@@ -3,6 +3,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <array>
 #include <filesystem>
 
 #include "octavo/io/source/source_file.h"
@@ -181,6 +182,19 @@ TEST(SourceFiles, APipeAmongThoseOfAFolderIsPassedOver) {
   EXPECT_EQ(files_in_folder(folder.path(), true), std::vector{folder.file("a.tif")});
   const Error error = source_error({folder.file("b.tif")});
   EXPECT_TRUE(contains(error, "is not a regular file")) << error.what();
+}
+
+TEST(SourceFiles, NothingStandsBehindTheirEnd) {
+  const TempFolder folder;
+  write_file(folder.file("a"), "abc");
+  const SourceFile file(folder.file("a"));
+  std::array<std::byte, 2> bytes{};
+  for (const std::uint64_t offset :
+       {std::uint64_t{3}, std::uint64_t{4}, std::uint64_t{1} << 63, ~std::uint64_t{0}}) {
+    EXPECT_EQ(file.read_some(offset, bytes), 0U) << offset;
+    EXPECT_THROW(file.read_exactly(offset, bytes), Error) << offset;
+  }
+  EXPECT_EQ(file.read_some(2, bytes), 1U);
 }
 
 TEST(SourceFiles, ALinkToNothingIsNotPassedOver) {
