@@ -8,6 +8,7 @@ Everything is generated. Memory and processor time are those of the program, so 
 depends on what else runs.
 """
 
+import gzip
 import os
 import pathlib
 import signal
@@ -360,6 +361,19 @@ class Work(Volumes):
         self.assertEqual(code, 128 + signal.SIGTERM, said)
         self.assertLess(used.ru_utime + used.ru_stime - before, 2)
         self.assertEqual(list(self.folder.glob("[.o]*")), [], "what is left behind")
+
+    def test_a_signal_ends_the_inflation_of_what_is_read_to_prove_its_length(self):
+        member = gzip.compress(bytes(64 * MIB))
+        (self.folder / "zeros.gz").write_bytes(member * 128)
+        self.write("zeros.nhdr", b"NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2048 2048 2048\n"
+                   b"spacings: 1 1 1\nencoding: gzip\ndata file: zeros.gz\n")
+        process = self.start("build", "zeros.nhdr", "-o", "o.8vo")
+        let_run(process, 0.4)
+        before = processor_time.of_process(process) or 0
+        os.kill(process.pid, signal.SIGTERM)
+        code, said, used = self.outcome(process)
+        self.assertEqual(code, 128 + signal.SIGTERM, said)
+        self.assertLess(used.ru_utime + used.ru_stime - before, 2)
 
 
 if __name__ == "__main__":

@@ -49,7 +49,8 @@ struct SourceOptions {
   /// the type and the size alone.
   std::optional<SliceOutline> excerpt = {};
 
-  /// Asked between the planes that are read before the source is open; may be empty.
+  /// Asked between the planes that are read before the source is open, and while compressed files
+  /// are read; may be empty.
   std::function<bool()> is_cancelled;
 
   /// The field of the first option set here that only DICOM sources understand; or nothing.

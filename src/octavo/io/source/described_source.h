@@ -80,6 +80,8 @@ class DescribedSource : public PlaneSource {
  protected:
   const ComponentChoice& choice() const { return facts_.choice; }
   void warn(Warning warning) { facts_.warnings.push_back(std::move(warning)); }
+  /// Asked while compressed files are read; may be empty.
+  const std::function<bool()>& is_cancelled() const { return facts_.is_cancelled; }
   /// How wide numbers become voxels; nothing where stored numbers are voxels.
   const std::optional<Narrowing>& narrowing() const { return facts_.narrowing; }
   /// Throws Error{invalid_argument} unless `plane` is one plane long.

@@ -14,17 +14,18 @@ void BytesBehind::add(const std::string& of, std::uint64_t bytes) {
 }
 
 PiecedStream::PiecedStream(std::vector<StreamPiece> pieces, std::uint64_t piece_bytes,
-                           StreamCoding coding)
+                           StreamCoding coding, std::function<bool()> is_cancelled)
     : pieces_(std::move(pieces)),
       piece_bytes_(pieces_.size() == 1 ? std::numeric_limits<std::uint64_t>::max() : piece_bytes),
-      coding_(coding) {
+      coding_(coding),
+      is_cancelled_(std::move(is_cancelled)) {
   stream();
 }
 
 VoxelStream& PiecedStream::stream() {
   if (!stream_) {
     const StreamPiece& piece = pieces_[number_];
-    stream_.emplace(piece.path, piece.start.offset, coding_);
+    stream_.emplace(piece.path, piece.start.offset, coding_, is_cancelled_);
     stream_->skip(piece.start.skip_bytes);
     stream_->skip(at_);
   }

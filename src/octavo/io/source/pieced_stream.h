@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -34,9 +35,11 @@ struct BytesBehind {
 /// As VoxelStream, over pieces of equal length. One file is open at a time, from the first on.
 class PiecedStream {
  public:
-  /// piece_bytes  of each piece, behind decompression; of a single one nobody needs to know them
+  /// piece_bytes   of each piece, behind decompression; of a single one nobody needs to know them
+  /// is_cancelled  as that of VoxelStream
   /// Requires a piece
-  PiecedStream(std::vector<StreamPiece> pieces, std::uint64_t piece_bytes, StreamCoding coding);
+  PiecedStream(std::vector<StreamPiece> pieces, std::uint64_t piece_bytes, StreamCoding coding,
+               std::function<bool()> is_cancelled = {});
 
   /// The file that is read.
   const std::string& path() const { return pieces_[number_].path; }
@@ -64,6 +67,7 @@ class PiecedStream {
   std::vector<StreamPiece> pieces_;
   std::uint64_t piece_bytes_;
   StreamCoding coding_;
+  std::function<bool()> is_cancelled_;
   std::size_t number_ = 0;             ///< of the piece that is read
   std::uint64_t at_ = 0;               ///< in it
   std::optional<VoxelStream> stream_;  ///< of it, once it is opened

@@ -1,6 +1,7 @@
 #include "octavo/io/source/streamed_source.h"
 
 #include <algorithm>
+#include <functional>
 #include <utility>
 #include <vector>
 
@@ -30,10 +31,11 @@ std::string left_out_warning(const BytesBehind& behind) {
 /// The stored numbers of a run, of one channel, in native byte order.
 class StoredNumbers {
  public:
-  StoredNumbers(const VoxelRun& run, std::size_t value_bytes)
+  StoredNumbers(const VoxelRun& run, std::size_t value_bytes,
+                const std::function<bool()>& is_cancelled)
       : run_(run),
         value_bytes_(value_bytes),
-        stream_(run.files(), run.piece_bytes, run.coding) {
+        stream_(run.files(), run.piece_bytes, run.coding, is_cancelled) {
     stream_.skip(run.skip_bytes);
   }
 
@@ -81,7 +83,7 @@ class StreamedSource final : public DescribedSource {
         run_(run),
         value_bytes_(narrowing() ? bytes_per_value(narrowing()->from)
                                  : bytes_per_value(description().type)),
-        numbers_(run, value_bytes_) {}
+        numbers_(run, value_bytes_, is_cancelled()) {}
 
   void read_plane(std::span<std::byte> plane) override {
     require_plane(plane);
@@ -103,7 +105,7 @@ class StreamedSource final : public DescribedSource {
     DescribedSource::seek(first, end);
     if (first == end) return;
     if (first < at_) {
-      numbers_ = StoredNumbers(run_, value_bytes_);
+      numbers_ = StoredNumbers(run_, value_bytes_, is_cancelled());
       at_ = 0;
     }
     const Size3& size = description().size;
@@ -190,13 +192,14 @@ void check_plain_lengths(SourceFacts& facts, const VoxelRun& run, std::uint64_t 
 }
 
 /// Proves that deflated files can hold their voxels.
-void check_deflated_lengths(const VoxelRun& run, std::uint64_t voxel_bytes) {
+void check_deflated_lengths(const SourceFacts& facts, const VoxelRun& run,
+                            std::uint64_t voxel_bytes) {
   const std::uint64_t bytes = bytes_of_each_file(run, voxel_bytes);
   for (const StreamPiece& piece : run.files()) {
     const std::uint64_t stream_bytes = checked_add(piece.start.skip_bytes, bytes, "stream length");
     require_holdable(piece.path, SourceFile(piece.path).size(), stream_bytes, kDeflateRatio);
     if (piece.start.offset == 0 && is_gzip_file(piece.path)) {
-      check_gzip_length(piece.path, stream_bytes);
+      check_gzip_length(piece.path, stream_bytes, facts.is_cancelled);
     }
   }
 }
@@ -230,10 +233,10 @@ std::unique_ptr<PlaneSource> make_streamed_source(SourceFacts facts, const Voxel
       static_cast<std::uint64_t>(run.values_per_voxel), "volume");
   const std::uint64_t voxel_bytes = checked_add(volume_bytes, run.bytes_behind, "volumes");
   if (run.coding == StreamCoding::plain) check_plain_lengths(facts, run, voxel_bytes);
-  else check_deflated_lengths(run, voxel_bytes);
+  else check_deflated_lengths(facts, run, voxel_bytes);
   facts.files = files_of_volume(paths_of(facts, run));
   if (facts.wide) {
-    StoredNumbers first_planes(run, bytes_per_value(*facts.wide));
+    StoredNumbers first_planes(run, bytes_per_value(*facts.wide), facts.is_cancelled);
     settle_narrowing(facts, [&](std::int64_t, std::span<std::byte> plane) {
       first_planes.read(plane);
     });

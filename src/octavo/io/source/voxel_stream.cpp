@@ -25,8 +25,12 @@ constexpr int kNoHeader = -15;
 
 class VoxelStream::Impl {
  public:
-  Impl(const std::string& path, std::uint64_t start_offset, StreamCoding coding)
-      : file_(path), coding_(coding), file_offset_(start_offset) {
+  Impl(const std::string& path, std::uint64_t start_offset, StreamCoding coding,
+       std::function<bool()> is_cancelled)
+      : file_(path),
+        coding_(coding),
+        file_offset_(start_offset),
+        is_cancelled_(std::move(is_cancelled)) {
     if (coding_ == StreamCoding::plain) return;
     input_.resize(kInputBytes);
     const int header = coding_ == StreamCoding::bare_deflated ? kNoHeader : kAutoHeader;
@@ -98,6 +102,9 @@ class VoxelStream::Impl {
   }
 
   void refill() {
+    if (is_cancelled_ && is_cancelled_()) {
+      throw Error(ErrorKind::cancelled, "stopped while a compressed file was read");
+    }
     const std::size_t count = file_.read_some(file_offset_, input_);
     if (count == 0) {
       throw Error(ErrorKind::source_rejected,
@@ -134,14 +141,16 @@ class VoxelStream::Impl {
   SourceFile file_;
   StreamCoding coding_;
   std::uint64_t file_offset_;
+  std::function<bool()> is_cancelled_;
   std::uint64_t delivered_ = 0;
   bool at_end_ = false;
   z_stream zlib_{};
   std::vector<std::byte> input_;
 };
 
-VoxelStream::VoxelStream(const std::string& path, std::uint64_t start_offset, StreamCoding coding)
-    : impl_(std::make_unique<Impl>(path, start_offset, coding)) {}
+VoxelStream::VoxelStream(const std::string& path, std::uint64_t start_offset, StreamCoding coding,
+                         std::function<bool()> is_cancelled)
+    : impl_(std::make_unique<Impl>(path, start_offset, coding, std::move(is_cancelled))) {}
 VoxelStream::~VoxelStream() = default;
 VoxelStream::VoxelStream(VoxelStream&&) noexcept = default;
 VoxelStream& VoxelStream::operator=(VoxelStream&&) noexcept = default;
@@ -172,14 +181,15 @@ bool is_gzip_file(const std::string& path) {
   return head.size() == 2 && head[0] == std::byte{0x1f} && head[1] == std::byte{0x8b};
 }
 
-void check_gzip_length(const std::string& path, std::uint64_t needed_bytes) {
+void check_gzip_length(const std::string& path, std::uint64_t needed_bytes,
+                       const std::function<bool()>& is_cancelled) {
   const SourceFile file(path);
   std::array<std::byte, 4> tail{};
   if (file.size() >= 18) file.read_exactly(file.size() - 4, tail);
   const auto length = HeaderBytes(tail, false).at<std::uint32_t>(0);
   if (length == static_cast<std::uint32_t>(needed_bytes)) return;
   // Several members, bytes behind the stream, or a cut file: only reading tells.
-  VoxelStream stream(path, 0, StreamCoding::deflated);
+  VoxelStream stream(path, 0, StreamCoding::deflated, is_cancelled);
   stream.skip(needed_bytes);
   stream.finish();
 }

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -18,8 +19,10 @@ enum class StreamCoding { plain, deflated, bare_deflated };
 /// Memory  64 KiB and zlib's window, whatever the length
 class VoxelStream {
  public:
-  /// Throws Error{io}.
-  VoxelStream(const std::string& path, std::uint64_t start_offset, StreamCoding coding);
+  /// is_cancelled  asked while a deflated stream is read, passed over or finished; may be empty
+  /// Throws        Error{io}; the members below Error{cancelled} as well
+  VoxelStream(const std::string& path, std::uint64_t start_offset, StreamCoding coding,
+              std::function<bool()> is_cancelled = {});
   ~VoxelStream();
   VoxelStream(VoxelStream&&) noexcept;
   VoxelStream& operator=(VoxelStream&&) noexcept;
@@ -47,7 +50,9 @@ bool is_gzip_file(const std::string& path);
 
 /// Rejects a gzip file that cannot hold `needed_bytes` before anything is read from it: where the
 /// length in its last four bytes differs, the whole stream is read once to find out.
-/// Throws Error{source_rejected}, Error{io}.
-void check_gzip_length(const std::string& path, std::uint64_t needed_bytes);
+/// is_cancelled  asked meanwhile; may be empty
+/// Throws        Error{source_rejected}, Error{io}, Error{cancelled}
+void check_gzip_length(const std::string& path, std::uint64_t needed_bytes,
+                       const std::function<bool()>& is_cancelled);
 
 }  // namespace octavo
