@@ -29,8 +29,9 @@ struct BoxTarget {
 };
 
 /// Copies what `box` and the samples of `held`, a dense array, share into the array of `box`.
-inline void copy_shared(const std::uint8_t* samples, const Box& held, const Box& box,
+inline void copy_shared(const void* samples, const Box& held, const Box& box,
                         const BoxTarget& out) {
+  const auto* const bytes = static_cast<const std::uint8_t*>(samples);
   const Box part = intersection(box, held);
   const Size3 size = held.size();
   const std::size_t row_bytes = static_cast<std::size_t>(part.size().x) * out.voxel_bytes;
@@ -39,7 +40,7 @@ inline void copy_shared(const std::uint8_t* samples, const Box& held, const Box&
       const std::int64_t at = ((z - held.lo.z) * size.y + (y - held.lo.y)) * size.x +
                               (part.lo.x - held.lo.x);
       std::memcpy(out.row(part.lo.x - box.lo.x, y - box.lo.y, z - box.lo.z),
-                  samples + static_cast<std::size_t>(at) * out.voxel_bytes, row_bytes);
+                  bytes + static_cast<std::size_t>(at) * out.voxel_bytes, row_bytes);
     }
   }
 }

@@ -16,7 +16,7 @@ namespace {
 constexpr std::size_t kPartsAtOnce = 8;
 
 // Of a part of level 0 among the decoded bricks.
-LruCache<Bytes>::Key key_of_part(const BrickEntry& entry, std::size_t part) {
+LruCache<UnsetBytes>::Key key_of_part(const BrickEntry& entry, std::size_t part) {
   constexpr std::uint64_t kPlaceOfPart = 256;
   const auto level = static_cast<std::uint64_t>(Levels::first_level(entry.tier));
   return {level + kPlaceOfPart * (part + 1), entry.code};
@@ -47,7 +47,7 @@ void run_to_end(const ForEach* run, std::size_t count,
 
 }  // namespace
 
-PartReader::PartReader(const OpenFile& file, LruCache<Bytes>& decoded,
+PartReader::PartReader(const OpenFile& file, LruCache<UnsetBytes>& decoded,
                        const ReaderOptions& options)
     : file_(file),
       decoded_(decoded),
@@ -183,7 +183,7 @@ void PartReader::decode_found(std::span<const Found> parts) const {
   const VolumeDescription& volume = file_.description();
   // What nobody keeps takes no memory of its own, which the system would have to give anew.
   thread_local std::array<Bytes, kPartsAtOnce> passing;
-  std::array<std::shared_ptr<Bytes>, kPartsAtOnce> kept;
+  std::array<std::shared_ptr<UnsetBytes>, kPartsAtOnce> kept;
   std::array<BrickParts::WantedOf, kPartsAtOnce> wanted;
   std::array<std::uint8_t*, kPartsAtOnce> dense{};
   for (std::size_t i = 0; i < parts.size(); ++i) {
@@ -209,8 +209,8 @@ void PartReader::decode_found(std::span<const Found> parts) const {
       continue;
     }
     if (is_kept) {
-      kept[i] = std::make_shared<Bytes>(bytes);
-      dense[i] = kept[i]->data();
+      kept[i] = std::make_shared<UnsetBytes>(bytes);
+      dense[i] = reinterpret_cast<std::uint8_t*>(kept[i]->data());
     } else {
       if (passing[i].size() < bytes) passing[i].resize(bytes);
       dense[i] = passing[i].data();
@@ -229,7 +229,7 @@ void PartReader::decode_found(std::span<const Found> parts) const {
     copy_shared(dense[i], moved(own, request.at), request.box, request.out);
     if (!kept[i]) continue;
     decoded_.insert(key_of_part(request.entry, parts[i].number), kept[i],
-                    kept[i]->size() + sizeof(Bytes));
+                    kept[i]->size() + sizeof(UnsetBytes));
   }
 }
 

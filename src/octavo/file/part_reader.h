@@ -10,6 +10,7 @@
 #include "octavo/core/bytes.h"
 #include "octavo/core/error.h"
 #include "octavo/core/recycled.h"
+#include "octavo/core/unset_bytes.h"
 #include "octavo/file/box_target.h"
 #include "octavo/file/for_each.h"
 #include "octavo/file/lru_cache.h"
@@ -32,7 +33,7 @@ class PartReader {
 
   /// file     outlives the reader, as does what options name
   /// decoded  bricks and parts that are kept; outlives the reader
-  PartReader(const OpenFile& file, LruCache<Bytes>& decoded, const ReaderOptions& options);
+  PartReader(const OpenFile& file, LruCache<UnsetBytes>& decoded, const ReaderOptions& options);
 
   /// So many bricks are opened at the same time.
   static constexpr std::size_t kBricksAtOnce = 4;
@@ -102,7 +103,7 @@ class PartReader {
   void decode(std::span<const Found> parts, std::span<const BrickParts::WantedOf> wanted) const;
 
   const OpenFile& file_;
-  LruCache<Bytes>& decoded_;
+  LruCache<UnsetBytes>& decoded_;
   mutable LruCache<Opened> opened_;
   const Progress* watcher_;
 };

@@ -6,6 +6,7 @@
 
 #include "octavo/codec/label/label_word_bricks.h"
 #include "octavo/codec/label_bricks.h"
+#include "octavo/core/unset_bytes.h"
 #include "octavo/file/box_plan.h"
 #include "octavo/file/box_target.h"
 #include "octavo/file/held_planes.h"
@@ -161,7 +162,7 @@ class FileReaderImpl final : public FileReader {
   void read_bricks(const Box& box, int level, const VoxelTarget& out, const ForEach* run) const;
 
   OpenFile file_;
-  mutable LruCache<Bytes> cache_;
+  mutable LruCache<UnsetBytes> cache_;
   PartReader parts_;
   const Progress* watcher_;
 };
@@ -255,7 +256,7 @@ void FileReaderImpl::read_words(const BrickEntry& entry, LabelWords& words) cons
 // Reads what `box` and a brick share that is not uniform, from the cache where it has them.
 void FileReaderImpl::decode_shared(const BrickEntry& entry, int level, const Box& box, bool keeps,
                                    const BoxTarget& out) const {
-  const LruCache<Bytes>::Key key{static_cast<std::uint64_t>(level), entry.code};
+  const LruCache<UnsetBytes>::Key key{static_cast<std::uint64_t>(level), entry.code};
   const Box all = brick_box_at(levels(), level, entry.brick);
   const Box part = intersection(box, all);
   const int axis = plane_axis(entry);
@@ -285,13 +286,13 @@ void FileReaderImpl::decode_shared(const BrickEntry& entry, int level, const Box
     decode(part, {out.from(part.lo, box.lo).bytes, out.row_stride, out.plane_stride});
     return;
   }
-  const auto samples = std::make_shared<Bytes>(count * out.voxel_bytes);
+  const auto samples = std::make_shared<UnsetBytes>(count * out.voxel_bytes);
   decode(own, {samples->data(), size.x, size.x * size.y});
   if (is_scaled) {
     decode_samples(*coding, samples->data(), {reinterpret_cast<float*>(samples->data()), count});
   }
   copy_shared(samples->data(), own, box, out);
-  if (is_kept) cache_.insert(key, samples, samples->size() + sizeof(Bytes));
+  if (is_kept) cache_.insert(key, samples, samples->size() + sizeof(UnsetBytes));
 }
 
 bool FileReaderImpl::has_decoded(const BrickEntry& entry, int level, const Box& part) const {
@@ -323,12 +324,12 @@ void FileReaderImpl::read_shared(const BrickEntry& entry, int level, const Box& 
   decode_shared(entry, level, box, keeps || part != whole, out);
 }
 
-// Whether what `box` and a brick share is read in parts.
+// Whether what `box` and a brick share is read in parts: not where the box is the brick.
 bool FileReaderImpl::is_in_parts(const BrickEntry& entry, int level, const Box& box,
                                  const ForEach* run) const {
   if (entry.is_uniform() || level != Levels::first_level(entry.tier)) return false;
   const Box whole = brick_box_at(levels(), level, entry.brick);
-  return (run != nullptr || intersection(box, whole) != whole) && parts_.reads(entry);
+  return (run != nullptr || box != whole) && parts_.reads(entry);
 }
 
 void FileReaderImpl::read_bricks(const Box& box, int level, const VoxelTarget& out,
@@ -341,24 +342,24 @@ void FileReaderImpl::read_bricks(const Box& box, int level, const VoxelTarget& o
       static_cast<std::uint64_t>(box.size().voxel_count()) * voxel_bytes > cache_.capacity() / 4;
   for_fetched(box, level, [&](const Box& part) {
     const BoxTarget own = target.from(part.lo, box.lo);
-    std::vector<BrickEntry> cut;  // bricks on their way, in their order
-    const auto read_cut = [&] {
+    std::vector<BrickEntry> in_parts;  // bricks on their way, in their order
+    const auto read_parts = [&] {
       stop_if_cancelled();
-      parts_.read(cut, part, {!is_large, run}, own);
-      cut.clear();
+      parts_.read(in_parts, part, {!is_large, run}, own);
+      in_parts.clear();
     };
     visit_cells(part, brick_side_at(levels(), level), [&](const Index3& position) {
       BrickEntry entry = brick(Levels::tier_of(level), position);
       if (is_in_parts(entry, level, part, run)) {
-        cut.push_back(std::move(entry));
-        if (cut.size() == PartReader::kBricksAtOnce) read_cut();
+        in_parts.push_back(std::move(entry));
+        if (in_parts.size() == PartReader::kBricksAtOnce) read_parts();
       } else {
-        if (!entry.is_uniform() && !cut.empty()) read_cut();
+        if (!entry.is_uniform() && !in_parts.empty()) read_parts();
         read_shared(entry, level, part, !is_large, own);
       }
       return true;
     });
-    if (!cut.empty()) read_cut();
+    if (!in_parts.empty()) read_parts();
   });
 }
 
