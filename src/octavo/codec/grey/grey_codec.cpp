@@ -221,7 +221,8 @@ EncodedBrick encode_brick(const Model& model, const BrickShape& whole, const Bri
 }  // namespace
 
 GreyCodec::GreyCodec(const Parameters& parameters) {
-  auto model = std::make_unique<Model>();
+  // Tables are written below, all that is read of them.
+  std::unique_ptr<Model> model(new Model);
   model->parameters = parameters;
   build_tables(*model);
   model_ = std::move(model);

@@ -265,9 +265,14 @@ class PartDecoder {
   static void decode(std::span<const Task> all) {
     std::vector<const Task*> tasks;
     for (const Task& task : all) tasks.push_back(&task);
+    // Those of as many planes go in step to their end.
+    std::stable_sort(tasks.begin(), tasks.end(), [](const Task* a, const Task* b) {
+      return a->part.shape.size[0].z > b->part.shape.size[0].z;
+    });
     for (auto first = tasks.begin(); first != tasks.end();) {
       auto end = first + 1;
-      for (auto other = end; other != tasks.end() && end - first < kTogether; ++other) {
+      const auto most = std::ptrdiff_t{kMostTogether};
+      for (auto other = end; other != tasks.end() && end - first < most; ++other) {
         if (!go_in_step(**first, **other)) continue;
         std::rotate(end, other, other + 1);
         ++end;
@@ -283,8 +288,6 @@ class PartDecoder {
     const PartHints own(task.part, hints_);
     decode_finest<Sample>(source_, task.part, task.bytes, own.hints, most_states_, task.wanted);
   }
-
-  static constexpr std::ptrdiff_t kTogether = kMostTogether;
 
   /// Parts that go in step, or a single one.
   static void decode_some(std::span<const Task* const> tasks) {

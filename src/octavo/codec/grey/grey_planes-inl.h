@@ -272,15 +272,26 @@ class PairRow {
   }
 
   /// Where nothing is coded, nor predicted.
-  HWY_INLINE void repeat_means(int x) const {
-    hn::StoreU(hn::Zero(kSigned), kSigned, magnitudes_ + x);
-    put_samples(x, hn::Zero(kSigned));
+  HWY_INLINE void repeat_means(int x) const { put_samples(x, hn::Zero(kSigned)); }
+
+  HWY_INLINE V keep_magnitudes(int x, V residual) const {
+    const V size = residual_sizes(kSigned, residual);
+    const V magnitudes = hn::Min(size, hn::Set(kSigned, kMaxMagnitude));
+    hn::StoreU(magnitudes, kSigned, magnitudes_ + x);
+    return magnitudes;
   }
 
-  HWY_INLINE void keep_magnitudes(int x, V residual) const {
-    const V size = residual_sizes(kSigned, residual);
-    hn::StoreU(hn::Min(size, hn::Set(kSigned, kMaxMagnitude)), kSigned,
-               magnitudes_ + x);
+  /// fill_margins, out of the first and the last vector of magnitudes: to load a number so soon
+  /// after it was stored in a vector would stall.
+  HWY_INLINE void put_margins(V first, V last, int count) const {
+    const auto put_two = [](std::int16_t number, std::int16_t* to) {
+      to[0] = to[1] = number;
+    };
+    constexpr int kLanes = static_cast<int>(hn::MaxLanes(D()));
+    put_two(hn::GetLane(first), magnitudes_ - 2);
+    const bool is_full = count % kLanes == 0;
+    put_two(is_full ? hn::GetLane(hn::Reverse(kSigned, last)) : magnitudes_[count - 1],
+            magnitudes_ + count);
   }
 
   /// detail: less a known one
@@ -321,24 +332,27 @@ HWY_NOINLINE void settle_pairs(D d, const Stage& stage, Workspace<std::int16_t>&
                                const std::int16_t* residuals, std::int64_t y, std::int64_t z) {
   const PairRow<kAxis, D> row(stage, work, y, z);
   constexpr int kLanes = static_cast<int>(hn::MaxLanes(D()));
-  if (!stage.is_looked_at(y)) {
-    for (int x = 0; x < stage.pairs.x; x += kLanes) {
-      row.keep_magnitudes(x, hn::LoadU(d, residuals + x));
-    }
-    return;
-  }
+  const auto count = static_cast<int>(stage.pairs.x);
+  const bool is_looked_at = stage.is_looked_at(y);
   const RowMask open = open_pairs(stage, work, y, z);
-  for (int x = 0; x < stage.pairs.x; x += kLanes) {
-    if (!is_any_from(d, open, x)) {
+  auto first = hn::Zero(d);
+  auto last = hn::Zero(d);
+  for (int x = 0; x < count; x += kLanes) {
+    const bool is_open = is_any_from(d, open, x);
+    // No residual is coded of other pairs.
+    const auto residual = is_open ? hn::LoadU(d, residuals + x) : hn::Zero(d);
+    last = row.keep_magnitudes(x, residual);
+    if (x == 0) first = last;
+    if (!is_looked_at) continue;
+    if (!is_open) {
       row.repeat_means(x);
       continue;
     }
-    const auto residual = hn::LoadU(d, residuals + x);
-    row.keep_magnitudes(x, residual);
     const auto detail = details_of(d, residual, row.prediction(x), row.limit(x));
     row.keep_excess(x, detail);
     row.put_samples(x, hn::Add(detail, row.known(x)));
   }
+  row.put_margins(first, last, count);
 }
 
 template <int kAxis>
@@ -414,6 +428,7 @@ class PlaneDecoder {
   TokenRows gather() {
     first_ = last_;
     coded_ = 0;
+    if (last_ == stage_.pairs.y) return {};
     const auto count = static_cast<int>(stage_.pairs.x);
     if (stage_.cells == nullptr && !stage_.has_edges) {
       // All pairs of all rows
@@ -429,7 +444,7 @@ class PlaneDecoder {
     if (is_all_coded_ && count % kChunk == 0) {
       // They stand side by side already.
       rows.contexts = work_.contexts.row(first_, z_);
-      const bool is_one_row = count % (static_cast<int>(symbols_.state_mask) + 1) == 0;
+      const bool is_one_row = (static_cast<std::size_t>(count) & symbols_.state_mask) == 0;
       if (is_one_row && rows.row_count > 0) {
         // Every row starts with the first state: to the streams they are one.
         counts_[0] = coded_;
@@ -491,7 +506,6 @@ class PlaneDecoder {
   void settle_one(const std::int16_t* residuals, std::int64_t y) {
     settle_row<kAxis>(stage_, work_, residuals, y, z_);
     if (!stage_.last_pair.are_equal()) settle_weighted_row(stage_, work_, y, z_, residuals);
-    fill_margins(work_.magnitudes[kAxis].row(y, z_), stage_.pairs.x);
   }
 
   const Stage& stage_;

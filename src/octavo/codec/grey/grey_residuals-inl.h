@@ -105,13 +105,14 @@ struct BigToken {
   std::uint64_t above;  ///< what stands above the plain bits of its context
 };
 
-/// Those of the next 8 tokens, a bit each, of which `count` are there.
-HWY_INLINE unsigned big_lanes(const std::uint16_t* tokens, int count) {
-  const auto big = hn::TestBit(hn::LoadU(kChunkHalves, tokens),
-                               hn::Set(kChunkHalves, kDirectTokens));
-  std::uint8_t lanes[8];
-  hn::StoreMaskBits(kChunkHalves, big, lanes);
-  return count < kChunk ? lanes[0] & ((1u << count) - 1) : lanes[0];
+/// Marks the big ones of some tokens, a bit each, lowest first.
+template <class D>
+HWY_INLINE void put_big_lanes(D d, const std::uint16_t* tokens, std::uint8_t* lanes) {
+  const auto big = hn::TestBit(hn::LoadU(d, tokens), hn::Set(d, kDirectTokens));
+  std::uint8_t bits[8];
+  constexpr std::size_t kBytes = hn::MaxLanes(D()) / kChunk;
+  hn::StoreMaskBits(d, big, bits);
+  std::memcpy(lanes, bits, kBytes);
 }
 
 /// Residuals of at most kMaxUnchecked tokens and the plain bits below them. Step by step for all
@@ -129,6 +130,16 @@ void finish_residuals(SymbolReader& symbols, const std::uint16_t* contexts,
   for (; i + kLanes <= coded; i += kLanes) put_masks(kMany, contexts + i, masks + i);
   for (; i < coded; i += kChunk) put_masks(kChunkHalves, contexts + i, masks + i);
   std::memset(masks + coded, 0, kChunk);
+  std::uint8_t big_lanes[kMaxUnchecked / kChunk + 1];
+  if (has_big) {
+    for (i = 0; i + kLanes <= coded; i += kLanes) {
+      put_big_lanes(kMany, tokens + i, big_lanes + i / kChunk);
+    }
+    for (; i < coded; i += kChunk) put_big_lanes(kChunkHalves, tokens + i, big_lanes + i / kChunk);
+    // Behind the last token stands anything.
+    const int last = coded % kChunk;
+    if (last != 0) big_lanes[coded / kChunk] &= static_cast<std::uint8_t>((1 << last) - 1);
+  }
 
   BigToken bigs[kMaxUnchecked];
   int big_count = 0;
@@ -138,7 +149,7 @@ void finish_residuals(SymbolReader& symbols, const std::uint16_t* contexts,
     std::memcpy(&mask, masks + i, kChunk);
     std::uint64_t bits = 0;
     if (HWY_UNLIKELY(has_big)) {
-      for (unsigned lanes = big_lanes(tokens + i, coded - i); lanes != 0; lanes &= lanes - 1) {
+      for (unsigned lanes = big_lanes[i / kChunk]; lanes != 0; lanes &= lanes - 1) {
         // The bits of those up to it, then its own
         const int lane = std::countr_zero(lanes);
         const std::uint64_t first = mask & ~std::uint64_t{0} >> (56 - 8 * lane);
