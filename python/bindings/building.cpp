@@ -50,7 +50,8 @@ class PythonPlanes final : public PlaneSource {
   /// Decides by the first planes what voxels these numbers become.
   /// Throws as choose_narrowing; what Python raised
   void narrow_from(WideType from) {
-    const std::uint64_t count = plane_bytes(description_) / bytes_per_voxel(description_.type);
+    const std::uint64_t count =
+        plane_bytes(description_) / bytes_per_value(description_.type);
     wide_.resize(count * bytes_per_value(from));
     narrowing_ = choose_narrowing(
         from, description_.size.z, wide_.size(),

@@ -35,8 +35,9 @@ class FolderHierarchy final : public ZarrHierarchy {
     const fs::path real = fs::canonical(place, failure);
     const bool is_absent = failure == std::errc::no_such_file_or_directory ||
                            failure == std::errc::not_a_directory;
-    if (is_absent || (!failure && fs::is_directory(real, failure))) return std::nullopt;
+    if (is_absent) return std::nullopt;
     if (failure) throw Error(ErrorKind::io, "cannot examine: " + failure.message(), place);
+    if (is_folder(place)) reject(place, "is a folder, and a file was expected");
     if (std::mismatch(root_.begin(), root_.end(), real.begin(), real.end()).first !=
         root_.end()) {
       reject(place, "is a link that leads out of the folder");

@@ -289,7 +289,24 @@ ZarrKeys keys_of_v3(const ZarrValue& encoding) {
   return {name == "default", separator.front()};
 }
 
+/// What is not known may say that voxels are elsewhere, or others.
+/// Source  Zarr core specification 3.1, "Extension points", "Array metadata"
+void require_known_members(const ZarrValue& array) {
+  constexpr std::string_view kKnown[] = {
+      "zarr_format", "node_type",  "shape",  "data_type",  "chunk_grid",     "chunk_key_encoding",
+      "fill_value",  "attributes", "codecs", "dimension_names"};
+  constexpr std::string_view kTransformers = "storage_transformers";
+  for (const std::string& name : array.names()) {
+    if (std::ranges::find(kKnown, name) != std::end(kKnown)) continue;
+    const ZarrValue value = array.at(name);
+    if (name == kTransformers && value.items().empty()) continue;
+    if (name != kTransformers && value.at("must_understand").boolean() == false) continue;
+    array.reject("\"" + escaped(name) + "\" is not understood, and voxels may depend on it");
+  }
+}
+
 ZarrLayout layout_of_v3(const ZarrValue& array) {
+  require_known_members(array);
   ZarrLayout layout;
   layout.shape = read_sides(member(array, "shape"), "shape", 0);
   layout.type = type_of_v3(member(array, "data_type"));

@@ -53,6 +53,14 @@ ZarrValue ZarrValue::at(std::string_view name) const {
   return value;
 }
 
+std::vector<std::string> ZarrValue::names() const {
+  std::vector<std::string> names;
+  if (!json_.starts_with('{')) return names;
+  const JsonObject object = of_file(path_, [&] { return json_members(json_); });
+  for (const JsonMember& member : object.members()) names.push_back(member.name);
+  return names;
+}
+
 std::vector<ZarrValue> ZarrValue::items() const {
   std::vector<ZarrValue> items;
   if (!json_.starts_with('[')) return items;

@@ -26,6 +26,8 @@ class ZarrValue {
 
   /// A member of an object.
   ZarrValue at(std::string_view name) const;
+  /// The names of an object's members.
+  std::vector<std::string> names() const;
   /// The values of a list.
   std::vector<ZarrValue> items() const;
   std::optional<std::string> text() const;

@@ -175,6 +175,22 @@ TEST_F(ZarrSources, ChunksThatAreMissingHaveTheFillValue) {
   }
 }
 
+TEST_F(ZarrSources, MembersThatNeedNotBeUnderstoodAreLeftAlone) {
+  for (const char* member : {"\"foo\":{\"must_understand\":false,\"a\":1}",
+                             "\"storage_transformers\":[]"}) {
+    SCOPED_TRACE(member);
+    const std::string array = changed(kArray3, "\"shape\"", std::string(member) + ",\"shape\"");
+    expect_volume(write(image_of_v3(array, as_it_is)), bytes_of(kStoredValues));
+  }
+}
+
+TEST_F(ZarrSources, AFolderInThePlaceOfAChunkIsRejected) {
+  const std::string image = write(image_of_v3(kArray3, as_it_is));
+  fs::remove(image + "/s0/c/0/0/0");
+  fs::create_directory(image + "/s0/c/0/0/0");
+  EXPECT_TRUE(contains(source_error({image}), "is a folder, and a file was expected"));
+}
+
 TEST_F(ZarrSources, ShardsGiveTheirChunks) {
   std::vector<std::vector<std::uint8_t>> chunks;
   for (int z = 0; z < 2; ++z) {
@@ -305,6 +321,10 @@ TEST_F(ZarrSources, WhatDoesNotFitIsRejectedWithItsFile) {
       {"\"little\"", "\"middle\"", "byte order"},
       {"\"zarr_format\":3", "\"zarr_format\":4", "no array of zarr 2 or 3"},
       {"\"node_type\":\"array\"", "\"node_type\":\"group\"", "is no array"},
+      {"\"shape\"", "\"foo\":{\"must_understand\":true},\"shape\"", "\"foo\" is not understood"},
+      {"\"shape\"", "\"bar\":3,\"shape\"", "\"bar\" is not understood"},
+      {"\"shape\"", "\"storage_transformers\":[{\"name\":\"x\"}],\"shape\"",
+       "\"storage_transformers\" is not understood"},
       {"\"codecs\":[", "\"codecs\":[[[", "s0/zarr.json"}};
   for (const Row& row : rows) {
     SCOPED_TRACE(row.to);
