@@ -337,27 +337,34 @@ class Components::Census {
     const auto low_bit = static_cast<std::uint64_t>(std::countr_zero(part));
     ComponentSums& sums = tally.sums;
     sums.first_code = std::min(sums.first_code, (code << 6 | low_bit) << 3 * shift);
+    const std::int64_t side = std::int64_t{4} << shift;
+    const Box all{corner, {corner.x + side, corner.y + side, corner.z + side}};
+    if (is_first || !to.box.contains(all)) add_to_box(part, shift, corner, is_first, to.box);
     for (int axis = 0; axis < 3; ++axis) {
-      int lowest = 3;
-      int highest = 0;
-      std::int64_t steps = 0;
-      for (int at = 0; at < 4; ++at) {
-        const int here = std::popcount(part & slab_of(axis, at));
-        if (here == 0) continue;
-        lowest = std::min(lowest, at);
-        highest = at;
-        steps += std::int64_t{at} * here;
-      }
-      const std::int64_t lo = corner[axis] + (std::int64_t{lowest} << shift);
-      const std::int64_t hi = corner[axis] + ((std::int64_t{highest} + 1) << shift);
-      to.box.lo[axis] = is_first ? lo : std::min(to.box.lo[axis], lo);
-      to.box.hi[axis] = is_first ? hi : std::max(to.box.hi[axis], hi);
+      // Steps of the children from the corner: one at 1 and 3, two more at 2 and 3
+      const std::uint64_t odd = slab_of(axis, 1) | slab_of(axis, 3);
+      const std::uint64_t high = slab_of(axis, 2) | slab_of(axis, 3);
+      const std::int64_t steps = std::popcount(part & odd) + 2 * std::popcount(part & high);
       // Of one voxel at the middle of all children, and of all voxels
       const std::int64_t ends = 2 * corner[axis] + (std::int64_t{1} << shift) - 1;
       const std::int64_t of_children =
           static_cast<std::int64_t>(count) * ends + 2 * (steps << shift);
       sums.doubled[static_cast<std::size_t>(axis)] += static_cast<__int128>(of_children) *
                                                       static_cast<__int128>(volume);
+    }
+  }
+
+  static void add_to_box(std::uint64_t part, int shift, const Index3& corner, bool is_first,
+                         Box& box) {
+    for (int axis = 0; axis < 3; ++axis) {
+      int lowest = 0;
+      int highest = 3;
+      while ((part & slab_of(axis, lowest)) == 0) ++lowest;
+      while ((part & slab_of(axis, highest)) == 0) --highest;
+      const std::int64_t lo = corner[axis] + (std::int64_t{lowest} << shift);
+      const std::int64_t hi = corner[axis] + ((std::int64_t{highest} + 1) << shift);
+      box.lo[axis] = is_first ? lo : std::min(box.lo[axis], lo);
+      box.hi[axis] = is_first ? hi : std::max(box.hi[axis], hi);
     }
   }
 
@@ -429,8 +436,12 @@ void Components::find_parts(std::uint64_t max_bytes) {
     const std::vector<std::uint32_t>& firsts = first_parts_[list];
     in_parallel(firsts.size() - 1, [&](std::size_t place) {
       std::uint32_t next = firsts[place];
-      for_each_part(bits_at(list, place), connectivity_,
-                    [&](std::uint64_t part) { parts_[next++] = part; });
+      const std::uint64_t bits = bits_at(list, place);
+      if (firsts[place + 1] - next == 1) {
+        parts_[next] = bits;
+        return;
+      }
+      for_each_part(bits, connectivity_, [&](std::uint64_t part) { parts_[next++] = part; });
     });
   }
 }
