@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <utility>
 
 namespace octavo {
 
@@ -51,18 +52,30 @@ void LabelGrid::reset(const Size3& size) {
   plane_ = row_ * (size.y + 2 * kBorder);
   // One plane and one row more: SIMD also reads around children that do not exist.
   const auto count = static_cast<std::size_t>(plane_ * (size.z + 2 * kBorder + 1) + row_);
-  if (cells_.size() < count) cells_.resize(count);
+  std::size_t unknown = count;  // of the first cells: whether a border stands there
+  if (size == largest_) {
+    unknown = std::exchange(used_count_, 0);
+  } else if (count >= largest_count_) {
+    cells_.resize(count);
+    largest_ = size;
+    largest_count_ = count;
+    used_count_ = 0;
+  } else {
+    used_count_ = std::max(used_count_, count);
+  }
 
   // Between two rows lie the end of one and the start of the next; more between two planes.
   LabelCell* border = cells_.data();
+  const LabelCell* const end = cells_.data() + unknown;
   for (std::int64_t z = 0; z < size.z; ++z) {
+    if (border >= end) return;
     std::fill(border, at({0, 0, z}), LabelCell{kOutside});
     for (std::int64_t y = 0; y < size.y; ++y) {
       border = at({size.x, y, z});
       std::fill_n(border, 2 * kBorder, LabelCell{kOutside});
     }
   }
-  std::fill(border, cells_.data() + count, LabelCell{kOutside});
+  if (border < end) std::fill(border, cells_.data() + count, LabelCell{kOutside});
 }
 
 void expand(const LabelGrid& parents, const Size3& size, HalvingMask mask, LabelGrid& children) {

@@ -34,7 +34,8 @@ class LabelGrid {
  public:
   static constexpr std::int64_t kBorder = 2;
 
-  /// Makes it a grid of `size`, kOutside all around; what its cells are is not known.
+  /// Makes it a grid of `size`, kOutside all around; what its cells are is not known. Of the border
+  /// that the largest grid so far had, only what others have used since is made anew.
   void reset(const Size3& size);
 
   const Size3& size() const { return size_; }
@@ -50,6 +51,9 @@ class LabelGrid {
   std::ptrdiff_t row_ = 0;
   std::ptrdiff_t plane_ = 0;
   std::vector<LabelCell> cells_;
+  Size3 largest_;
+  std::size_t largest_count_ = 0;  ///< of its cells
+  std::size_t used_count_ = 0;     ///< of the first ones, by grids since
 };
 
 /// Which cells of a grid are mixed: bit x of row size.y * z + y.

@@ -74,7 +74,7 @@ class LabelWalk {
     work_.is_sparse = level == 0 && mask_ == kHalveAll;
     if (work_.is_sparse) expand_near_mixed(parents, work_.mixed_parents, size, grid);
     else expand(parents, size, mask_, grid);
-    neighborhood_ = label_neighborhood(grid.row_stride(), grid.plane_stride());
+    neighborhood_ = &work_.neighborhood(level);
     place_ = child_steps(mask_, grid.row_stride(), grid.plane_stride());
     std::size_t row = 0;
     for (std::int64_t z = 0; z < parents.size().z; ++z) {
@@ -105,7 +105,7 @@ class LabelWalk {
   void visit_pair(const Index3& parent, std::uint32_t parent_slot) {
     const bool is_tie = work_.labels[1 - parent_slot] < work_.labels[parent_slot];
     PairOctant<Io, typename Any::Pair> octant(
-        model_, level_category_, io_, neighborhood_, place_,
+        model_, level_category_, io_, *neighborhood_, place_,
         work_.grid.at(child_position(mask_, parent, 0)), parent_slot, is_tie,
         io_.pair_targets(parent, parent_slot));
     if (level_ == 0) {
@@ -120,7 +120,7 @@ class LabelWalk {
   void visit(const Index3& parent, std::uint32_t parent_slot) {
     LabelGrid& grid = work_.grid;
     LabelCell* first = grid.at(child_position(mask_, parent, 0));
-    Around around(first, neighborhood_, parent_slot);
+    Around around(first, *neighborhood_, parent_slot);
     std::uint32_t digits = child_digits(grid.size(), mask_, parent);
     const bool is_alike = weights_.are_alike(parent);
     const ChildWeights weights = is_alike ? kAlikeChildren : weights_.of(parent);
@@ -279,7 +279,7 @@ class LabelWalk {
   Io& io_;
   LabelWork& work_;
   LabelPaletteRange fresh_;
-  LabelNeighborhood neighborhood_{};
+  const LabelNeighborhood* neighborhood_ = nullptr;
   std::array<std::ptrdiff_t, 8> place_{};  ///< of the children of an octant, from the first
   int level_ = 0;
   std::size_t level_category_ = 0;

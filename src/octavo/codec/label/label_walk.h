@@ -21,6 +21,7 @@
 #include <string_view>
 #include <vector>
 
+#include "octavo/codec/label/label_contexts.h"
 #include "octavo/codec/label/label_grid.h"
 #include "octavo/codec/label/label_model.h"
 #include "octavo/codec/label/label_pyramid.h"
@@ -56,6 +57,9 @@ struct LabelWork {
   /// Forgets the brick.
   void start();
 
+  /// The neighborhood in `grid`, which has that level.
+  const LabelNeighborhood& neighborhood(int level);
+
   /// A cell of the result, whether `grid` has it or not.
   LabelCell cell(const Index3& at) const {
     if (is_sparse) {
@@ -64,6 +68,14 @@ struct LabelWork {
     }
     return *grid.at(at);
   }
+
+ private:
+  struct Neighborhood {
+    std::ptrdiff_t row_stride = 0;
+    std::ptrdiff_t plane_stride = 0;
+    LabelNeighborhood offsets;
+  };
+  std::vector<Neighborhood> neighborhoods_;  ///< by level: those of most bricks are the same
 };
 
 /// The work space of this thread.

@@ -15,6 +15,18 @@ void LabelWork::start() {
   in_palette = AdaptiveBit(65000);
 }
 
+const LabelNeighborhood& LabelWork::neighborhood(int level) {
+  const auto i = static_cast<std::size_t>(level);
+  if (neighborhoods_.size() <= i) neighborhoods_.resize(i + 1);
+  auto& [row_stride, plane_stride, offsets] = neighborhoods_[i];
+  if (row_stride != grid.row_stride() || plane_stride != grid.plane_stride()) {
+    row_stride = grid.row_stride();
+    plane_stride = grid.plane_stride();
+    offsets = label_neighborhood(row_stride, plane_stride);
+  }
+  return offsets;
+}
+
 LabelWork& thread_label_work() {
   thread_local LabelWork work;
   return work;

@@ -65,6 +65,25 @@ void expect_same_near(const LabelGrid& grid, const LabelGrid& expected, const In
   });
 }
 
+TEST(LabelGrid, IsOutsideAllAroundWhateverItWasBefore) {
+  constexpr Size3 kSizes[] = {{8, 8, 8}, {2, 2, 2}, {8, 8, 8}, {3, 7, 1}, {1, 1, 1},  {8, 8, 5},
+                              {8, 8, 8}, {9, 2, 3}, {8, 8, 8}, {5, 9, 9}, {9, 16, 8}, {2, 1, 2},
+                              {8, 8, 8}, {4, 4, 4}, {9, 16, 8}};
+  constexpr std::int64_t kBorder = LabelGrid::kBorder;
+  LabelGrid grid;
+  for (const Size3& size : kSizes) {
+    SCOPED_TRACE(::testing::Message() << size.x << ' ' << size.y << ' ' << size.z);
+    grid.reset(size);
+    visit_cells(size, [&](const Index3& at) { *grid.at(at) = kUntouched; });
+    visit_cells({size.x + 2 * kBorder, size.y + 2 * kBorder, size.z + 2 * kBorder},
+                [&](const Index3& p) {
+                  const Index3 at{p.x - kBorder, p.y - kBorder, p.z - kBorder};
+                  if (box_of(size).contains(at)) return;
+                  ASSERT_EQ(*grid.at(at), kOutside) << at.x << ' ' << at.y << ' ' << at.z;
+                });
+  }
+}
+
 TEST(LabelGrid, CellsNearMixedOnesAreThoseOfTheWholeLevel) {
   std::mt19937 random(6);
   for (const Size3& size : {Size3{64, 64, 64}, Size3{63, 2, 33}, Size3{5, 7, 11}, Size3{1, 1, 2}}) {
