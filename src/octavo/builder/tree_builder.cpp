@@ -50,6 +50,12 @@ struct Group {
   StartedWork training;
 };
 
+// The digests of the planes of a layer, made while its bricks are encoded.
+struct LayerDigests {
+  std::vector<Sha256Digest> digests;
+  StartedWork work;
+};
+
 // What a thread works with.
 struct BrickWorkspace {
   LabelWords words;
@@ -116,16 +122,25 @@ class TreeBuild {
   struct AllTrained {
     std::deque<std::unique_ptr<Group>>& groups;
     ~AllTrained() {
-      for (const auto& group : groups) {
-        group->training.cancel();
-        try {
-          group->training.wait();
-        } catch (...) {
-          // What failed first is on its way already.
-        }
-      }
+      for (const auto& group : groups) end(group->training);
     }
   };
+
+  struct AllHashed {
+    std::vector<std::unique_ptr<LayerDigests>>& layers;
+    ~AllHashed() {
+      for (const auto& layer : layers) end(layer->work);
+    }
+  };
+
+  static void end(StartedWork& work) {
+    work.cancel();
+    try {
+      work.wait();
+    } catch (...) {
+      // What failed first is on its way already.
+    }
+  }
 
   // Finds the bricks of several labels and trains a model on a choice of them.
   void prepare(Group& group) const {
@@ -154,6 +169,13 @@ class TreeBuild {
   void encode(const Group& group) {
     writer_->add_model(group.model.serialized);
     kept_ = 0;
+    digests_.clear();
+    const AllHashed all_hashed{digests_};
+    for (std::int64_t layer = group.first_layer; layer < group.end_layer; ++layer) {
+      LayerDigests& made = *digests_.emplace_back(std::make_unique<LayerDigests>());
+      made.work.start(
+          [this, &group, &made, layer] { made.digests = digests_of_layer(group, layer); });
+    }
     std::size_t next = 0;
     ordered_pipeline(
         group.mixed.size(), kTreeBricksPerThread * static_cast<std::size_t>(workers_.count()),
@@ -212,7 +234,9 @@ class TreeBuild {
 
   void keep(const Group& group, const Index3& brick, const EncodedBrick& encoded) {
     if ((kept_ + 1) % order_.size() == 0) {
-      writer_->add_plane_digests(digests_of_layer(group, brick.z));
+      LayerDigests& layer = *digests_[kept_ / order_.size()];
+      layer.work.wait();
+      writer_->add_plane_digests(layer.digests);
     }
     writer_->add_brick(0, encoded);
     with_voxel_type(type_, [&](auto id) {
@@ -244,6 +268,7 @@ class TreeBuild {
   std::optional<Model> first_model_;
   EncodedBrick uniform_;
   std::size_t kept_ = 0;  // bricks of the group that the writer has
+  std::vector<std::unique_ptr<LayerDigests>> digests_;  // of its layers
   std::vector<std::byte> parents_;
 };
 
