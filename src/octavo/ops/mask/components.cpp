@@ -17,7 +17,7 @@ namespace {
 
 constexpr const char* kSubject = "the components";
 
-constexpr std::size_t kGrain = 256;
+constexpr std::int64_t kGrain = 256;
 
 // The children of a cube that touch others one step in `direction`: those at `from`, and where the
 // others stand, by bit, in their own cube.
@@ -106,8 +106,8 @@ void for_each_part(std::uint64_t word, Connectivity connectivity, Take take) {
 }
 
 template <class F>
-void in_parallel(std::size_t count, F&& f) {
-  parallel_parts(std::size_t{0}, count, kGrain, [&](std::size_t begin, std::size_t end) {
+void in_parallel(std::size_t count, F&& f, std::int64_t grain = kGrain) {
+  parallel_parts(std::size_t{0}, count, grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) f(i);
   });
 }
@@ -126,7 +126,10 @@ class Components::Linker {
 
   void link_all() {
     for (int rank = 0; rank < mask_.rank_count(); ++rank) {
-      in_parallel(mask_.cubes(rank).size(), [&](std::size_t place) { link_inside(rank, place); });
+      // All that touches across the borders of their children: of large cubes a few are much work.
+      in_parallel(
+          mask_.cubes(rank).size(), [&](std::size_t place) { link_inside(rank, place); },
+          rank == 0 ? kGrain : 1);
     }
   }
 

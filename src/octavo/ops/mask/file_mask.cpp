@@ -18,6 +18,8 @@ namespace octavo {
 
 namespace {
 
+constexpr std::int64_t kCellsAtOnce = 512;
+
 constexpr const char* kAdvice = "raise the limit, or take a coarser level";
 
 enum class Overlap { none, all, some };
@@ -63,15 +65,20 @@ class FileMask {
   MaskTree make() {
     const std::int64_t columns = (size_.x + kCellSide - 1) / kCellSide;
     const std::int64_t rows = (size_.y + kCellSide - 1) / kCellSide;
+    // Of small layers several at a time, so that threads wait for each other less often.
+    const std::int64_t layers = std::max(kCellsAtOnce / (columns * rows), std::int64_t{1});
     std::uint64_t bytes = 0;
-    for (std::int64_t z = planes_.first; z < planes_.end; z += kCellSide) {
-      std::vector<MaskPart> layer(static_cast<std::size_t>(columns * rows));
-      parallel_for(std::int64_t{0}, columns * rows, [&](std::int64_t i) {
+    for (std::int64_t z = planes_.first; z < planes_.end; z += layers * kCellSide) {
+      const std::int64_t end = std::min(z + layers * kCellSide, planes_.end);
+      const std::int64_t count = columns * rows * ((end - z + kCellSide - 1) / kCellSide);
+      std::vector<MaskPart> cells(static_cast<std::size_t>(count));
+      parallel_for(std::int64_t{0}, count, [&](std::int64_t i) {
         if (progress_.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
-        layer[static_cast<std::size_t>(i)] =
-            cell({i % columns * kCellSide, i / columns * kCellSide, z});
+        cells[static_cast<std::size_t>(i)] =
+            cell({i % columns * kCellSide, i / columns % rows * kCellSide,
+                  z + i / (columns * rows) * kCellSide});
       });
-      for (MaskPart& part : layer) {
+      for (MaskPart& part : cells) {
         if (part.pieces.empty()) continue;
         bytes += memory_bytes(part);
         parts_.push_back(std::move(part));
@@ -79,7 +86,7 @@ class FileMask {
       // Twice over: the tree is a copy of its parts.
       require_memory_within(2 * bytes + spaces_.size() * sizeof(Workspace), max_bytes_,
                             "the mask", kAdvice);
-      progress_.advance(std::min(kCellSide, planes_.end - z));
+      progress_.advance(end - z);
     }
     std::sort(parts_.begin(), parts_.end(), [](const MaskPart& a, const MaskPart& b) {
       return a.pieces.front().code < b.pieces.front().code;
