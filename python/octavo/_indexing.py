@@ -14,6 +14,8 @@ class Selection:
         The indices along each axis, in the order in which they are wanted; one for an integer.
     shape : tuple of int
         Of the result.
+    is_scalar : bool
+        Whether the result is a number, and no array without axes, as of an index with "...".
     """
 
     def __init__(self, key, shape):
@@ -30,6 +32,8 @@ class Selection:
             if is_kept:
                 self.shape += (len(chosen),)
             axis += 1
+        is_open = isinstance(key, tuple) and any(entry is Ellipsis for entry in key)
+        self.is_scalar = not self.shape and not is_open
 
     @property
     def is_empty(self):
@@ -144,7 +148,8 @@ def read_chosen(chosen, side, dtype, read):
         part = np.empty(tuple(b - a for a, b in zip(start, stop)), dtype)
         read(start, stop, part)
         out[places] = part[picks]
-    return out.reshape(chosen.shape)[()]
+    out = out.reshape(chosen.shape)
+    return out[()] if chosen.is_scalar else out
 
 
 def centers_within(affine, shape, low, high):

@@ -255,7 +255,8 @@ class RealView:
     def _real(self, stored):
         facts = self._view._file.facts
         real = np.asarray(stored, np.float64) * facts["slope"] + facts["intercept"]
-        return real.astype(np.float32)[()]
+        real = np.asarray(real, np.float32)
+        return real if isinstance(stored, np.ndarray) else real[()]
 
 
 class Volume(VolumeTasks, View):

@@ -14,7 +14,8 @@ KEYS = [
     np.s_[..., 149], np.s_[::2], np.s_[100:3:-7, ::3, 5:90:4], np.s_[::-1, ::-1, ::-1],
     np.s_[::70, ::-1],
     np.s_[..., None, 3], np.s_[None], np.s_[5:5], np.s_[90:20], np.s_[200:], np.s_[-5:],
-    np.s_[np.int64(4), np.uint8(6)], np.s_[63:65, 63:65, 63:65], np.s_[129:130:5],
+    np.s_[1, 2, 3, ...], np.s_[4, ..., 1, 2], np.s_[np.int64(4), np.uint8(6)],
+    np.s_[63:65, 63:65, 63:65], np.s_[129:130:5],
 ]
 
 
@@ -24,6 +25,8 @@ def test_an_index_chooses_what_numpy_does(volume, voxels, key):
     assert np.array_equal(chosen, wanted)
     assert np.shape(chosen) == np.shape(wanted)
     assert chosen.dtype == wanted.dtype
+    for one in chosen, volume.real[key]:
+        assert isinstance(one, np.ndarray) == isinstance(wanted, np.ndarray)
 
 
 def test_random_boxes_and_steps_choose_what_numpy_does(volume, voxels):
