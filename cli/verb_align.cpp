@@ -8,6 +8,7 @@
 #include "common/options.h"
 #include "common/task_run.h"
 #include "octavo/tasks/structure/align.h"
+#include "text/fact_json.h"
 #include "text/quantities.h"
 #include "verbs.h"
 
@@ -43,36 +44,10 @@ constexpr VerbText kAlignText = {
     "  octavo transform a.8vo --affine pose.txt --grid-of b.8vo -o a-on-b.8vo"};
 
 nlohmann::ordered_json report_json(const AlignOptions& options, const AlignResult& result) {
-  const FoundPose& pose = result.pose;
-  nlohmann::ordered_json matrix = nullptr;
-  nlohmann::ordered_json why_none = nullptr;
-  if (!result.is_found) why_none = result.why_none;
-  if (result.is_found) {
-    matrix = nlohmann::ordered_json::array();
-    for (std::size_t row = 0; row < 3; ++row) {
-      matrix.push_back({pose.map.linear[3 * row], pose.map.linear[3 * row + 1],
-                        pose.map.linear[3 * row + 2], pose.map.offset[row]});
-    }
-  }
-  return {{"moving", options.moving},
-          {"fixed", options.fixed},
-          {"found", result.is_found},
-          {"why_none", why_none},
-          {"matrix_mm", matrix},
-          {"scale", pose.scale},
-          {"agreement", result.agreement.forward},
-          {"agreement_around", result.agreement.backward},
-          {"sharpness", result.agreement.sharpness},
-          {"parting", result.agreement.parting},
-          {"doubtful", result.is_doubtful},
-          {"overlap", pose.overlap},
-          {"mean_mm", pose.mean_mm},
-          {"p95_mm", pose.p95_mm},
-          {"max_mm", pose.max_mm},
-          {"iterations", pose.iterations},
-          {"condition", pose.condition},
-          {"points", result.points},
-          {"level", result.level}};
+  nlohmann::ordered_json report = {{"moving", options.moving}, {"fixed", options.fixed}};
+  report.update(json_of(pose_facts(result)));
+  report.erase("has_lines");
+  return report;
 }
 
 std::string report_text(const AlignOptions& options, const AlignResult& result) {

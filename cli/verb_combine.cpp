@@ -8,6 +8,7 @@
 #include "common/task_run.h"
 #include "octavo/tasks/combine.h"
 #include "octavo/tasks/volume_facts.h"
+#include "text/fact_json.h"
 #include "verbs.h"
 
 namespace octavo::cli {
@@ -32,7 +33,7 @@ int run_combine(const CombineOptions& options, Context& context) {
       {{"output", options.output.path},
        {"operation", combination_name(options.combination)},
        {"voxels", result.voxels},
-       {"mm3", optional_json(mm3_of(result.voxels, result.volume))},
+       {"mm3", json_of(mm3_of(result.voxels, result.volume))},
        {"resampled", result.resampled},
        {"file_bytes", result.file_bytes}},
       fmt::format("{}: {}\n", options.output.path, volume_text(result.voxels, result.volume)));

@@ -13,7 +13,7 @@
 #include "octavo/core/url_text.h"
 #include "octavo/tasks/components.h"
 #include "octavo/tasks/components/components_in_parts.h"
-#include "octavo/tasks/volume_facts.h"
+#include "octavo/tasks/structure/region_rows.h"
 #include "text/quantities.h"
 #include "text/volume_json.h"
 #include "verbs.h"
@@ -60,12 +60,7 @@ nlohmann::ordered_json report_json(const ComponentsOptions& options,
                                    const ComponentsResult& result) {
   nlohmann::ordered_json objects = nlohmann::ordered_json::array();
   for (const ComponentRow& row : result.rows) {
-    objects.push_back({{"label", row.label},
-                       {"voxels", row.voxels},
-                       {"mm3", optional_json(row.mm3)},
-                       {"centroid_mm", nullptr},
-                       {"box", box_json(row.box)}});
-    if (row.centroid_mm) objects.back()["centroid_mm"] = *row.centroid_mm;
+    objects.push_back(json_of(facts_of(region_row(row))));
   }
   nlohmann::ordered_json report = {
       {"components", result.found}, {"kept", result.kept}, {"objects", std::move(objects)}};

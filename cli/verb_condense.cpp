@@ -11,6 +11,7 @@
 #include "octavo/tasks/files/condense_volume.h"
 #include "octavo/tasks/structure/self_similarity.h"
 #include "text/built_words.h"
+#include "text/fact_json.h"
 #include "text/quantities.h"
 #include "verbs.h"
 
@@ -53,25 +54,16 @@ double parse_flat(const std::string& text, const std::string& option) {
 nlohmann::ordered_json similarity_json(const std::string& input,
                                        const SelfSimilarityOptions& options,
                                        const SelfSimilarityResult& result) {
-  nlohmann::ordered_json levels = nlohmann::ordered_json::array();
-  for (const SimilarityLevel& level : result.levels) {
-    levels.push_back({{"side", level.side},
-                      {"cubes", level.cubes},
-                      {"uniform", level.uniform},
-                      {"asked", level.asked},
-                      {"same_level", level.same_level},
-                      {"next_level", level.next_level},
-                      {"turned", level.turned},
-                      {"cut_short", level.cut_short},
-                      {"coded_bytes", level.coded_bytes},
-                      {"reference_bytes", level.reference_bytes},
-                      {"saved_bytes", level.saved_bytes()}});
-  }
+  const auto level_json = [](const SimilarityLevel& level) {
+    nlohmann::ordered_json object = json_of(similarity_facts(level));
+    object["saved_bytes"] = level.saved_bytes();
+    return object;
+  };
   return {{"input", input},
           {"max_difference", options.max_difference},
           {"up_to_mean", options.is_up_to_mean},
           {"file_bytes", result.file_bytes},
-          {"levels", levels},
+          {"levels", json_list(result.levels, level_json)},
           {"saved_bytes", result.saved_bytes()}};
 }
 

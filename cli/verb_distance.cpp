@@ -10,6 +10,7 @@
 #include "common/task_run.h"
 #include "common/volume_options.h"
 #include "octavo/tasks/distance.h"
+#include "text/fact_json.h"
 #include "text/quantities.h"
 #include "verbs.h"
 
@@ -51,7 +52,7 @@ int run_distance(const DistanceOptions& options, Context& context) {
        {"to", options.to == DistanceTo::faces ? "faces" : "centers"},
        {"smallest_mm", result.smallest_mm},
        {"largest_mm", result.largest_mm},
-       {"step_mm", optional_json(options.is_in_steps ? std::optional(step_mm) : std::nullopt)},
+       {"step_mm", json_of(options.is_in_steps ? std::optional(step_mm) : std::nullopt)},
        {"max_error_mm", result.max_error_mm},
        {"held_in", hold_word(result.hold)},
        {"file_bytes", result.file_bytes}},

@@ -11,6 +11,7 @@
 #include "octavo/core/text.h"
 #include "octavo/tasks/fill_holes.h"
 #include "octavo/tasks/volume_facts.h"
+#include "text/fact_json.h"
 #include "text/quantities.h"
 #include "verbs.h"
 
@@ -46,10 +47,10 @@ int run_fill_holes(const FillHolesOptions& options, Context& context) {
                {{"output", options.output.path},
                 {"operation", "fill-holes"},
                 {"voxels", result.voxels},
-                {"mm3", optional_json(mm3_of(result.voxels, result.volume))},
+                {"mm3", json_of(mm3_of(result.voxels, result.volume))},
                 {"holes", result.hole_count},
                 {"hole_voxels", result.hole_voxels},
-                {"hole_mm3", optional_json(mm3_of(result.hole_voxels, result.volume))},
+                {"hole_mm3", json_of(mm3_of(result.hole_voxels, result.volume))},
                 {"larger_holes", result.larger_hole_count},
                 {"file_bytes", result.file_bytes}},
                fmt::format("{}: {}; {}\n", escaped(options.output.path),

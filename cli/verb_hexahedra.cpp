@@ -94,24 +94,8 @@ std::string hexahedra_text(const HexahedraOptions& options, const HexahedraResul
   return text;
 }
 
-nlohmann::ordered_json quality_json(const HexahedraResult& result) {
-  if (!result.quality) return nullptr;
-  const HexQuality& quality = *result.quality;
-  return {{"scaled_jacobian",
-           {{"min", quality.percentile(0)},
-            {"p1", quality.percentile(1)},
-            {"p5", quality.percentile(5)},
-            {"p50", quality.percentile(50)},
-            {"max", quality.percentile(100)}}},
-          {"min_volume_mm3", quality.min_volume_mm3},
-          {"max_volume_mm3", quality.max_volume_mm3},
-          {"total_volume_mm3", quality.total_volume_mm3}};
-}
-
 nlohmann::ordered_json hexahedra_json(const HexahedraOptions& options,
                                       const HexahedraResult& result) {
-  nlohmann::ordered_json range = nullptr;
-  if (result.modulus_range_mpa) range = *result.modulus_range_mpa;
   return {{"output", options.output.path},
           {"file_bytes", result.file_bytes},
           {"level", options.level},
@@ -127,9 +111,9 @@ nlohmann::ordered_json hexahedra_json(const HexahedraOptions& options,
           {"parts", result.part_count},
           {"labels", result.labels},
           {"materials", result.material_count},
-          {"modulus_range_mpa", range},
+          {"modulus_range_mpa", json_of(result.modulus_range_mpa)},
           {"volume_mm3", if_in_mm(result.volume, result.volume_mm3)},
-          {"quality", quality_json(result)}};
+          {"quality", json_of(facts_if(result.quality, quality_facts))}};
 }
 
 int run_hexahedra(const HexahedraArguments& arguments, Context& context) {

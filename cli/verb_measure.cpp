@@ -10,6 +10,7 @@
 #include "common/task_run.h"
 #include "common/volume_options.h"
 #include "octavo/tasks/measure.h"
+#include "octavo/tasks/structure/region_rows.h"
 #include "text/label_words.h"
 #include "text/quantities.h"
 #include "text/table.h"
@@ -43,85 +44,31 @@ struct MeasureArguments {
   PartArguments parts;
 };
 
-nlohmann::ordered_json row_json(const MeasuredRegion& row, const MeasureResult& result) {
-  const RegionMeasure& r = row.region;
-  const RegionInMm in_mm = row.in_mm.value_or(RegionInMm{});
-  const auto if_in_mm = [&](const nlohmann::ordered_json& value) {
-    return row.in_mm ? value : nlohmann::ordered_json(nullptr);
-  };
-  nlohmann::ordered_json object = {
-      {"label", r.label},
-      {"name", name_json(result.names, r.label)},
-      {"voxels", r.voxel_count},
-      {"mm3", if_in_mm(in_mm.mm3)},
-      {"surface_voxels", r.surface_voxel_count},
-      {"centroid_mm", if_in_mm(in_mm.centroid)},
-      {"centroid_voxel", r.centroid},
-      {"box", box_json(r.box)},
-      {"principal_moments_mm2", if_in_mm(in_mm.axes.moments_mm2)},
-      {"principal_axes", if_in_mm(in_mm.axes.axes)}};
-  if (!r.grey) return object;
-  object["mean"] = r.grey->mean;
-  object["sd"] = r.grey->deviation;
-  object["min"] = r.grey->minimum;
-  object["max"] = r.grey->maximum;
-  object["integrated_mm3"] = optional_json(in_mm.integrated);
-  if (result.percentiles.empty()) return object;
-  nlohmann::ordered_json& of_percent = object["percentiles"];
-  for (std::size_t i = 0; i < result.percentiles.size(); ++i) {
-    of_percent[number_text(result.percentiles[i])] = r.grey->percentiles[i];
-  }
+nlohmann::ordered_json region_json(const MeasuredRegion& region, const MeasureResult& result) {
+  nlohmann::ordered_json object = json_of(facts_of(region_row(region, result)));
+  object["name"] = name_json(result.names, region.region.label);
   return object;
 }
 
-/// The object of row_json with a place for every number, those that are not known as well.
-nlohmann::ordered_json with_all_places(nlohmann::ordered_json object) {
-  if (!object["centroid_mm"].is_null()) return object;
-  const nlohmann::ordered_json unknown(3, nullptr);
-  object["centroid_mm"] = unknown;
-  object["principal_moments_mm2"] = unknown;
-  object["principal_axes"] = nlohmann::ordered_json(3, unknown);
-  return object;
+std::string csv_value(const FactValue& value) {
+  const nlohmann::ordered_json json = json_of(value);
+  if (json.is_null()) return "";
+  return json.is_string() ? csv_cell(json.get<std::string>()) : json.dump();
 }
 
-std::string csv_value(const nlohmann::ordered_json& value) {
-  if (value.is_null()) return "";
-  return value.is_string() ? csv_cell(value.get<std::string>()) : value.dump();
-}
-
-/// The objects as a table with one column per number: what is a list in JSON has a column each;
-/// cells of what is not known are empty.
-/// head  an object for the names of the columns
-std::string csv_text(const nlohmann::ordered_json& head, const nlohmann::ordered_json& objects) {
-  const auto name_of = [](std::string pointer) {
-    // Where a list is one of axes, its places are called by them.
-    constexpr const char* kAxes[] = {"_x", "_y", "_z"};
-    constexpr const char* kEnds[] = {"_lo", "_hi"};
-    std::vector<std::string> parts = split(pointer.substr(1), '/');
-    const auto place = [&](std::size_t i) { return static_cast<std::size_t>(parts[i][0] - '0'); };
-    if (parts[0] == "centroid_mm") return std::string("centroid") + kAxes[place(1)] + "_mm";
-    if (parts[0] == "centroid_voxel") return std::string("centroid") + kAxes[place(1)] + "_voxel";
-    if (parts[0] == "box") return std::string("box") + kAxes[place(1)] + kEnds[place(2)];
-    if (parts[0] == "principal_axes") {
-      return fmt::format("principal_axis_{}{}", place(1) + 1, kAxes[place(2)]);
+/// The names of the columns, and a line for each region; cells of what is not known are empty.
+std::string csv_text(const MeasureResult& result, bool has_grey) {
+  MeasuredRegion none;
+  if (has_grey) none.region.grey.emplace().percentiles.resize(result.percentiles.size());
+  std::vector<std::string> cells;
+  for (const Fact& column : columns_of(region_row(none, result))) cells.push_back(column.name);
+  std::string text = fmt::format("{}\n", fmt::join(cells, ","));
+  for (const MeasuredRegion& region : result.regions) {
+    cells.clear();
+    for (const Fact& column : columns_of(region_row(region, result))) {
+      cells.push_back(csv_value(column.value));
     }
-    if (parts[0] == "principal_moments_mm2") {
-      return fmt::format("principal_moment_{}_mm2", place(1) + 1);
-    }
-    return parts.size() == 2 ? "p" + parts[1] : parts[0];
-  };
-  std::string text;
-  const auto add_line = [&](const nlohmann::ordered_json& object, const auto& cell_of) {
-    std::string line;
-    const nlohmann::ordered_json flat = with_all_places(object).flatten();
-    for (const auto& [pointer, value] : flat.items()) {
-      line += (line.empty() ? "" : ",") + cell_of(pointer, value);
-    }
-    text += line + "\n";
-  };
-  add_line(head, [&](const std::string& pointer, const auto&) { return name_of(pointer); });
-  for (const auto& object : objects) {
-    add_line(object, [](const std::string&, const auto& value) { return csv_value(value); });
+    text += fmt::format("{}\n", fmt::join(cells, ","));
   }
   return text;
 }
@@ -214,22 +161,18 @@ int run_measure(const MeasureArguments& arguments, Context& context) {
   }
   if (arguments.parts.part) return run_measure_part(arguments, context);
   const MeasureResult result = measured(arguments, context);
+  if (arguments.is_csv) {
+    print(csv_text(result, !arguments.options.grey.empty()));
+    return kExitDone;
+  }
   nlohmann::ordered_json objects = nlohmann::ordered_json::array();
-  if (context.json || arguments.is_csv) {
-    for (const MeasuredRegion& row : result.regions) {
-      objects.push_back(row_json(row, result));
+  if (context.json) {
+    for (const MeasuredRegion& region : result.regions) {
+      objects.push_back(region_json(region, result));
     }
   }
-  if (arguments.is_csv && !context.json) {
-    MeasuredRegion none;
-    if (!arguments.options.grey.empty()) {
-      none.region.grey.emplace().percentiles.resize(result.percentiles.size());
-    }
-    print(csv_text(row_json(none, result), objects));
-  } else {
-    print_result(context, {{"objects", objects}, {"unit", result.unit}},
-                 table_text(result, !arguments.percentiles.empty()));
-  }
+  print_result(context, {{"objects", objects}, {"unit", result.unit}},
+               table_text(result, !arguments.percentiles.empty()));
   return kExitDone;
 }
 

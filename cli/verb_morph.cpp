@@ -11,6 +11,7 @@
 #include "common/volume_options.h"
 #include "octavo/tasks/morph.h"
 #include "octavo/tasks/volume_facts.h"
+#include "text/fact_json.h"
 #include "text/quantities.h"
 #include "verbs.h"
 
@@ -86,7 +87,7 @@ int run_morph(const MorphArguments& arguments, Context& context) {
                {{"output", options.output.path},
                 {"operation", morphology_name(options.morphology)},
                 {"voxels", result.voxels},
-                {"mm3", optional_json(mm3_of(result.voxels, result.volume))},
+                {"mm3", json_of(mm3_of(result.voxels, result.volume))},
                 {"voxels_before", result.voxels_before},
                 {"file_bytes", result.file_bytes}},
                fmt::format("{}: {} (before: {})\n", escaped(options.output.path),

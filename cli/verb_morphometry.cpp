@@ -11,6 +11,7 @@
 #include "common/volume_options.h"
 #include "octavo/tasks/structure/morphometry.h"
 #include "octavo/tasks/structure/morphometry_rows.h"
+#include "text/fact_json.h"
 #include "text/quantities.h"
 #include "verbs.h"
 
@@ -49,50 +50,18 @@ Rescale parse_calibration(const std::string& text, const std::string& option) {
   return {numbers[0], numbers[1]};
 }
 
-nlohmann::ordered_json summary_json(const std::optional<ThicknessSummary>& summary) {
-  if (!summary) return nullptr;
-  return {{"voxels", summary->voxels},        {"mean_mm", summary->mean_mm},
-          {"sd_mm", summary->deviation_mm},   {"min_mm", summary->minimum_mm},
-          {"max_mm", summary->maximum_mm},    {"bin_mm", summary->bin_mm},
-          {"bins", summary->bins}};
-}
-
 nlohmann::ordered_json report_json(const MorphometryArguments& arguments,
                                    const MorphometryResult& result) {
   nlohmann::ordered_json report = {{"mask", arguments.options.input}};
-  for (const MorphometryRow& row : morphometry_rows(result, arguments.options.has_tortuosity)) {
-    report[row.key] = optional_json(row.value);
-  }
-  report["thickness"] = summary_json(result.thickness);
-  report["spacing"] = summary_json(result.spacing);
-  report["ellipsoids"] = nullptr;
-  if (const auto& e = result.ellipsoids) {
-    report["ellipsoids"] = {{"count", e->ellipsoids}, {"shares", e->shares}};
-  }
-  report["mil"] = nullptr;
-  if (const auto& a = result.anisotropy) {
-    nlohmann::ordered_json lengths = nlohmann::ordered_json::array();
-    for (const double mm : a->lengths_mm) {  // 0: without end
-      lengths.push_back(optional_json(mm > 0 ? std::optional(mm) : std::nullopt));
-    }
-    report["mil"] = {{"lengths_mm", lengths}, {"axes", a->axes}};
-  }
-  nlohmann::ordered_json boxes = nlohmann::ordered_json::array();
-  for (const BoxCount& one : result.boxes) {
-    boxes.push_back({{"side", one.side}, {"holding", one.holding}, {"mixed", one.mixed}});
-  }
-  report["boxes"] = boxes;
-  report["touches_border"] = result.touches;
+  report.update(json_of(morphometry_facts(result, arguments.options.has_tortuosity)));
   if (!arguments.has_slices) return report;
-  nlohmann::ordered_json slices = nlohmann::ordered_json::array();
   const auto& spacing = result.volume.geometry.spacing_mm;
-  for (const SliceMeasure& slice : result.slices) {
-    slices.push_back({{"area_mm2", static_cast<double>(slice.voxels) * spacing[0] * spacing[1]},
-                      {"total_mm2",
-                       static_cast<double>(slice.region_voxels) * spacing[0] * spacing[1]},
-                      {"thickness_mm", slice.mean_thickness_mm}});
-  }
-  report["slices"] = slices;
+  const auto slice_json = [&](const SliceMeasure& slice) -> nlohmann::ordered_json {
+    return {{"area_mm2", static_cast<double>(slice.voxels) * spacing[0] * spacing[1]},
+            {"total_mm2", static_cast<double>(slice.region_voxels) * spacing[0] * spacing[1]},
+            {"thickness_mm", slice.mean_thickness_mm}};
+  };
+  report["slices"] = json_list(result.slices, slice_json);
   return report;
 }
 

@@ -1,8 +1,6 @@
 // octavo publish: a folder for any web server.
 #include <fmt/format.h>
 
-#include <nlohmann/json.hpp>
-
 #include "common/failure.h"
 #include "common/options.h"
 #include "common/task_run.h"
@@ -10,6 +8,7 @@
 #include "octavo/core/text.h"
 #include "octavo/tasks/files/publish.h"
 #include "octavo/tasks/files/web_page.h"
+#include "text/fact_json.h"
 #include "verbs.h"
 
 namespace octavo::cli {
@@ -28,11 +27,9 @@ constexpr VerbText kPublishText = {
     "  octavo publish knee.8vo -o site --force     the page lists all three"};
 
 nlohmann::ordered_json published_json(const std::vector<PublishedFile>& files) {
-  nlohmann::ordered_json list = nlohmann::ordered_json::array();
-  for (const PublishedFile& file : files) {
-    list.push_back({{"name", file.name}, {"bytes", file.bytes}});
-  }
-  return list;
+  return json_list(files, [](const PublishedFile& file) -> nlohmann::ordered_json {
+    return {{"name", file.name}, {"bytes", file.bytes}};
+  });
 }
 
 std::string others_text(std::size_t count) {

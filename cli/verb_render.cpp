@@ -93,22 +93,20 @@ nlohmann::ordered_json cube_counts_json(const RenderCounts& counts) {
 }
 
 nlohmann::ordered_json line_counts_json(const RenderCounts& counts, bool is_average) {
-  nlohmann::ordered_json ranges = nlohmann::ordered_json::array();
-  for (const DensityRange& range : counts.ranges) {
-    ranges.push_back({{"low", range_end_json(range.lowest)},
-                      {"high", range_end_json(range.highest)},
-                      {"color", range.color},
-                      {"opacity", range.opacity}});
-  }
-  nlohmann::ordered_json json = {
-      {"leaves", counts.leaves}, {"decoded_bricks", counts.decoded_bricks},
-      {"average", is_average},   {"ranges", ranges},
-      {"ramp", nullptr},         {"window", nullptr}};
-  if (counts.ramp) json["ramp"] = {counts.ramp->low, counts.ramp->high};
-  if (counts.window) {
-    json["window"] = {{"center", counts.window->center}, {"width", counts.window->width}};
-  }
-  return json;
+  const auto range_json = [](const DensityRange& range) -> nlohmann::ordered_json {
+    return {{"low", range_end_json(range.lowest)},
+            {"high", range_end_json(range.highest)},
+            {"color", range.color},
+            {"opacity", range.opacity}};
+  };
+  nlohmann::ordered_json ramp = nullptr;
+  if (counts.ramp) ramp = {counts.ramp->low, counts.ramp->high};
+  return {{"leaves", counts.leaves},
+          {"decoded_bricks", counts.decoded_bricks},
+          {"average", is_average},
+          {"ranges", json_list(counts.ranges, range_json)},
+          {"ramp", ramp},
+          {"window", window_json(counts.window)}};
 }
 
 nlohmann::ordered_json ray_counts_json(const RenderOptions& options, const RenderResult& result) {
@@ -117,19 +115,13 @@ nlohmann::ordered_json ray_counts_json(const RenderOptions& options, const Rende
                                  {"bricks_decoded", counts.decoded_bricks},
                                  {"frame_seconds", counts.rays.frame_seconds},
                                  {"first_seconds", result.first_seconds},
-                                 {"window", nullptr},
-                                 {"isovalue", nullptr}};
-  if (counts.window) {
-    json["window"] = {{"center", counts.window->center}, {"width", counts.window->width}};
-  }
-  if (options.isovalue) json["isovalue"] = *options.isovalue;
+                                 {"window", window_json(counts.window)},
+                                 {"isovalue", json_of(options.isovalue)}};
   if (!result.passes.empty()) {
     json["is_complete"] = result.is_complete;
-    json["passes"] = nlohmann::ordered_json::array();
-    for (const RenderPass& pass : result.passes) {
-      json["passes"].push_back(
-          {{"level", pass.level}, {"shrink", pass.shrink}, {"seconds", pass.seconds}});
-    }
+    json["passes"] = json_list(result.passes, [](const RenderPass& pass) -> nlohmann::ordered_json {
+      return {{"level", pass.level}, {"shrink", pass.shrink}, {"seconds", pass.seconds}};
+    });
   }
   return json;
 }

@@ -2,12 +2,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
 #include "common/failure.h"
 #include "common/options.h"
 #include "common/task_run.h"
 #include "octavo/tasks/files/repair.h"
+#include "text/fact_json.h"
 #include "text/quantities.h"
 #include "verbs.h"
 
@@ -58,17 +58,16 @@ std::string seal_text(const RepairOptions& options, const SealResult& result) {
 }
 
 nlohmann::ordered_json repair_json(const RepairOptions& options, const BitRepairResult& result) {
-  nlohmann::ordered_json object = {{"input", options.input},
-                                   {"output", options.output.path},
-                                   {"how", "repaired"},
-                                   {"file_bytes", result.file_bytes},
-                                   {"flipped_bits", nlohmann::ordered_json::array()},
-                                   {"new_trailer", result.has_new_trailer},
-                                   {"dropped_bytes", result.dropped_bytes}};
-  for (const BitFlip& flip : result.flips) {
-    object["flipped_bits"].push_back({{"byte", flip.byte}, {"bit", flip.bit}});
-  }
-  return object;
+  const auto flip_json = [](const BitFlip& flip) -> nlohmann::ordered_json {
+    return {{"byte", flip.byte}, {"bit", flip.bit}};
+  };
+  return {{"input", options.input},
+          {"output", options.output.path},
+          {"how", "repaired"},
+          {"file_bytes", result.file_bytes},
+          {"flipped_bits", json_list(result.flips, flip_json)},
+          {"new_trailer", result.has_new_trailer},
+          {"dropped_bytes", result.dropped_bytes}};
 }
 
 /// "2 flipped bits turned back (byte 700, 9113); ", or nothing.

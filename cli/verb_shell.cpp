@@ -11,6 +11,7 @@
 #include "octavo/core/url_text.h"
 #include "octavo/tasks/shell.h"
 #include "octavo/tasks/volume_facts.h"
+#include "text/fact_json.h"
 #include "verbs.h"
 
 namespace octavo::cli {
@@ -30,7 +31,7 @@ nlohmann::ordered_json report_json(const ShellOptions& options, const ShellResul
                                    {"kept", result.kept},
                                    {"removed", result.leaves - result.kept},
                                    {"voxels", result.voxels},
-                                   {"mm3", optional_json(mm3_of(result.voxels, result.volume))}};
+                                   {"mm3", json_of(mm3_of(result.voxels, result.volume))}};
   if (options.output) {
     report["output"] = options.output->path;
     report["file_bytes"] = result.file_bytes;

@@ -174,7 +174,7 @@ nlohmann::ordered_json slice_json(const DrawnSlice& slice, const SliceResult& re
                                    {"height", slice.height},
                                    {"pixel_mm", if_in_mm(result.volume, slice.pixel_mm)},
                                    {"place_mm", nullptr},
-                                   {"window", nullptr}};
+                                   {"window", window_json(slice.window)}};
   if (slice.axis) object["axis"] = std::string(1, "xyz"[*slice.axis]);
   if (slice.indices.size() == 1) object["index"] = slice.indices.front();
   if (slice.plane) {
@@ -184,9 +184,6 @@ nlohmann::ordered_json slice_json(const DrawnSlice& slice, const SliceResult& re
     object["place_mm"] = {{"first_pixel", slice.place->origin},
                           {"across", slice.place->across},
                           {"down", slice.place->down}};
-  }
-  if (slice.window) {
-    object["window"] = {{"center", slice.window->center}, {"width", slice.window->width}};
   }
   return object;
 }
@@ -224,13 +221,13 @@ std::string slice_text(const DrawnSlice& slice, const SliceResult& result) {
 
 int run_slice(const SliceArguments& arguments, Context& context) {
   const SliceResult result = run_task(slice, options_of(arguments), context);
-  nlohmann::ordered_json slices = nlohmann::ordered_json::array();
   std::string text;
-  for (const DrawnSlice& one : result.pictures) {
-    slices.push_back(slice_json(one, result));
-    text += slice_text(one, result);
-  }
-  print_result(context, {{"slices", slices}, {"salvaged", salvaged_json(result.salvaged)}}, text);
+  for (const DrawnSlice& one : result.pictures) text += slice_text(one, result);
+  const auto one_json = [&](const DrawnSlice& one) { return slice_json(one, result); };
+  print_result(context,
+               {{"slices", json_list(result.pictures, one_json)},
+                {"salvaged", salvaged_json(result.salvaged)}},
+               text);
   return kExitDone;
 }
 

@@ -158,13 +158,9 @@ LabelSurfacesOptions label_options_of(const SurfaceArguments& arguments) {
   return options;
 }
 
-std::string fault_words(const SurfaceResult& result) {
-  const MeshCheck& check = result.check;
-  return fmt::format(
-      "{} open sides, {} repeated ones, {} points where parts touch, {} points at one place, {} "
-      "triangles that cross",
-      check.open_sides, check.repeated_sides, check.pinched_points, check.coincident_points,
-      result.crossing_triangles.value_or(0));
+std::string all_fault_words(const SurfaceResult& result) {
+  return fmt::format("{}, {} triangles that cross", fault_words(result.check),
+                     result.crossing_triangles.value_or(0));
 }
 
 /// What helps against points at one place, where nothing else is at fault than triangles that cross
@@ -188,13 +184,13 @@ std::string advice_words(const SurfaceResult& result) {
 std::string report_text(const SurfaceOptions& options, const SurfaceResult& result) {
   if (!result.is_written) {
     return fmt::format("{}: not written, the surface has {}; --allow-open writes it\n",
-                       options.output.path, fault_words(result)) +
+                       options.output.path, all_fault_words(result)) +
            advice_words(result);
   }
   std::string text =
       fmt::format("{}: {}, {}\n", options.output.path, count_of(result.triangle_count, "triangle"),
                   count_of(result.check.components, "piece"));
-  text += result.is_sound ? "closed, manifold\n" : fault_words(result) + "\n";
+  text += result.is_sound ? "closed, manifold\n" : all_fault_words(result) + "\n";
   if (result.max_deviation_mm > 0) {
     text += fmt::format("{:.3g} % of {}, proven within {:.4g} mm\n",
                         100 * static_cast<double>(result.triangle_count) /

@@ -9,6 +9,7 @@
 #include "common/volume_options.h"
 #include "octavo/tasks/threshold.h"
 #include "octavo/tasks/volume_facts.h"
+#include "text/fact_json.h"
 #include "text/quantities.h"
 #include "text/value_range_words.h"
 #include "verbs.h"
@@ -67,13 +68,14 @@ std::string report_text(const ThresholdOptions& options, const ThresholdResult& 
 }
 
 nlohmann::ordered_json report_json(const ThresholdOptions& options, const ThresholdResult& result) {
-  nlohmann::ordered_json objects = nlohmann::ordered_json::array();
-  for (const LabelVolume& object : result.objects) {
-    objects.push_back({{"label", object.label},
-                       {"voxels", object.voxels},
-                       {"mm3", optional_json(mm3_of(object.voxels, result.volume))}});
-  }
-  return {{"output", options.output.path}, {"file_bytes", result.file_bytes}, {"objects", objects}};
+  const auto object_json = [&](const LabelVolume& object) -> nlohmann::ordered_json {
+    return {{"label", object.label},
+            {"voxels", object.voxels},
+            {"mm3", json_of(mm3_of(object.voxels, result.volume))}};
+  };
+  return {{"output", options.output.path},
+          {"file_bytes", result.file_bytes},
+          {"objects", json_list(result.objects, object_json)}};
 }
 
 int run_threshold(const ThresholdOptions& options, Context& context) {

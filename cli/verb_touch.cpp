@@ -58,7 +58,7 @@ std::string faces_text(const std::array<std::uint64_t, 3>& faces,
 
 nlohmann::ordered_json extent_json(const VoxelExtent& extent, const VolumeDescription& volume) {
   nlohmann::ordered_json object = {{"voxels", extent.voxel_count},
-                                   {"mm3", optional_json(mm3_of(extent.voxel_count, volume))},
+                                   {"mm3", json_of(mm3_of(extent.voxel_count, volume))},
                                    {"box", nullptr},
                                    {"box_mm", nullptr}};
   if (extent.voxel_count == 0) return object;
@@ -118,7 +118,7 @@ nlohmann::ordered_json masks_json(const TouchArguments& arguments,
           {"contact_a", extent_json(found.contact_a, result.volume)},
           {"contact_b", extent_json(found.contact_b, result.volume)},
           {"faces", face_count(found.face_pairs)},
-          {"area_mm2", optional_json(area_mm2(found.face_pairs, result.volume))}};
+          {"area_mm2", json_of(area_mm2(found.face_pairs, result.volume))}};
 }
 
 std::string labels_text(const TouchArguments& arguments, const TouchLabelsResult& result) {
@@ -145,19 +145,17 @@ std::string labels_text(const TouchArguments& arguments, const TouchLabelsResult
 
 nlohmann::ordered_json labels_json(const TouchArguments& arguments,
                                    const TouchLabelsResult& result) {
-  nlohmann::ordered_json pairs = nlohmann::ordered_json::array();
   const LabelNames& names = result.volume.metadata.facts().labels;
-  for (const LabelContact& contact : result.contacts) {
-    pairs.push_back(
-        {{"labels", {contact.first, contact.second}},
-         {"names", {name_json(names, contact.first), name_json(names, contact.second)}},
-         {"faces", face_count(contact.face_pairs)},
-         {"area_mm2", optional_json(area_mm2(contact.face_pairs, result.volume))},
-         {"voxel_pairs", contact.voxel_pairs}});
-  }
+  const auto pair_json = [&](const LabelContact& contact) -> nlohmann::ordered_json {
+    return {{"labels", {contact.first, contact.second}},
+            {"names", {name_json(names, contact.first), name_json(names, contact.second)}},
+            {"faces", face_count(contact.face_pairs)},
+            {"area_mm2", json_of(area_mm2(contact.face_pairs, result.volume))},
+            {"voxel_pairs", contact.voxel_pairs}};
+  };
   return {{"labels", public_name(arguments.inputs[0])},
           {"connectivity", arguments.neighbors()},
-          {"pairs", pairs}};
+          {"pairs", json_list(result.contacts, pair_json)}};
 }
 
 int run_touch(const TouchArguments& arguments, Context& context) {

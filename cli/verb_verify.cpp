@@ -84,9 +84,8 @@ nlohmann::ordered_json result_json(const std::string& path, const VerifyVolumeRe
                                    {"pieces", report.piece_count},
                                    {"file_bytes", report.file_bytes},
                                    {"damage_count", report.damage_count},
-                                   {"damages", nlohmann::ordered_json::array()},
+                                   {"damages", json_list(report.damages, damage_json)},
                                    {"against", nullptr}};
-  for (const Damage& damage : report.damages) object["damages"].push_back(damage_json(damage));
   if (result.against) object["against"] = comparison_json(result.against->comparison);
   return object;
 }

@@ -8,7 +8,6 @@
 #include <cstdint>
 #include <functional>
 #include <nlohmann/json_fwd.hpp>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -49,9 +48,6 @@ struct Context {
 /// Writes `text` to standard output and proves that it got there.
 /// Throws Error{io} on a full disk or a closed pipe.
 void print(const std::string& text);
-
-/// The number, or null where there is none.
-nlohmann::ordered_json optional_json(const std::optional<double>& value);
 
 /// Prints one JSON object and a newline. Text that is not UTF-8 is replaced, never rejected.
 void print_json(const nlohmann::ordered_json& object);

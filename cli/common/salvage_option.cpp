@@ -4,9 +4,9 @@
 
 #include <charconv>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "octavo/core/error.h"
+#include "text/fact_json.h"
 #include "text/offered_words.h"
 #include "text/quantities.h"
 
@@ -55,8 +55,7 @@ void add_salvage_option(Verb verb, std::optional<SalvageFilling>& filling) {
 
 nlohmann::ordered_json salvaged_json(const std::optional<SalvageReport>& report) {
   if (!report) return nullptr;
-  nlohmann::ordered_json damages = nlohmann::ordered_json::array();
-  for (const SalvagedDamage& damage : report->damages) {
+  const auto damage_json = [](const SalvagedDamage& damage) {
     nlohmann::ordered_json object = {{"offset", damage.offset},
                                      {"detail", damage.detail},
                                      {"bricks", damage.brick_count},
@@ -66,11 +65,11 @@ nlohmann::ordered_json salvaged_json(const std::optional<SalvageReport>& report)
     } else {
       object["stored_value"] = damage.value;
     }
-    damages.push_back(object);
-  }
+    return object;
+  };
   return {{"bricks", report->brick_count},
           {"damage_count", report->damage_count},
-          {"damages", damages}};
+          {"damages", json_list(report->damages, damage_json)}};
 }
 
 }  // namespace octavo::cli

@@ -2,8 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <nlohmann/json.hpp>
-
+#include "text/fact_json.h"
 #include "text/quantities.h"
 
 namespace octavo::cli {
@@ -63,21 +62,19 @@ std::string report_text(const RankReport& report, const ReportUnits& units) {
 
 nlohmann::ordered_json report_json(const RankReport& report, const ReportUnits& units) {
   const auto codes = static_cast<double>(report.codes());
-  nlohmann::ordered_json levels = nlohmann::ordered_json::array();
-  for (const LevelTraffic& row : report.levels) {
-    levels.push_back({{"level", row.level}, {"codes", row.codes}, {"sent", row.sent}});
-  }
-  nlohmann::ordered_json ranks = nlohmann::ordered_json::array();
-  for (const RankShare& share : report.ranks) {
-    ranks.push_back({{units.units, share.units},
-                     {"sent_bytes", share.message_bytes},
-                     {"held_" + units.held, share.held},
-                     {"processor_seconds", share.processor_seconds}});
-  }
+  const auto level_json = [](const LevelTraffic& row) -> nlohmann::ordered_json {
+    return {{"level", row.level}, {"codes", row.codes}, {"sent", row.sent}};
+  };
+  const auto share_json = [&](const RankShare& share) -> nlohmann::ordered_json {
+    return {{units.units, share.units},
+            {"sent_bytes", share.message_bytes},
+            {"held_" + units.held, share.held},
+            {"processor_seconds", share.processor_seconds}};
+  };
   const auto count = static_cast<double>(report.ranks.size());
   return {{"ranks", report.ranks.size()},
           {"gather", plan_name(report.gather)},
-          {"levels", levels},
+          {"levels", json_list(report.levels, level_json)},
           {"codes", report.codes()},
           {"codes_sent", report.codes_sent()},
           {"codes_sent_thesis", codes * kSentShare},
@@ -86,7 +83,7 @@ nlohmann::ordered_json report_json(const RankReport& report, const ReportUnits& 
           {"held_thesis", units.whole * kHeldShare},
           {"speed_up", report.speed_up()},
           {"speed_up_thesis", count},
-          {"shares", ranks}};
+          {"shares", json_list(report.ranks, share_json)}};
 }
 
 }  // namespace octavo::cli

@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <cstdlib>
-#include <nlohmann/json.hpp>
 
 #include "common/failure.h"
 #include "common/options.h"
@@ -10,6 +9,7 @@
 #include "octavo/core/text.h"
 #include "octavo/tasks/parts/join_in_steps.h"
 #include "text/built_words.h"
+#include "text/fact_json.h"
 #include "verbs.h"
 
 namespace octavo::cli {
@@ -56,13 +56,11 @@ struct JoinArguments {
 int print_missing(const JoinArguments& arguments, Context& context) {
   const MissingParts missing = run_task(missing_parts, arguments.options, context);
   if (context.json) {
-    nlohmann::ordered_json parts = nlohmann::ordered_json::array();
-    for (const MissingPart& part : missing.missing) {
-      nlohmann::ordered_json why = nullptr;
-      if (!part.why.empty()) why = part.why;
-      parts.push_back({{"part", part.number}, {"why", why}});
-    }
-    print_json({{"part_count", missing.part_count}, {"missing", parts}});
+    const auto part_json = [](const MissingPart& part) -> nlohmann::ordered_json {
+      return {{"part", part.number}, {"why", text_json(part.why)}};
+    };
+    print_json({{"part_count", missing.part_count},
+                {"missing", json_list(missing.missing, part_json)}});
   } else if (!missing.missing.empty()) {
     print(missing.list() + "\n");
   }
@@ -71,19 +69,21 @@ int print_missing(const JoinArguments& arguments, Context& context) {
 
 int print_runs(const JoinOptions& options, Context& context) {
   const JoinRuns joined = run_task(join_runs, options, context);
-  nlohmann::ordered_json runs = nlohmann::ordered_json::array();
-  std::string text;
-  for (const FileRun& run : joined.runs) {
-    runs.push_back({{"path", run.path}, {"offset", run.offset}, {"length", run.length}});
-    text += fmt::format("{} {} {}\n", run.path, run.offset, run.length);
-  }
-  if (!context.json) print(text);
-  else {
+  if (context.json) {
+    const auto run_json = [](const FileRun& run) -> nlohmann::ordered_json {
+      return {{"path", run.path}, {"offset", run.offset}, {"length", run.length}};
+    };
     print_json({{"output", options.output.path},
                 {"own_file", joined.own_file},
                 {"file_bytes", joined.file_bytes},
-                {"runs", runs}});
+                {"runs", json_list(joined.runs, run_json)}});
+    return kExitDone;
   }
+  std::string text;
+  for (const FileRun& run : joined.runs) {
+    text += fmt::format("{} {} {}\n", run.path, run.offset, run.length);
+  }
+  print(text);
   return kExitDone;
 }
 

@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <cstdlib>
-#include <nlohmann/json.hpp>
 
 #include "common/failure.h"
 #include "common/options.h"
@@ -10,6 +9,7 @@
 #include "octavo/core/text.h"
 #include "octavo/tasks/parts/make_parts.h"
 #include "parts/planned_work.h"
+#include "text/fact_json.h"
 #include "verbs.h"
 
 namespace octavo::cli {
@@ -38,16 +38,15 @@ struct PartVerbArguments {
 };
 
 nlohmann::ordered_json made_parts_json(const MakePartsResult& result) {
-  nlohmann::ordered_json parts = nlohmann::ordered_json::array();
-  for (const MadePart& part : result.parts) {
-    parts.push_back({{"part", part.number},
-                     {"output", part.path},
-                     {"file_bytes", part.file_bytes},
-                     {"was_there", part.was_there}});
-  }
-  nlohmann::ordered_json from = nullptr;
-  if (result.scheduled) from = result.scheduled->variable;
-  return {{"part_count", result.part_count}, {"number_from", from}, {"parts", parts}};
+  const auto part_json = [](const MadePart& part) -> nlohmann::ordered_json {
+    return {{"part", part.number},
+            {"output", part.path},
+            {"file_bytes", part.file_bytes},
+            {"was_there", part.was_there}};
+  };
+  return {{"part_count", result.part_count},
+          {"number_from", text_json(result.scheduled ? result.scheduled->variable : "")},
+          {"parts", json_list(result.parts, part_json)}};
 }
 
 int run_part(const PartVerbArguments& arguments, Context& context) {

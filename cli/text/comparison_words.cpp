@@ -2,9 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <nlohmann/json.hpp>
+#include <optional>
 
 #include "octavo/core/text.h"
+#include "text/fact_json.h"
 #include "text/label_words.h"
 #include "text/quantities.h"
 #include "text/table.h"
@@ -78,28 +79,27 @@ std::vector<std::string> comparison_lines(const Comparison& c, const VolumeDescr
 }
 
 nlohmann::ordered_json comparison_json(const Comparison& c) {
-  nlohmann::ordered_json object = {{"equal", c.is_equal()},
-                                   {"same_size", c.is_same_size},
-                                   {"same_type", c.is_same_type},
-                                   {"same_rescale", c.is_same_rescale},
-                                   {"same_geometry", c.is_same_size && c.is_same_place},
-                                   {"geometry_known", c.is_place_known},
-                                   {"shift_mm", nullptr},
-                                   {"compared_as", c.is_by_digest    ? "digest"
-                                                   : c.is_real_units ? "real"
-                                                                     : "stored"},
-                                   {"voxels", c.voxels},
-                                   {"different", c.different},
-                                   {"nan_in_one", c.nan_in_one},
-                                   {"other_bits", c.other_bits},
-                                   {"max_difference", c.max_difference},
-                                   {"max_real_difference", c.max_real_difference},
-                                   {"first", nullptr}};
-  if (c.is_place_known) object["shift_mm"] = c.shift_mm;
+  nlohmann::ordered_json first = nullptr;
   if (c.different > 0) {
-    object["first"] = {{"index", {c.first.x, c.first.y, c.first.z}}, {"values", c.first_values}};
+    first = {{"index", {c.first.x, c.first.y, c.first.z}}, {"values", c.first_values}};
   }
-  return object;
+  return {{"equal", c.is_equal()},
+          {"same_size", c.is_same_size},
+          {"same_type", c.is_same_type},
+          {"same_rescale", c.is_same_rescale},
+          {"same_geometry", c.is_same_size && c.is_same_place},
+          {"geometry_known", c.is_place_known},
+          {"shift_mm", json_of(c.is_place_known ? std::optional(c.shift_mm) : std::nullopt)},
+          {"compared_as", c.is_by_digest    ? "digest"
+                          : c.is_real_units ? "real"
+                                            : "stored"},
+          {"voxels", c.voxels},
+          {"different", c.different},
+          {"nan_in_one", c.nan_in_one},
+          {"other_bits", c.other_bits},
+          {"max_difference", c.max_difference},
+          {"max_real_difference", c.max_real_difference},
+          {"first", first}};
 }
 
 std::string equal_text(const CompareResult& result) {
@@ -138,17 +138,15 @@ std::string agreement_table(const CompareLabelsResult& result) {
 }
 
 nlohmann::ordered_json agreements_json(const CompareLabelsResult& result) {
-  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
-  for (const LabelAgreement& one : result.agreements) {
-    rows.push_back({{"label", one.label},
-                    {"a_name", name_json(result.names_a, one.label)},
-                    {"b_name", name_json(result.names_b, one.label)},
-                    {"a_voxels", one.first_voxels},
-                    {"b_voxels", one.second_voxels},
-                    {"both_voxels", one.both_voxels},
-                    {"dice", one.dice()}});
-  }
-  return rows;
+  return json_list(result.agreements, [&](const LabelAgreement& one) -> nlohmann::ordered_json {
+    return {{"label", one.label},
+            {"a_name", name_json(result.names_a, one.label)},
+            {"b_name", name_json(result.names_b, one.label)},
+            {"a_voxels", one.first_voxels},
+            {"b_voxels", one.second_voxels},
+            {"both_voxels", one.both_voxels},
+            {"dice", one.dice()}};
+  });
 }
 
 }  // namespace octavo::cli

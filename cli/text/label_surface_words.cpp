@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <nlohmann/json.hpp>
-#include <optional>
 #include <vector>
 
 #include "common/context.h"
@@ -27,13 +25,9 @@ std::string faults_text(const LabelSurfacesOptions& options, const LabelSurfaces
   bool are_rounded = false;
   for (const LabelSurface& surface : result.labels) {
     if (surface.is_sound()) continue;
-    const MeshCheck& check = surface.check;
-    text += fmt::format(
-        "label {}{}: {} open sides, {} repeated ones, {} points where parts touch, {} points at "
-        "one place\n",
-        surface.label, name_suffix(names_in(result), surface.label), check.open_sides,
-        check.repeated_sides, check.pinched_points, check.coincident_points);
-    are_rounded = are_rounded || check.coincident_points > 0;
+    text += fmt::format("label {}{}: {}\n", surface.label,
+                        name_suffix(names_in(result), surface.label), fault_words(surface.check));
+    are_rounded = are_rounded || surface.check.coincident_points > 0;
   }
   if (are_rounded) {
     text += "coordinates are float32: far from 0 their steps are too long to tell points apart; a\n"
@@ -55,30 +49,34 @@ std::string touching_text(const LabelSurfacesResult& result) {
 nlohmann::ordered_json label_json(const LabelSurface& surface, const LabelSurfacesResult& result) {
   const VolumeDescription& volume = result.volume;
   const MeshCheck& check = surface.check;
-  nlohmann::ordered_json object = {{"label", surface.label},
-                                   {"name", name_json(names_in(result), surface.label)},
-                                   {"output", nullptr},
-                                   {"triangles", surface.triangle_count},
-                                   {"points", surface.point_count},
-                                   {"components", check.components},
-                                   {"closed", check.is_closed()},
-                                   {"manifold", surface.is_sound()},
-                                   {"euler_number", check.euler_number},
-                                   {"open_sides", check.open_sides},
-                                   {"repeated_sides", check.repeated_sides},
-                                   {"pinched_points", check.pinched_points},
-                                   {"coincident_points", check.coincident_points},
-                                   {"touching_points", surface.touching_points},
-                                   {"voxels", surface.voxel_count},
-                                   {"area_mm2", if_in_mm(volume, surface.measures.area_mm2)},
-                                   {"volume_mm3", if_in_mm(volume, surface.measures.volume_mm3)},
-                                   {"volume_change", surface.volume_change},
-                                   {"longest_move_mm", if_in_mm(volume, surface.longest_move_mm)}};
-  if (!surface.path.empty()) object["output"] = surface.path;
-  return object;
+  return {{"label", surface.label},
+          {"name", name_json(names_in(result), surface.label)},
+          {"output", text_json(surface.path)},
+          {"triangles", surface.triangle_count},
+          {"points", surface.point_count},
+          {"components", check.components},
+          {"closed", check.is_closed()},
+          {"manifold", surface.is_sound()},
+          {"euler_number", check.euler_number},
+          {"open_sides", check.open_sides},
+          {"repeated_sides", check.repeated_sides},
+          {"pinched_points", check.pinched_points},
+          {"coincident_points", check.coincident_points},
+          {"touching_points", surface.touching_points},
+          {"voxels", surface.voxel_count},
+          {"area_mm2", if_in_mm(volume, surface.measures.area_mm2)},
+          {"volume_mm3", if_in_mm(volume, surface.measures.volume_mm3)},
+          {"volume_change", surface.volume_change},
+          {"longest_move_mm", if_in_mm(volume, surface.longest_move_mm)}};
 }
 
 }  // namespace
+
+std::string fault_words(const MeshCheck& check) {
+  return fmt::format(
+      "{} open sides, {} repeated ones, {} points where parts touch, {} points at one place",
+      check.open_sides, check.repeated_sides, check.pinched_points, check.coincident_points);
+}
 
 std::string label_surfaces_text(const LabelSurfacesOptions& options,
                                 const LabelSurfacesResult& result) {
@@ -112,10 +110,6 @@ std::string label_surfaces_text(const LabelSurfacesOptions& options,
 
 nlohmann::ordered_json label_surfaces_json(const LabelSurfacesOptions& options,
                                            const LabelSurfacesResult& result) {
-  nlohmann::ordered_json labels = nlohmann::ordered_json::array();
-  for (const LabelSurface& surface : result.labels) labels.push_back(label_json(surface, result));
-  nlohmann::ordered_json crossing = nullptr;
-  if (result.crossing_triangles) crossing = *result.crossing_triangles;
   return {{"output", options.output.path},
           {"is_written", result.is_written},
           {"file_bytes", result.file_bytes},
@@ -128,10 +122,12 @@ nlohmann::ordered_json label_surfaces_json(const LabelSurfacesOptions& options,
           {"interface_triangles", result.reduced_triangle_count},
           {"full_interface_triangles", result.full_triangle_count},
           {"max_deviation_mm", if_in_mm(result.volume, result.max_deviation_mm)},
-          {"self_intersections", crossing},
+          {"self_intersections", json_of(result.crossing_triangles)},
           {"pairs", result.pair_count},
           {"closed_manifold", result.is_sound},
-          {"labels", labels}};
+          {"labels", json_list(result.labels, [&](const LabelSurface& surface) {
+             return label_json(surface, result);
+           })}};
 }
 
 }  // namespace octavo::cli

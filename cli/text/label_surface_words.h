@@ -8,6 +8,9 @@
 
 namespace octavo::cli {
 
+/// "3 open sides, 0 repeated ones, ...": what keeps a surface from being closed and manifold.
+std::string fault_words(const MeshCheck& check);
+
 /// A line for the whole, and a row for each label; of surfaces that were not written those that are
 /// at fault.
 std::string label_surfaces_text(const LabelSurfacesOptions& options,

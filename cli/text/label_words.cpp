@@ -2,17 +2,15 @@
 
 #include <fmt/format.h>
 
-#include <nlohmann/json.hpp>
-
 #include "octavo/core/error.h"
 #include "octavo/core/text.h"
 #include "octavo/core/utf8.h"
+#include "text/fact_json.h"
 
 namespace octavo::cli {
 
 nlohmann::ordered_json name_json(const LabelNames& names, std::int64_t label) {
-  const std::string& name = names.name_of(label);
-  return name.empty() ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(name);
+  return text_json(names.name_of(label));
 }
 
 std::string name_suffix(const LabelNames& names, std::int64_t label) {

@@ -6,6 +6,7 @@
 
 #include "octavo/core/error.h"
 #include "octavo/core/sha256.h"
+#include "octavo/tasks/pictures/slice.h"
 #include "text/identity_words.h"
 #include "text/quantities.h"
 
@@ -26,34 +27,27 @@ nlohmann::ordered_json level_json(const InfoResult& info, std::size_t level) {
 }
 
 nlohmann::ordered_json parts_json(const std::vector<PartInfo>& parts) {
-  nlohmann::ordered_json list = nlohmann::ordered_json::array();
-  for (const PartInfo& part : parts) {
-    list.push_back({{"tag", part.tag},
-                    {"bytes", part.bytes},
-                    {"known", part.is_known},
-                    {"required", part.is_required},
-                    {"follows_from_voxels", part.follows_from_voxels},
-                    {"follows_from_rest", part.follows_from_rest}});
-  }
-  return list;
+  return json_list(parts, [](const PartInfo& part) -> nlohmann::ordered_json {
+    return {{"tag", part.tag},
+            {"bytes", part.bytes},
+            {"known", part.is_known},
+            {"required", part.is_required},
+            {"follows_from_voxels", part.follows_from_voxels},
+            {"follows_from_rest", part.follows_from_rest}};
+  });
 }
 
 nlohmann::ordered_json extensions_json(const std::vector<ExtensionInfo>& extensions) {
-  nlohmann::ordered_json list = nlohmann::ordered_json::array();
-  for (const ExtensionInfo& extension : extensions) {
-    list.push_back({{"tag", fmt::format("0x{:04x}", extension.tag)}, {"bytes", extension.bytes}});
-  }
-  return list;
+  return json_list(extensions, [](const ExtensionInfo& extension) -> nlohmann::ordered_json {
+    return {{"tag", fmt::format("0x{:04x}", extension.tag)}, {"bytes", extension.bytes}};
+  });
 }
 
 /// {"name", "revision"}, or null.
 nlohmann::ordered_json writer_json(const Metadata& metadata) {
   const std::optional<WriterNote>& writer = metadata.facts().written_by;
   if (!writer) return nullptr;
-  nlohmann::ordered_json object = {{"name", nullptr}, {"revision", nullptr}};
-  if (writer->name) object["name"] = *writer->name;
-  if (writer->revision) object["revision"] = *writer->revision;
-  return object;
+  return {{"name", json_of(writer->name)}, {"revision", json_of(writer->revision)}};
 }
 
 /// The voxel that a number of the index stands for.
@@ -73,10 +67,6 @@ nlohmann::ordered_json shown_metadata_json(const InfoResult& info) {
 }
 
 }  // namespace
-
-nlohmann::ordered_json json_of(const JsonObject& object) {
-  return nlohmann::ordered_json::parse(object.text());
-}
 
 nlohmann::ordered_json metadata_json(const Metadata& metadata) {
   if (!metadata.is_readable()) return {{"unreadable", metadata.text()}};
@@ -98,6 +88,11 @@ nlohmann::ordered_json if_in_mm(const VolumeDescription& volume,
 
 const char* kind_name(VolumeKind kind) { return kind == VolumeKind::labels ? "labels" : "grey"; }
 
+nlohmann::ordered_json window_json(const std::optional<Window>& window) {
+  if (!window) return nullptr;
+  return {{"center", window->center}, {"width", window->width}};
+}
+
 nlohmann::ordered_json coding_json(const std::optional<SampleCoding>& coding) {
   if (!coding) return nullptr;
   return {{"type", voxel_type_name(coding->type)},
@@ -108,12 +103,9 @@ nlohmann::ordered_json coding_json(const std::optional<SampleCoding>& coding) {
 
 nlohmann::ordered_json detail_errors_json(const std::optional<DetailErrors>& errors) {
   if (!errors) return nullptr;
-  const auto number = [](const std::optional<double>& value) {
-    return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
-  };
-  return {{"max", number(errors->max)},
-          {"rms", number(errors->rms)},
-          {"psnr_db", number(errors->psnr_db)}};
+  return {{"max", json_of(errors->max)},
+          {"rms", json_of(errors->rms)},
+          {"psnr_db", json_of(errors->psnr_db)}};
 }
 
 nlohmann::ordered_json file_json(const InfoResult& info) {

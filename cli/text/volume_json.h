@@ -5,14 +5,15 @@
 #include <optional>
 #include <string>
 
-#include "octavo/core/json_text.h"
 #include "octavo/tasks/files/info.h"
 #include "octavo/tasks/volume_facts.h"
+#include "text/fact_json.h"
+
+namespace octavo {
+struct Window;
+}
 
 namespace octavo::cli {
-
-/// What a task says as JSON, for JSON output.
-nlohmann::ordered_json json_of(const JsonObject& object);
 
 /// The metadata for JSON output; an object with the text under "unreadable" when it is none.
 nlohmann::ordered_json metadata_json(const Metadata& metadata);
@@ -30,11 +31,14 @@ nlohmann::ordered_json box_json(const Box& box);
 nlohmann::ordered_json if_in_mm(const VolumeDescription& volume,
                                 const nlohmann::ordered_json& value_mm);
 
-/// The object that `info --json` prints.
-nlohmann::ordered_json file_json(const InfoResult& info);
+/// {"center", "width"}, or null.
+nlohmann::ordered_json window_json(const std::optional<Window>& window);
 
 /// "grey" or "labels".
 const char* kind_name(VolumeKind kind);
+
+/// The object that `info --json` prints.
+nlohmann::ordered_json file_json(const InfoResult& info);
 
 /// {"type", "scale", "offset"}, or null.
 nlohmann::ordered_json coding_json(const std::optional<SampleCoding>& coding);

@@ -12,6 +12,7 @@
 
 #include "asked.h"
 #include "octavo/core/error.h"
+#include "octavo/tasks/volume_facts.h"
 
 namespace octavo::python {
 
@@ -21,6 +22,28 @@ const char* kind_name(VolumeKind kind) { return kind == VolumeKind::labels ? "la
 
 VolumeKind kind_of(const std::string& name) {
   return name == "labels" ? VolumeKind::labels : VolumeKind::grey;
+}
+
+nb::object object_of(const FactValue& value) {
+  return std::visit(
+      []<class Held>(const Held& held) -> nb::object {
+        if constexpr (std::is_same_v<Held, std::monostate>) {
+          return nb::none();
+        } else if constexpr (std::is_same_v<Held, Facts>) {
+          return dict_of(held);
+        } else if constexpr (std::is_same_v<Held, FactValue::List>) {
+          return list_of(held, object_of);
+        } else {
+          return nb::cast(held);
+        }
+      },
+      value.held());
+}
+
+nb::dict dict_of(const Facts& facts) {
+  nb::dict dict;
+  for (const Fact& fact : facts) dict[fact.name.c_str()] = object_of(fact.value);
+  return dict;
 }
 
 nb::dict volume_facts(const VolumeDescription& volume) {

@@ -9,6 +9,7 @@
 
 #include "octavo/core/volume.h"
 #include "octavo/io/source/stored_type.h"
+#include "octavo/tasks/result_facts.h"
 
 namespace octavo::python {
 
@@ -36,6 +37,10 @@ nanobind::list list_of(const All& all, Of of) {
   for (const auto& one : all) list.append(of(one));
   return list;
 }
+
+/// What a task found.
+nanobind::object object_of(const FactValue& value);
+nanobind::dict dict_of(const Facts& facts);
 
 /// What files and maps say alike: dtype, direction, is_spacing_known, metadata, label_names.
 nanobind::dict volume_facts(const VolumeDescription& volume);

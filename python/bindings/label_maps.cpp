@@ -10,11 +10,13 @@
 
 #include <algorithm>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
 #include "facts.h"
 #include "octavo/core/error.h"
+#include "octavo/ops/label/label_build.h"
 #include "octavo/ops/label/label_masks.h"
 #include "octavo/ops/label/label_overlaps.h"
 #include "octavo/tasks/combine.h"
@@ -22,6 +24,7 @@
 #include "octavo/tasks/fill_holes.h"
 #include "octavo/tasks/label_trees.h"
 #include "octavo/tasks/morph.h"
+#include "octavo/tasks/structure/region_rows.h"
 #include "octavo/tasks/threshold.h"
 #include "octavo/threads/parallel_for.h"
 #include "work.h"
@@ -165,24 +168,6 @@ LabelMap morphed_map(const LabelMap& map, const std::string& name, std::optional
   });
 }
 
-nb::dict row_of(const ComponentRow& row) {
-  nb::dict one;
-  one["label"] = row.label;
-  one["voxels"] = row.voxels;
-  one["mm3"] = row.mm3;
-  const char* const names[] = {"centroid_x_mm", "centroid_y_mm", "centroid_z_mm"};
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    one[names[axis]] = row.centroid_mm ? nb::cast((*row.centroid_mm)[axis]) : nb::none();
-  }
-  const char* const ends[][2] = {
-      {"box_x_lo", "box_x_hi"}, {"box_y_lo", "box_y_hi"}, {"box_z_lo", "box_z_hi"}};
-  for (int axis = 0; axis < 3; ++axis) {
-    one[ends[axis][0]] = row.box.lo[axis];
-    one[ends[axis][1]] = row.box.hi[axis];
-  }
-  return one;
-}
-
 /// (label map, rows of its labels, components that were found)
 nb::tuple components_of(const LabelMap& map, int connectivity, std::int64_t keep_largest,
                         double min_mm3, const nb::dict& given) {
@@ -196,7 +181,9 @@ nb::tuple components_of(const LabelMap& map, int connectivity, std::int64_t keep
     const auto mask = map.mask(work.context());
     return labeled_components(mask->tree, mask->volume, options, work.context());
   });
-  const nb::list rows = list_of(made.table.rows, row_of);
+  const nb::list rows = list_of(made.table.rows, [](const ComponentRow& row) {
+    return dict_of(columns_of(region_row(row)));
+  });
   return nb::make_tuple(LabelMap(std::move(made.labels), std::move(made.volume)), rows,
                         made.table.found);
 }
@@ -275,42 +262,19 @@ nb::list agreements_of(const LabelMap& a, const LabelMap& b, const nb::dict& giv
     const TaskContext& context = work.context();
     require_same_grid(a.volume(), "the first label map", b.volume(), "the second label map",
                       "grid");
+    const auto first = a.label_tree(context);
+    const auto second = b.label_tree(context);
     std::vector<LabelAgreement> agreements;
-    if (a.labels() != nullptr && b.labels() != nullptr) {
-      context.on_threads(
-          [&] { agreements = label_agreements(label_overlaps(*a.labels(), *b.labels())); });
-      return agreements;
-    }
-    // A mask has one label: what it shares with each label of the other is an intersection.
-    const LabelMap& labels = a.labels() != nullptr ? a : b;
-    std::vector<Label> all = {1};
-    if (labels.labels() != nullptr) {
-      for (const Label label : labels_but_0(*labels.labels())) all.push_back(label);
-    }
-    std::sort(all.begin(), all.end());
-    all.erase(std::unique(all.begin(), all.end()), all.end());
-    for (const Label label : all) {
-      const ComputedMask first = mask_of_labels_in(a, {label}, context);
-      const ComputedMask second = mask_of_labels_in(b, {label}, context);
-      LabelAgreement one{label, first.tree.voxel_count(), second.tree.voxel_count(), 0};
-      if (one.first_voxels + one.second_voxels == 0) continue;
-      one.both_voxels = combined_mask(first, &second, Combination::intersect, context)
-                            .tree.voxel_count();
-      agreements.push_back(one);
-    }
+    context.on_threads([&] { agreements = label_agreements(label_overlaps(*first, *second)); });
     return agreements;
   });
-  nb::list rows;
-  for (const LabelAgreement& one : found) {
-    nb::dict row;
-    row["label"] = one.label;
-    row["voxels_a"] = one.first_voxels;
-    row["voxels_b"] = one.second_voxels;
-    row["voxels_both"] = one.both_voxels;
-    row["dice"] = one.dice();
-    rows.append(row);
-  }
-  return rows;
+  return list_of(found, [](const LabelAgreement& one) {
+    return dict_of({{"label", one.label},
+                    {"voxels_a", one.first_voxels},
+                    {"voxels_b", one.second_voxels},
+                    {"voxels_both", one.both_voxels},
+                    {"dice", one.dice()}});
+  });
 }
 
 nb::dict facts_of_map(const LabelMap& map) {
@@ -332,6 +296,14 @@ std::shared_ptr<const ComputedMask> LabelMap::mask(const TaskContext& context) c
   ComputedMask mask{MaskTree(), volume_};
   context.on_threads([&] { mask.tree = mask_of(*labels_, labels_but_0(*labels_)); });
   return std::make_shared<const ComputedMask>(std::move(mask));
+}
+
+std::shared_ptr<const LabelTree> LabelMap::label_tree(const TaskContext& context) const {
+  if (labels_) return labels_;
+  const LabelMask only{1, mask_->tree};
+  LabelTree labels;
+  context.on_threads([&] { labels = labels_of_masks(mask_->volume.size, std::span(&only, 1)); });
+  return std::make_shared<const LabelTree>(std::move(labels));
 }
 
 void bind_label_maps(nb::module_& module) {

@@ -27,6 +27,8 @@ class LabelMap {
   const MaskTree* tree() const { return mask_ ? &mask_->tree : nullptr; }
   /// Every voxel that is not 0. Runs on the threads of the context
   std::shared_ptr<const ComputedMask> mask(const TaskContext& context) const;
+  /// All labels; of a mask 1. Runs on the threads of the context
+  std::shared_ptr<const LabelTree> label_tree(const TaskContext& context) const;
 
  private:
   std::shared_ptr<const ComputedMask> mask_;

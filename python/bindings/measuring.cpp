@@ -1,24 +1,19 @@
 #include "measuring.h"
 
-#include <nanobind/stl/array.h>
-#include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
-#include <optional>
-#include <utility>
+#include <string>
 #include <vector>
 
 #include "facts.h"
-#include "octavo/core/error.h"
-#include "octavo/core/sha256.h"
-#include "octavo/core/text.h"
 #include "octavo/tasks/file_planes.h"
 #include "octavo/tasks/files/decoding_memory.h"
 #include "octavo/tasks/files/plane_compare.h"
 #include "octavo/tasks/masks.h"
 #include "octavo/tasks/measure.h"
+#include "octavo/tasks/structure/region_rows.h"
 #include "work.h"
 
 namespace octavo::python {
@@ -28,70 +23,19 @@ using namespace nb::literals;
 
 namespace {
 
-/// A number for each axis x, y, z; None where nothing is known.
-void set_axes(nb::dict& row, const std::string& before, const std::string& after,
-              const std::optional<Point3>& point) {
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const std::string name = before + "xyz"[axis] + after;
-    row[name.c_str()] = point ? nb::cast((*point)[axis]) : nb::none();
-  }
-}
-
-/// The columns that `octavo measure --csv` has.
-nb::dict region_row(const MeasuredRegion& one, const MeasureResult& result) {
-  const RegionMeasure& region = one.region;
-  nb::dict row;
-  row["label"] = region.label;
-  row["name"] = result.names.name_of(region.label);
-  row["voxels"] = region.voxel_count;
-  row["mm3"] = one.in_mm ? nb::cast(one.in_mm->mm3) : nb::none();
-  row["surface_voxels"] = region.surface_voxel_count;
-  const auto in_mm = [&](auto member) {
-    return one.in_mm ? std::optional<Point3>(member(*one.in_mm)) : std::nullopt;
-  };
-  set_axes(row, "centroid_", "_mm", in_mm([](const RegionInMm& mm) { return mm.centroid; }));
-  set_axes(row, "centroid_", "_voxel", region.centroid);
-  for (int axis = 0; axis < 3; ++axis) {
-    const std::string name = std::string("box_") + "xyz"[axis];
-    row[(name + "_lo").c_str()] = region.box.lo[axis];
-    row[(name + "_hi").c_str()] = region.box.hi[axis];
-  }
-  for (std::size_t i = 0; i < 3; ++i) {
-    const std::string name = "principal_moment_" + std::to_string(i + 1) + "_mm2";
-    row[name.c_str()] = one.in_mm ? nb::cast(one.in_mm->axes.moments_mm2[i]) : nb::none();
-  }
-  for (std::size_t i = 0; i < 3; ++i) {
-    set_axes(row, "principal_axis_" + std::to_string(i + 1) + "_", "",
-             in_mm([&](const RegionInMm& mm) { return mm.axes.axes[i]; }));
-  }
-  if (!region.grey) return row;
-  row["mean"] = region.grey->mean;
-  row["sd"] = region.grey->deviation;
-  row["min"] = region.grey->minimum;
-  row["max"] = region.grey->maximum;
-  row["integrated_mm3"] = one.in_mm && one.in_mm->integrated ? nb::cast(*one.in_mm->integrated)
-                                                             : nb::none();
-  for (std::size_t i = 0; i < result.percentiles.size(); ++i) {
-    row[("p" + number_text(result.percentiles[i])).c_str()] = region.grey->percentiles[i];
-  }
-  return row;
-}
-
 nb::list measure_file(const OpenFile& labels, const std::string& name, const OpenFile* grey,
                       const std::string& grey_name, const std::vector<double>& percentiles,
                       const std::vector<std::int64_t>& numbers,
                       const std::vector<std::string>& names, const nb::dict& given) {
-  MeasureOptions options{.labels = name,
-                         .grey = grey == nullptr ? "" : grey_name,
-                         .percentiles = percentiles,
-                         .asked = {numbers, names}};
-  std::vector<NamedFile> files = {{name, &labels}};
-  if (grey != nullptr) files.push_back({grey_name, grey});
-  Work work(given);
-  const MeasureResult result = work.run(files, [&] { return measure(options, work.context()); });
-  nb::list rows;
-  for (const MeasuredRegion& one : result.regions) rows.append(region_row(one, result));
-  return rows;
+  const MeasureOptions options{.labels = name,
+                               .grey = grey == nullptr ? "" : grey_name,
+                               .percentiles = percentiles,
+                               .asked = {numbers, names}};
+  const MeasureResult result =
+      run_task(measure, options, {{name, &labels}, {grey_name, grey}}, given);
+  return list_of(result.regions, [&](const MeasuredRegion& one) {
+    return dict_of(columns_of(region_row(one, result)));
+  });
 }
 
 nb::dict compare_files(const OpenFile& a, const OpenFile& b, double max_error,

@@ -87,8 +87,7 @@ nb::object slice_picture(const OpenFile& file, const std::string& name, const nb
     options.overlays.push_back(
         {nb::cast<std::string>(parts[0]), overlay_look(nb::cast<nb::dict>(parts[2]))});
   }
-  Work work(given);
-  work.run(named_files(file, name, overlays), [&] { slice(options, work.context()); });
+  run_task(slice, options, named_files(file, name, overlays), given);
   return pixels_of(std::move(pictures.front()));
 }
 

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "asked.h"
+#include "facts.h"
 #include "octavo/core/error.h"
 #include "octavo/tasks/files/condense_volume.h"
 #include "octavo/tasks/files/export_zarr_image.h"
@@ -64,7 +65,6 @@ TransformStep step_of(const std::string& name, const std::vector<double>& number
   }
   return AffineStep{map, is_inverse};
 }
-
 std::optional<Interpolation> interpolation_of(const std::optional<std::string>& name) {
   if (!name) return {};
   return *name == "nearest"  ? Interpolation::nearest
@@ -96,23 +96,17 @@ nb::dict transform_file(const OpenFile& file, const std::string& name, const std
   options.fill = asked_for<std::optional<double>>(asked, "fill");
   options.preset = preset_of(asked);
   options.max_error = asked_for<double>(asked, "max_error");
-  std::vector<NamedFile> files = {{name, &file}};
-  if (grid != nullptr) files.push_back({grid_name, grid});
-  Work work(given);
   const TransformResult result =
-      work.run(files, [&] { return transform(options, work.context()); });
-  nb::dict facts;
-  facts["operation"] = result.operation;
-  facts["summary"] = result.summary;
-  facts["file_bytes"] = result.file_bytes;
-  return facts;
+      run_task(transform, options, {{name, &file}, {grid_name, grid}}, given);
+  return dict_of({{"operation", result.operation},
+                  {"summary", result.summary},
+                  {"file_bytes", result.file_bytes}});
 }
 
 void condense_file(const OpenFile& file, const std::string& name, const std::string& path,
                    double flat, bool overwrite, const nb::dict& given) {
   const CondenseVolumeOptions options{name, {path, overwrite}, flat};
-  Work work(given);
-  work.run({{name, &file}}, [&] { condense_volume(options, work.context()); });
+  run_task(condense_volume, options, {{name, &file}}, given);
 }
 
 /// Classes of values as the labels of a file.
@@ -121,16 +115,14 @@ void classify_file(const OpenFile& file, const std::string& name, const std::str
                    bool is_stored, const nb::dict& given) {
   ThresholdOptions options{.input = name, .output = {path, false}, .is_stored = is_stored};
   for (const auto& [label, low, high] : classes) options.classes.push_back({label, {low, high}});
-  Work work(given);
-  work.run({{name, &file}}, [&] { threshold(options, work.context()); });
+  run_task(threshold, options, {{name, &file}}, given);
 }
 
 /// The leaves of a mask that lie at its surface, as a file.
 void shell_file(const OpenFile& file, const std::string& name, const std::string& path,
                 const nb::dict& given) {
   const ShellOptions options{name, Output{path, false}};
-  Work work(given);
-  work.run({{name, &file}}, [&] { shell(options, work.context()); });
+  run_task(shell, options, {{name, &file}}, given);
 }
 
 ZarrCompression compression_of(const std::string& name) {
@@ -149,9 +141,7 @@ nb::tuple export_zarr_file(const OpenFile& file, const std::string& name, const 
                                asked_for<std::string>(asked, "compression")),
                            .chunk_side = asked_for<std::int64_t>(asked, "chunk_side"),
                            .shard_chunks = asked_for<std::int64_t>(asked, "shard_chunks")};
-  Work work(given);
-  const ZarrImageResult made =
-      work.run({{name, &file}}, [&] { return export_zarr_image(options, work.context()); });
+  const ZarrImageResult made = run_task(export_zarr_image, options, {{name, &file}}, given);
   return nb::make_tuple(made.written.levels, made.written.files, made.written.bytes);
 }
 

@@ -61,22 +61,20 @@ SurfaceOptions surface_options(const std::string& name, const nb::dict& asked) {
 
 /// What surfaces of all kinds say of themselves: checks and measures.
 template <class Surface>
-nb::dict checked_facts(const Surface& surface) {
-  nb::dict facts;
-  facts["closed"] = surface.check.is_closed();
-  facts["manifold"] = surface.check.is_manifold();
-  facts["components"] = surface.check.components;
-  facts["area_mm2"] = surface.measures.area_mm2;
-  facts["volume_mm3"] = surface.measures.volume_mm3;
+Facts checked_facts(const Surface& surface, const Facts& others) {
+  Facts facts = {{"closed", surface.check.is_closed()},
+                 {"manifold", surface.check.is_manifold()},
+                 {"components", surface.check.components},
+                 {"area_mm2", surface.measures.area_mm2},
+                 {"volume_mm3", surface.measures.volume_mm3}};
+  facts.insert(facts.end(), others.begin(), others.end());
   return facts;
 }
 
 nb::dict surface_facts(const SurfaceResult& result) {
-  nb::dict facts = checked_facts(result);
-  facts["max_deviation_mm"] = result.max_deviation_mm;
-  facts["full_triangles"] = result.full_triangle_count;
-  facts["crossing_triangles"] = result.crossing_triangles;
-  return facts;
+  return dict_of(checked_facts(result, {{"max_deviation_mm", result.max_deviation_mm},
+                                        {"full_triangles", result.full_triangle_count},
+                                        {"crossing_triangles", result.crossing_triangles}}));
 }
 
 /// An array of rows of three, which keeps what it is of alive.
@@ -109,9 +107,7 @@ nb::dict surface_file(const OpenFile& file, const std::string& name, const std::
   options.output = {path, overwrite};
   options.report_path = asked_for<std::string>(asked, "report");
   options.is_plain = asked_for<bool>(asked, "plain");
-  Work work(given);
-  const SurfaceResult result =
-      work.run({{name, &file}}, [&] { return surface(options, work.context()); });
+  const SurfaceResult result = run_task(surface, options, {{name, &file}}, given);
   if (!result.is_written) {
     throw Error(ErrorKind::invalid_argument,
                 "the surface is not closed or not manifold, and nothing was written", name)
@@ -124,17 +120,16 @@ nb::dict surface_file(const OpenFile& file, const std::string& name, const std::
   return facts;
 }
 
-nb::dict label_surface_facts(const LabelSurface& surface) {
-  nb::dict facts = checked_facts(surface);
-  facts["label"] = surface.label;
-  facts["path"] = surface.path.empty() ? nb::none() : nb::cast(surface.path);
-  facts["points"] = surface.point_count;
-  facts["triangles"] = surface.triangle_count;
-  facts["touching_points"] = surface.touching_points;
-  facts["voxels"] = surface.voxel_count;
-  facts["volume_change"] = surface.volume_change;
-  facts["longest_move_mm"] = surface.longest_move_mm;
-  return facts;
+Facts label_surface_facts(const LabelSurface& surface) {
+  return checked_facts(
+      surface, {{"label", surface.label},
+                {"path", surface.path.empty() ? FactValue() : FactValue(surface.path)},
+                {"points", surface.point_count},
+                {"triangles", surface.triangle_count},
+                {"touching_points", surface.touching_points},
+                {"voxels", surface.voxel_count},
+                {"volume_change", surface.volume_change},
+                {"longest_move_mm", surface.longest_move_mm}});
 }
 
 nb::dict label_surface_files(const OpenFile& file, const std::string& name,
@@ -154,56 +149,35 @@ nb::dict label_surface_files(const OpenFile& file, const std::string& name,
   }
   options.part_format = *format;
   options.smoothing_steps = asked_for<int>(asked, "smooth");
-  Work work(given);
-  const LabelSurfacesResult result =
-      work.run({{name, &file}}, [&] { return label_surfaces(options, work.context()); });
+  const LabelSurfacesResult result = run_task(label_surfaces, options, {{name, &file}}, given);
   if (!result.is_written) {
     throw Error(ErrorKind::invalid_argument,
                 "a surface is not closed or not manifold, and nothing was written", name);
   }
-  nb::dict facts;
-  facts["points"] = result.point_count;
-  facts["triangles"] = result.triangle_count;
-  facts["full_triangles"] = result.full_triangle_count;
-  facts["max_deviation_mm"] = result.max_deviation_mm;
-  facts["crossing_triangles"] = result.crossing_triangles;
-  facts["pairs"] = result.pair_count;
-  facts["file_bytes"] = result.file_bytes;
-  facts["labels"] = list_of(result.labels, label_surface_facts);
-  return facts;
-}
-
-nb::object quality_facts(const std::optional<HexQuality>& quality) {
-  if (!quality) return nb::none();
-  nb::dict shares;
-  for (const auto& [name, percent] :
-       {std::pair{"min", 0}, {"p1", 1}, {"p5", 5}, {"p50", 50}, {"max", 100}}) {
-    shares[name] = quality->percentile(percent);
-  }
-  nb::dict facts;
-  facts["scaled_jacobian"] = shares;
-  facts["min_volume_mm3"] = quality->min_volume_mm3;
-  facts["max_volume_mm3"] = quality->max_volume_mm3;
-  facts["total_volume_mm3"] = quality->total_volume_mm3;
-  return facts;
+  return dict_of({{"points", result.point_count},
+                  {"triangles", result.triangle_count},
+                  {"full_triangles", result.full_triangle_count},
+                  {"max_deviation_mm", result.max_deviation_mm},
+                  {"crossing_triangles", result.crossing_triangles},
+                  {"pairs", result.pair_count},
+                  {"file_bytes", result.file_bytes},
+                  {"labels", list_of_facts(result.labels, label_surface_facts)}});
 }
 
 nb::dict hexahedra_facts(const HexahedraResult& result) {
-  nb::dict facts;
-  facts["elements"] = result.element_count;
-  facts["elements_of_shape"] = result.elements_of_shape;
-  facts["nodes"] = result.node_count;
-  facts["hanging_nodes"] = result.hanging_count;
-  facts["parts"] = result.part_count;
-  facts["voxels"] = result.voxel_count;
-  facts["cells_of_level"] = result.cells_of_level;
-  facts["labels"] = result.labels;
-  facts["materials"] = result.material_count;
-  facts["modulus_range_mpa"] = result.modulus_range_mpa;
-  facts["volume_mm3"] = result.volume_mm3;
-  facts["quality"] = quality_facts(result.quality);
-  facts["file_bytes"] = result.file_bytes;
-  return facts;
+  return dict_of({{"elements", result.element_count},
+                  {"elements_of_shape", result.elements_of_shape},
+                  {"nodes", result.node_count},
+                  {"hanging_nodes", result.hanging_count},
+                  {"parts", result.part_count},
+                  {"voxels", result.voxel_count},
+                  {"cells_of_level", result.cells_of_level},
+                  {"labels", result.labels},
+                  {"materials", result.material_count},
+                  {"modulus_range_mpa", result.modulus_range_mpa},
+                  {"volume_mm3", result.volume_mm3},
+                  {"quality", facts_if(result.quality, quality_facts)},
+                  {"file_bytes", result.file_bytes}});
 }
 
 /// others  (name, file) of the grey values under it
@@ -232,9 +206,7 @@ nb::dict hexahedra_file(const OpenFile& file, const std::string& name, const std
   options.poisson_ratio = asked_for<double>(asked, "poisson_ratio");
   options.bin_count = asked_for<int>(asked, "bins");
   options.has_quality = asked_for<bool>(asked, "quality");
-  Work work(given);
-  return hexahedra_facts(
-      work.run(files, [&] { return hexahedra(options, work.context()); }));
+  return hexahedra_facts(run_task(hexahedra, options, files, given));
 }
 
 }  // namespace

@@ -143,8 +143,7 @@ nb::list render_pictures(const OpenFile& file, const std::string& name, const nb
   set_company(asked, options);
   set_light(asked, options);
   set_picture(asked, options);
-  Work work(given);
-  work.run(named_files(file, name, others), [&] { render(options, work.context()); });
+  run_task(render, options, named_files(file, name, others), given);
   return pixels_of_all(pictures);
 }
 

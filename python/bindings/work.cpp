@@ -61,14 +61,18 @@ namespace nb = nanobind;
 
 Work::Inputs::Inputs(const std::vector<NamedFile>& files)
     : around_(std::exchange(named_sources, {})) {
-  for (const NamedFile& file : files) named_sources[file.name] = file.file->source();
+  for (const NamedFile& file : files) {
+    if (file.file != nullptr) named_sources[file.name] = file.file->source();
+  }
 }
 
 Work::Inputs::~Inputs() { named_sources = std::move(around_); }
 
 FilesRead Work::files_read(const std::vector<NamedFile>& files) {
   FilesRead read;
-  for (const NamedFile& file : files) read.push_back(file.file->waiters());
+  for (const NamedFile& file : files) {
+    if (file.file != nullptr) read.push_back(file.file->waiters());
+  }
   return read;
 }
 

@@ -18,7 +18,7 @@
 
 namespace octavo::python {
 
-/// A file and the name that a task knows it by.
+/// A file and the name that a task knows it by; null where a task gets none.
 struct NamedFile {
   std::string name;
   const OpenFile* file = nullptr;
@@ -72,5 +72,14 @@ class Work {
   Call call_;
   TaskContext context_;
 };
+
+/// The result of task(options, context), which reads these files.
+/// given  as Work gets it
+template <class Result, class Options>
+Result run_task(Result (*task)(const Options&, const TaskContext&), const Options& options,
+                const std::vector<NamedFile>& files, const nanobind::dict& given) {
+  Work work(given);
+  return work.run(files, [&] { return task(options, work.context()); });
+}
 
 }  // namespace octavo::python

@@ -248,8 +248,8 @@ def _pose(moving_handle, moving, fixed_handle, fixed, scale, output, picture, ov
                  picture=if_written(picture), overwrite=bool(overwrite))
     with work_of(threads, max_memory, progress) as work:
         facts = _octavo.align(moving_handle, fixed_handle, asked, work)
-    matrix = np.vstack((facts["matrix_mm"], (0, 0, 0, 1)))
-    facts["matrix_mm"] = matrix if facts["found"] else None
+    if facts["found"]:
+        facts["matrix_mm"] = np.vstack((facts["matrix_mm"], (0, 0, 0, 1)))
     return facts
 
 

@@ -277,6 +277,18 @@ std::vector<std::string> hex_comments(const HexahedraOptions& options, const Fil
 
 }  // namespace
 
+Facts quality_facts(const HexQuality& quality) {
+  const Facts jacobians = {{"min", quality.percentile(0)},
+                           {"p1", quality.percentile(1)},
+                           {"p5", quality.percentile(5)},
+                           {"p50", quality.percentile(50)},
+                           {"max", quality.percentile(100)}};
+  return {{"scaled_jacobian", jacobians},
+          {"min_volume_mm3", quality.min_volume_mm3},
+          {"max_volume_mm3", quality.max_volume_mm3},
+          {"total_volume_mm3", quality.total_volume_mm3}};
+}
+
 HexahedraResult hexahedra(const HexahedraOptions& options, const TaskContext& context) {
   const HexFormat format = asked_format(options);
   check_materials(options, format);

@@ -11,6 +11,7 @@
 #include "octavo/mesh/hexahedra/hex_mesh.h"
 #include "octavo/tasks/asked_labels.h"
 #include "octavo/tasks/outputs.h"
+#include "octavo/tasks/result_facts.h"
 #include "octavo/tasks/task_context.h"
 
 namespace octavo {
@@ -47,6 +48,9 @@ struct HexahedraResult {
   std::optional<HexQuality> quality;
   std::uint64_t file_bytes = 0;
 };
+
+/// The shapes and volumes of the elements.
+Facts quality_facts(const HexQuality& quality);
 
 /// Writes a mesh of the voxels of a level. Warns where the spacing is not known, of densities below
 /// 0, and of parts that are not connected over faces, which solvers leave afloat.

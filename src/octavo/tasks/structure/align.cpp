@@ -332,4 +332,31 @@ AlignResult align(const AlignOptions& options, const TaskContext& context) {
   return result;
 }
 
+Facts pose_facts(const AlignResult& result) {
+  const FoundPose& pose = result.pose;
+  FactValue::List rows;
+  for (std::size_t row = 0; row < 3; ++row) {
+    const double* const linear = &pose.map.linear[3 * row];
+    rows.push_back(std::array{linear[0], linear[1], linear[2], pose.map.offset[row]});
+  }
+  return {{"found", result.is_found},
+          {"why_none", result.is_found ? FactValue() : FactValue(result.why_none)},
+          {"matrix_mm", result.is_found ? FactValue(rows) : FactValue()},
+          {"scale", pose.scale},
+          {"agreement", result.agreement.forward},
+          {"agreement_around", result.agreement.backward},
+          {"sharpness", result.agreement.sharpness},
+          {"parting", result.agreement.parting},
+          {"doubtful", result.is_doubtful},
+          {"overlap", pose.overlap},
+          {"mean_mm", pose.mean_mm},
+          {"p95_mm", pose.p95_mm},
+          {"max_mm", pose.max_mm},
+          {"iterations", pose.iterations},
+          {"condition", pose.condition},
+          {"points", result.points},
+          {"has_lines", result.has_lines},
+          {"level", result.level}};
+}
+
 }  // namespace octavo

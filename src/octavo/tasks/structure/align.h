@@ -8,6 +8,7 @@
 #include "octavo/ops/align/pose_agreement.h"
 #include "octavo/ops/align/pose_search.h"
 #include "octavo/tasks/outputs.h"
+#include "octavo/tasks/result_facts.h"
 #include "octavo/tasks/task_context.h"
 
 namespace octavo {
@@ -65,5 +66,9 @@ struct AlignResult {
 ///         a volume; Error{limit_exceeded}
 /// Memory  the masks, 9 bytes for each voxel of their levels
 AlignResult align(const AlignOptions& options, const TaskContext& context);
+
+/// What was found, by name. The matrix is the rows of one of 4 x 4 without the last, from mm to mm,
+/// LPS; nothing where there is no pose.
+Facts pose_facts(const AlignResult& result);
 
 }  // namespace octavo

@@ -133,6 +133,29 @@ void add_form_rows(const MorphometryResult& result, std::vector<MorphometryRow>&
   add_fractal(result.surface_fractal, "surface_fractal_dimension", "FD.S", "that of the surface");
 }
 
+Facts thickness_facts(const ThicknessSummary& summary) {
+  return {{"voxels", summary.voxels},        {"mean_mm", summary.mean_mm},
+          {"sd_mm", summary.deviation_mm},   {"min_mm", summary.minimum_mm},
+          {"max_mm", summary.maximum_mm},    {"bin_mm", summary.bin_mm},
+          {"bins", summary.bins}};
+}
+
+Facts ellipsoid_facts(const EllipsoidFactors& factors) {
+  return {{"count", factors.ellipsoids}, {"shares", factors.shares}};
+}
+
+Facts intercept_facts(const Anisotropy& anisotropy) {
+  FactValue::List lengths;
+  for (const double mm : anisotropy.lengths_mm) {  // 0: without end
+    lengths.push_back(mm > 0 ? std::optional(mm) : std::nullopt);
+  }
+  return {{"lengths_mm", lengths}, {"axes", anisotropy.axes}};
+}
+
+Facts box_facts(const BoxCount& boxes) {
+  return {{"side", boxes.side}, {"holding", boxes.holding}, {"mixed", boxes.mixed}};
+}
+
 }  // namespace
 
 std::vector<MorphometryRow> morphometry_rows(const MorphometryResult& result,
@@ -165,6 +188,22 @@ std::vector<MorphometryRow> morphometry_rows(const MorphometryResult& result,
     rows.push_back({"bmd_sd", "BMD.SD", if_any(all, all.deviation), "", "its standard deviation"});
   }
   return rows;
+}
+
+Facts morphometry_facts(const MorphometryResult& result, bool has_tortuosity) {
+  Facts facts;
+  for (const MorphometryRow& row : morphometry_rows(result, has_tortuosity)) {
+    facts.push_back({row.key, row.value});
+  }
+  const Facts others = {
+      {"thickness", facts_if(result.thickness, thickness_facts)},
+      {"spacing", facts_if(result.spacing, thickness_facts)},
+      {"ellipsoids", facts_if(result.ellipsoids, ellipsoid_facts)},
+      {"mil", facts_if(result.anisotropy, intercept_facts)},
+      {"boxes", list_of_facts(result.boxes, box_facts)},
+      {"touches_border", result.touches}};
+  facts.insert(facts.end(), others.begin(), others.end());
+  return facts;
 }
 
 }  // namespace octavo

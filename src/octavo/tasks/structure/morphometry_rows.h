@@ -1,10 +1,11 @@
-// The numbers of morphometry by name, as every face shows them.
+// What morphometry found, by name, as every face shows it.
 #pragma once
 
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "octavo/tasks/result_facts.h"
 #include "octavo/tasks/structure/morphometry.h"
 
 namespace octavo {
@@ -21,5 +22,8 @@ struct MorphometryRow {
 /// has_tortuosity  whether it was asked for: an axis that no pore leads along has none
 std::vector<MorphometryRow> morphometry_rows(const MorphometryResult& result,
                                              bool has_tortuosity);
+
+/// The same numbers, and what some of them are of: histograms, axes, boxes.
+Facts morphometry_facts(const MorphometryResult& result, bool has_tortuosity);
 
 }  // namespace octavo

@@ -207,6 +207,19 @@ double SelfSimilarityResult::saved_bytes() const {
   return saved;
 }
 
+Facts similarity_facts(const SimilarityLevel& level) {
+  return {{"side", level.side},
+          {"cubes", level.cubes},
+          {"uniform", level.uniform},
+          {"asked", level.asked},
+          {"same_level", level.same_level},
+          {"next_level", level.next_level},
+          {"turned", level.turned},
+          {"cut_short", level.cut_short},
+          {"coded_bytes", level.coded_bytes},
+          {"reference_bytes", level.reference_bytes}};
+}
+
 SelfSimilarityResult self_similarity(const SelfSimilarityOptions& options,
                                      const TaskContext& context) {
   const std::shared_ptr<const FileReader> input = open_volume(options.input, context);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "octavo/core/volume.h"
+#include "octavo/tasks/result_facts.h"
 #include "octavo/tasks/task_context.h"
 
 namespace octavo {
@@ -45,6 +46,9 @@ struct SelfSimilarityResult {
   /// Of the levels that save anything.
   double saved_bytes() const;
 };
+
+/// All numbers of a level but what it saves.
+Facts similarity_facts(const SimilarityLevel& level);
 
 /// Looks for cubes of side 16, 8 and 4 that equal another one: similar_cubes. The bytes of a cube
 /// are those of the levels below its own in its brick, shared out by how much its voxels differ
