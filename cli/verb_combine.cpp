@@ -31,7 +31,7 @@ int run_combine(const CombineOptions& options, Context& context) {
   print_result(
       context,
       {{"output", options.output.path},
-       {"operation", combination_name(options.combination)},
+       {"operation", word_of(options.combination)},
        {"voxels", result.voxels},
        {"mm3", json_of(mm3_of(result.voxels, result.volume))},
        {"resampled", result.resampled},

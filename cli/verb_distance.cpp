@@ -49,7 +49,7 @@ int run_distance(const DistanceOptions& options, Context& context) {
   print_result(
       context,
       {{"output", options.output.path},
-       {"to", options.to == DistanceTo::faces ? "faces" : "centers"},
+       {"to", word_of(options.to)},
        {"smallest_mm", result.smallest_mm},
        {"largest_mm", result.largest_mm},
        {"step_mm", json_of(options.is_in_steps ? std::optional(step_mm) : std::nullopt)},
@@ -68,9 +68,7 @@ void add_distance(CLI::App& app, Context& context) {
   auto [verb, options] = add_verb(app, context, kDistanceText, run_distance);
   add_mask_input(verb, options.input);
   verb.add_output(options.output, "The .8vo file to write");
-  verb.add_word("--to WHERE", options.to,
-                {{"faces", DistanceTo::faces}, {"centers", DistanceTo::centers}},
-                "Where distances end: faces or centers");
+  verb.add_word("--to WHERE", options.to, "Where distances end: faces or centers");
   verb.add_option("--max-mm MM", options.max_mm, "Larger distances become this one, either sign")
       .check(above_zero());
   Option step = verb.add_option("--step MM", options.step_mm, "int16 voxels of so many mm")

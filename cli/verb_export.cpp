@@ -140,11 +140,7 @@ void add_options(Verb verb, ExportArguments& arguments) {
   verb.add_flag_of("--real", options.values, ExportValues::real,
                    "Real units as float32, in every format")
       .excludes(stored);
-  verb.add_word("--compression NAME", arguments.compression,
-                {{"zstd", ZarrCompression::zstd},
-                 {"blosc", ZarrCompression::blosc},
-                 {"none", ZarrCompression::none}},
-                "Of OME-Zarr: zstd, blosc or none");
+  verb.add_word("--compression NAME", arguments.compression, "Of OME-Zarr: zstd, blosc or none");
   add_salvage_option(verb, options.salvage);
 }
 

@@ -220,7 +220,7 @@ std::string screen(const InfoResult& info, bool show_metadata) {
   const Metadata& metadata = d.metadata;
   std::string text = info.name + "\n";
   text += row("holds", fmt::format("{} voxels of {}, {}, {}", size_text(d.size),
-                                   voxel_type_name(d.type), kind_name(d.kind),
+                                   voxel_type_name(d.type), word_of(d.kind),
                                    loss_words(info, metadata)));
   text += geometry_rows(info, metadata);
   text += values_row(info);

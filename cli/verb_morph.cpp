@@ -85,7 +85,7 @@ int run_morph(const MorphArguments& arguments, Context& context) {
   const MorphResult result = run_task(morph, options, context);
   print_result(context,
                {{"output", options.output.path},
-                {"operation", morphology_name(options.morphology)},
+                {"operation", word_of(options.morphology)},
                 {"voxels", result.voxels},
                 {"mm3", json_of(mm3_of(result.voxels, result.volume))},
                 {"voxels_before", result.voxels_before},

@@ -128,7 +128,7 @@ nlohmann::ordered_json ray_counts_json(const RenderOptions& options, const Rende
 
 nlohmann::ordered_json report_json(const RenderOptions& options, const RenderResult& result) {
   nlohmann::ordered_json json = {
-      {"outputs", result.outputs}, {"mode", mode_name(options.mode)},
+      {"outputs", result.outputs}, {"mode", word_of(options.mode)},
       {"level", result.level},     {"size", {result.width, result.height}},
       {"pixel_mm", if_in_mm(result.volume, result.pixel_mm)},
       {"toward", result.toward}};

@@ -100,9 +100,7 @@ std::vector<double> parse_levels(const std::string& text, const std::string& opt
 }
 
 OverlayKind parse_overlay_kind(const std::string& word) {
-  return word == "outline" ? OverlayKind::outline
-         : word == "wash"  ? OverlayKind::wash
-                           : OverlayKind::isolines;
+  return *value_of_word<OverlayKind>(word);
 }
 
 std::optional<AskedMontage> asked_montage(const SliceArguments& arguments) {
@@ -236,7 +234,7 @@ void add_overlay_options(Verb verb, SliceArguments& arguments) {
                 "A mask, labels or grey values to draw above");
   verb.add_list("--overlay-as KIND", arguments.overlay_kinds, parse_overlay_kind,
                 "outline, wash or isolines (default: outline of labels, isolines of grey values)")
-      .check(one_of({"outline", "wash", "isolines"}));
+      .check(one_word_of(all_words<OverlayKind>()));
   verb.add_list("--overlay-levels V,V,...", arguments.overlay_levels, parse_levels,
                 "Values of isolines, or ends of a wash (default: round ones); or none");
   verb.add_list("--overlay-color COLOR", arguments.overlay_colors, parse_color,

@@ -109,8 +109,6 @@ int parse_smoothing(const std::string& text, const std::string& option) {
   return static_cast<int>(steps);
 }
 
-MeshFormat parse_format(const std::string& ending) { return *mesh_format_of("part." + ending); }
-
 [[noreturn]] void reject_option(const std::string& option, const std::string& advice) {
   throw Error(ErrorKind::invalid_argument, option + " does not go with these: " + advice);
 }
@@ -245,9 +243,8 @@ void add_label_surface_options(Verb verb, SurfaceArguments& arguments) {
   verb.add_flag("--interfaces", arguments.are_interfaces,
                 "Of a label map all surfaces between labels, with the labels on both sides")
       .excludes(parts);
-  verb.add_parsed("--part-format FORMAT", arguments.part_format, parse_format,
-                  "With --parts: the format of files in a folder (default: stl)")
-      .check(one_of({"stl", "ply", "obj", "glb", "vtp", "3mf"}));
+  verb.add_word("--part-format FORMAT", arguments.part_format,
+                "With --parts: the format of files in a folder (default: stl)");
   verb.add_parsed("--smooth N|off", arguments.smoothing_steps, parse_smoothing,
                   "With --parts or --interfaces: steps of smoothing, or off (default: 20)");
 }
@@ -277,14 +274,12 @@ void add_surface(CLI::App& app, Context& context) {
               "So many at most: a number, or 5% of all; the deviation is proven and printed")
           .excludes(deviation);
   verb.add_word("--method METHOD", arguments.method,
-                {{"collapse", DecimationMethod::collapse}, {"octree", DecimationMethod::cells}},
                 "How triangles become fewer: edges collapse, or cells merge\n"
                 "(default: collapse); not with --parts or --interfaces")
       .excludes(triangles);
   verb.add_option("--report FILE", options.report_path,
                   "A file for what is known of the surface, as JSON");
-  verb.add_word("--space SPACE", options.space, {{"lps", MeshSpace::lps}, {"ras", MeshSpace::ras}},
-                "Axes of the coordinates");
+  verb.add_word("--space SPACE", options.space, "Axes of the coordinates");
   verb.add_flag("--stored", options.is_stored, "The isovalue is a stored value, not a real one");
   verb.add_flag("--plain", options.is_plain,
                 "A .glb file without compression and extensions, for programs that lack them");

@@ -193,9 +193,6 @@ void add_transform(CLI::App& app, Context& context) {
   verb.add_flag("--in-place", arguments.is_in_place,
                 "Keep direction and center of the grid: the object turns or grows");
   verb.add_word("--interpolation NAME", options.interpolation,
-                {{"nearest", Interpolation::nearest},
-                 {"linear", Interpolation::linear},
-                 {"cubic", Interpolation::cubic}},
                 "nearest, linear or cubic: Keys, a = -0.5 (default: linear; labels: nearest)");
   verb.add_parsed(
       "--fill V", options.fill, parse_number,

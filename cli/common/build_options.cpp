@@ -20,14 +20,6 @@ float parse_float(const std::string& text, const std::string& what) {
   throw Error(ErrorKind::invalid_argument, what + ": '" + escaped(text) + "' is beyond float32");
 }
 
-NamedValues<Access> accesses() {
-  NamedValues<Access> named;
-  for (std::size_t i = 0; i < kAccessNames.size(); ++i) {
-    named.emplace_back(kAccessNames[i], static_cast<Access>(i));
-  }
-  return named;
-}
-
 }  // namespace
 
 Option add_build_options(Verb verb, BuildScanOptions& options) {
@@ -41,7 +33,7 @@ Option add_build_options(Verb verb, BuildScanOptions& options) {
   verb.add_option("--label-names FILE", options.label_names,
                   "A text file with names and colors of the labels");
   add_preset(verb, options.preset);
-  verb.add_word("--access NAME", options.access, accesses(),
+  verb.add_word("--access NAME", options.access,
                 "What of a brick of 64^3 voxels decodes alone: none, slices (64 x 32 x 32) or "
                 "boxes (32^3). Default: slices in fast, none in small");
   verb.add_parsed("--max-error E", options.max_error, parse_max_error,

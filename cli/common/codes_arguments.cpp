@@ -59,10 +59,6 @@ bool is_mixed(const CodesArguments& arguments) {
   return arguments.options.notation == CodeNotation::mixed_octal;
 }
 
-const char* notation_name(const CodesArguments& arguments) {
-  return is_mixed(arguments) ? "mixed" : "linear";
-}
-
 /// Calls `take(code text, leaf)` for every leaf in the order of the notation.
 template <class F>
 void for_each_leaf(const LinearOctree& octree, bool is_mixed, const F& take) {
@@ -166,7 +162,7 @@ nlohmann::ordered_json neighbors_json(const CubeSurroundings& around, const Cube
     row.update(words.found(around.neighbors[i]));
     rows.push_back(row);
   }
-  return {{"root_level", words.root_level},      {"notation", notation_name(arguments)},
+  return {{"root_level", words.root_level},      {"notation", word_of(arguments.options.notation)},
           {"code", words.code(around.cube)},     {"level", around.cube.level},
           {"cube", words.found(around.filling)}, {"neighbors", rows}};
 }
@@ -200,7 +196,7 @@ nlohmann::ordered_json result_json(const LinearOctree& octree, const LabelNames&
     for_each_leaf(octree, is_mixed(arguments), [&](const std::string& code, const Leaf& leaf) {
       codes.push_back({{"level", leaf.cube.level}, {"code", code}, {"value", leaf.value}});
     });
-    object["notation"] = notation_name(arguments);
+    object["notation"] = word_of(arguments.options.notation);
     object["codes"] = codes;
   }
   return object;
@@ -230,7 +226,6 @@ void add_codes_options(Verb verb, CodesArguments& arguments) {
       .excludes(list)
       .excludes(counts);
   verb.add_word("--notation NAME", options.notation,
-                {{"mixed", CodeNotation::mixed_octal}, {"linear", CodeNotation::hierarchical}},
                 "Of codes: mixed (mixed-octal) or linear");
 }
 

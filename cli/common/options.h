@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "common/context.h"
+#include "octavo/core/option_words.h"
 
 namespace CLI {
 class App;
@@ -79,7 +80,22 @@ auto parsed(const Parse& parse, const std::string& text, const std::string& opti
 
 /// The words that an option takes, and what each means.
 template <class T>
-using NamedValues = std::vector<std::pair<const char*, T>>;
+using NamedValues = std::vector<NamedValue<T>>;
+
+/// Those that an enumeration has.
+template <class T>
+NamedValues<T> all_words() {
+  const auto words = option_words(T());
+  return {words.begin(), words.end()};
+}
+
+/// One of them.
+template <class T>
+Check one_word_of(const NamedValues<T>& words) {
+  std::vector<std::string> all;
+  for (const auto& [word, meaning] : words) all.emplace_back(word);
+  return one_of(std::move(all));
+}
 
 struct VerbText {
   const char* name;
@@ -145,6 +161,15 @@ class Verb {
                   const NamedValues<std::type_identity_t<T>>& words, const std::string& help) {
     return add_word_of(names, value, words, help);
   }
+  /// One of the words that an enumeration has: core/option_words.h.
+  template <class T>
+  Option add_word(const std::string& names, T& value, const std::string& help) {
+    return add_word(names, value, all_words<T>(), help);
+  }
+  template <class T>
+  Option add_word(const std::string& names, std::optional<T>& value, const std::string& help) {
+    return add_word(names, value, all_words<T>(), help);
+  }
   /// `take` gets the text that is given, or each of them.
   Option add_text(const std::string& names, const std::string& help, TakeText take);
   Option add_texts(const std::string& names, const std::string& help, TakeText take);
@@ -184,15 +209,13 @@ class Verb {
   template <class T, class Value>
   Option add_word_of(const std::string& names, T& value, const NamedValues<Value>& words,
                      const std::string& help) {
-    std::vector<std::string> all;
-    for (const auto& [word, meaning] : words) all.emplace_back(word);
     return add_text(names, help,
                     [&value, words](const std::string& text, const std::string&) {
                       for (const auto& [word, meaning] : words) {
                         if (text == word) value = meaning;
                       }
                     })
-        .check(one_of(std::move(all)));
+        .check(one_word_of(words));
   }
 
   CLI::App* app_;

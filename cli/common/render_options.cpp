@@ -18,15 +18,6 @@ namespace octavo::cli {
 
 namespace {
 
-const NamedValues<RenderMode> kModes = {{"cubes", RenderMode::cubes},
-                                        {"surface", RenderMode::surface},
-                                        {"transparency", RenderMode::transparency},
-                                        {"volume", RenderMode::volume},
-                                        {"mip", RenderMode::mip},
-                                        {"minip", RenderMode::minip},
-                                        {"mean", RenderMode::mean},
-                                        {"iso", RenderMode::iso}};
-
 void take_size(const std::string& text, const std::string& option, RenderOptions& options) {
   const std::vector<std::string> sides = split(text, 'x');
   if (sides.size() > 2) {
@@ -234,11 +225,10 @@ void add_ray_options(Verb verb, RenderOptions& options) {
 void add_render_options(Verb verb, RenderOptions& options) {
   verb.add_input(options.input);
   verb.add_output(options.output, "The .png file to write, or .apng, .webp or .mp4");
-  verb.add_word("--mode MODE", options.mode, kModes,
+  verb.add_word("--mode MODE", options.mode,
                 "What is drawn: cubes, surface, transparency, or by rays volume, mip, minip, "
                 "mean, iso");
   verb.add_word("--shade SHADE", options.shade,
-                {{"flat", RenderShade::flat}, {"smooth", RenderShade::smooth}},
                 "flat or smooth (default: flat cubes, smooth surfaces)");
   verb.add_list("--range LOW:HIGH[=COLOR]", options.ranges, parse_look,
                 "Values, or labels, to draw");
@@ -270,11 +260,6 @@ void add_render_options(Verb verb, RenderOptions& options) {
                   "from the picture)")
       .excludes(average);
   add_view_options(verb, options);
-}
-
-const char* mode_name(RenderMode mode) {
-  const auto is_it = [mode](const auto& named) { return named.second == mode; };
-  return std::ranges::find_if(kModes, is_it)->first;
 }
 
 bool is_of_rays(RenderMode mode) {

@@ -9,7 +9,6 @@ namespace octavo::cli {
 void add_render_options(Verb verb, RenderOptions& options);
 
 /// "cubes", as the command line says it.
-const char* mode_name(RenderMode mode);
 
 /// Whether a mode casts rays.
 bool is_of_rays(RenderMode mode);

@@ -1,5 +1,6 @@
 #include "common/volume_options.h"
 
+#include "octavo/tasks/build_planes.h"
 #include "octavo/tasks/value_ranges.h"
 #include "text/quantities.h"
 
@@ -51,8 +52,7 @@ Option add_tissues(Verb verb, std::vector<std::string>& tissues) {
 }
 
 Option add_preset(Verb verb, Preset& preset) {
-  return verb.add_word("--preset NAME", preset, {{"small", Preset::small}, {"fast", Preset::fast}},
-                       "small: fewest bytes; fast: several times faster");
+  return verb.add_word("--preset NAME", preset, "small: fewest bytes; fast: several times faster");
 }
 
 }  // namespace octavo::cli

@@ -99,10 +99,6 @@ std::string step_words(const JoinStepResult& done, JoinStep step, const std::str
                      counted_text(static_cast<std::int64_t>(done.copied.size()), "part"), left);
 }
 
-const char* step_name(JoinStep step) {
-  return step == JoinStep::layout ? "layout" : step == JoinStep::copy ? "copy" : "seal";
-}
-
 int run_step(const JoinArguments& arguments, Context& context) {
   JoinStepOptions options;
   options.join = arguments.options;
@@ -112,7 +108,7 @@ int run_step(const JoinArguments& arguments, Context& context) {
   const JoinStepResult done = run_task(join_step, options, context);
   print_result(context,
                {{"output", options.join.output.path},
-                {"step", step_name(options.step)},
+                {"step", word_of(options.step)},
                 {"file_bytes", done.file_bytes},
                 {"part_count", done.part_count},
                 {"copied", done.copied},
@@ -160,10 +156,7 @@ void add_join(CLI::App& app, Context& context) {
                                  "Remove each part once it is in the file")
                        .excludes(missing);
   Option step =
-      verb.add_word(
-              "--step STEP", arguments.step,
-              {{"layout", JoinStep::layout}, {"copy", JoinStep::copy}, {"seal", JoinStep::seal}},
-              "One step of a join that many share")
+      verb.add_word("--step STEP", arguments.step, "One step of a join that many share")
           .excludes(missing);
   Option part = verb.add_option("--part I", arguments.part, "The part that is copied")
                     .check(whole_within(0))

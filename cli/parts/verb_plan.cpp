@@ -121,7 +121,7 @@ nlohmann::ordered_json plan_json(const PlanResult& plan, const std::string& path
   return {{"output", path},
           {"size", size_json(plan.volume.size)},
           {"type", voxel_type_name(plan.volume.type)},
-          {"kind", kind_name(plan.kind)},
+          {"kind", word_of(plan.kind)},
           {"raw_bytes", plan.raw_bytes},
           {"groups", plan.group_count},
           {"planes_per_group", plan.planes_per_group},

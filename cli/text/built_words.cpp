@@ -43,7 +43,7 @@ std::string built_text(const BuiltVolume& built, const std::string& output) {
   return fmt::format("{}: {} {} {}{}{}, {} from {} ({:.2f}:1, {:.2f} bits per voxel) in {} "
                      "({:.0f} MB/s, {})\n",
                      output, size_text(volume.size), voxel_type_name(volume.type),
-                     kind_name(built.kind), names_text(built), promise_text(built),
+                     word_of(built.kind), names_text(built), promise_text(built),
                      bytes_text(build.file_bytes), bytes_text(build.raw_bytes),
                      built.compression_ratio(), bits, duration_text(build.total_seconds),
                      built.mb_per_second(),
@@ -59,7 +59,7 @@ nlohmann::ordered_json clipped_json(const ClippedVoxels& clipped) {
 nlohmann::ordered_json built_json(const BuiltVolume& built, const std::string& output) {
   const BuildResult& build = built.build;
   return {{"output", output},
-          {"kind", kind_name(built.kind)},
+          {"kind", word_of(built.kind)},
           {"named_labels", named_count(built)},
           {"file_bytes", build.file_bytes},
           {"raw_bytes", build.raw_bytes},

@@ -86,8 +86,6 @@ nlohmann::ordered_json if_in_mm(const VolumeDescription& volume,
   return is_spacing_known(volume) ? value_mm : nlohmann::ordered_json(nullptr);
 }
 
-const char* kind_name(VolumeKind kind) { return kind == VolumeKind::labels ? "labels" : "grey"; }
-
 nlohmann::ordered_json window_json(const std::optional<Window>& window) {
   if (!window) return nullptr;
   return {{"center", window->center}, {"width", window->width}};
@@ -118,7 +116,7 @@ nlohmann::ordered_json file_json(const InfoResult& info) {
   const double slope = std::abs(d.rescale.slope);
   return {{"file", info.name},
           {"format_version", info.format_version},
-          {"kind", kind_name(d.kind)},
+          {"kind", word_of(d.kind)},
           {"type", voxel_type_name(d.type)},
           {"size", size_json(d.size)},
           {"spacing_mm", d.geometry.spacing_mm},

@@ -34,9 +34,6 @@ nlohmann::ordered_json if_in_mm(const VolumeDescription& volume,
 /// {"center", "width"}, or null.
 nlohmann::ordered_json window_json(const std::optional<Window>& window);
 
-/// "grey" or "labels".
-const char* kind_name(VolumeKind kind);
-
 /// The object that `info --json` prints.
 nlohmann::ordered_json file_json(const InfoResult& info);
 

@@ -13,6 +13,16 @@ namespace octavo::python {
 
 namespace nb = nanobind;
 
+void reject_word(const nb::handle& given, const char* name, std::span<const char* const> words) {
+  std::string known;
+  for (const char* const& word : words) {
+    const bool is_last = &word == &words.back();
+    known += (known.empty() ? "" : is_last ? " or " : ", ") + ("\"" + std::string(word) + "\"");
+  }
+  throw Error(ErrorKind::invalid_argument,
+              std::string(name) + " is " + known + ", not " + nb::repr(given).c_str());
+}
+
 std::vector<NamedFile> named_files(const OpenFile& file, const std::string& name,
                                    const nb::list& others) {
   std::vector<NamedFile> files = {{name, &file}};

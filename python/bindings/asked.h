@@ -7,9 +7,11 @@
 #include <nanobind/stl/vector.h>
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "octavo/core/option_words.h"
 #include "octavo/render/picture.h"
 #include "octavo/render/window.h"
 #include "octavo/tasks/asked_labels.h"
@@ -21,6 +23,31 @@ namespace octavo::python {
 template <class T>
 T asked_for(const nanobind::dict& asked, const char* name) {
   return nanobind::cast<T>(asked[name]);
+}
+
+/// Says which words an option takes. Throws Error{invalid_argument}
+[[noreturn]] void reject_word(const nanobind::handle& given, const char* name,
+                              std::span<const char* const> words);
+
+/// What a word means that is given for the option `name`.
+/// Throws Error{invalid_argument} for what is none of those that T has
+template <class T>
+T value_of_given(const nanobind::handle& given, const char* name) {
+  std::vector<const char*> words;
+  for (const auto& [word, meaning] : option_words(T())) {
+    if (given.equal(nanobind::str(word))) return meaning;
+    words.push_back(word);
+  }
+  reject_word(given, name, words);
+}
+/// What that of the member `name` means, and of one that may be None.
+template <class T>
+T asked_word(const nanobind::dict& asked, const char* name) {
+  return value_of_given<T>(nanobind::object(asked[name]), name);
+}
+template <class T>
+std::optional<T> asked_word_if(const nanobind::dict& asked, const char* name) {
+  return asked[name].is_none() ? std::nullopt : std::optional(asked_word<T>(asked, name));
 }
 
 /// The members "labels", by number, and "names".

@@ -28,8 +28,10 @@
 #include "octavo/io/source/narrowing.h"
 #include "octavo/io/zarr/zarr_source.h"
 #include "octavo/planes/plane_cursor.h"
+#include "octavo/tasks/build_planes.h"
 #include "octavo/tasks/files/exported_voxels.h"
 #include "octavo/tasks/outputs.h"
+#include "octavo/tasks/volume_facts.h"
 
 namespace octavo::python {
 
@@ -106,14 +108,9 @@ class PythonPlanes final : public PlaneSource {
 
 BuildOptions options_of(const nb::dict& given) {
   BuildOptions options;
-  const auto text = [&](const char* name) { return asked_for<std::string>(given, name); };
-  options.kind = kind_of(text("kind"));
-  options.preset = text("preset") == "fast" ? Preset::fast : Preset::small;
-  const auto access = asked_for<std::optional<std::string>>(given, "access");
-  if (access) {
-    options.access = *access == "boxes" ? Access::boxes
-                     : *access == "slices" ? Access::slices : Access::none;
-  }
+  options.kind = asked_word<VolumeKind>(given, "kind");
+  options.preset = asked_word<Preset>(given, "preset");
+  options.access = asked_word_if<Access>(given, "access");
   options.max_error = asked_for<double>(given, "max_error");
   options.keep_details = asked_for<int>(given, "keep_details");
   options.repair = {asked_for<std::optional<float>>(given, "nan"),
@@ -187,7 +184,7 @@ nb::tuple build_zarr(const std::string& source, const std::string& path, const n
   how.max_memory_bytes = asked_for<std::uint64_t>(given, "max_memory");
   const int threads = asked_for<int>(given, "threads");
   how.threads = threads > 0 ? threads : static_cast<int>(std::thread::hardware_concurrency());
-  const auto kind = asked_for<std::optional<std::string>>(asked, "kind");
+  const auto kind = asked_word_if<VolumeKind>(asked, "kind");
   const int level = asked_for<int>(asked, "level");
   BuildOptions options = options_of(given);
   const BuildWarnings of_build;
@@ -195,7 +192,7 @@ nb::tuple build_zarr(const std::string& source, const std::string& path, const n
   std::vector<Warning> warnings;
   call.run_apart([&] {
     const auto planes = open_zarr_source(source, how, level);
-    options.kind = kind ? kind_of(*kind) : planes->description().kind;
+    options.kind = kind.value_or(planes->description().kind);
     const BuildResult built = build_file(*planes, local_storage(), path, options, call);
     compare_with_export(planes->files().voxels_sha256, options.repair, built, source, path,
                         of_build.context());

@@ -18,12 +18,6 @@ namespace octavo::python {
 
 namespace nb = nanobind;
 
-const char* kind_name(VolumeKind kind) { return kind == VolumeKind::labels ? "labels" : "grey"; }
-
-VolumeKind kind_of(const std::string& name) {
-  return name == "labels" ? VolumeKind::labels : VolumeKind::grey;
-}
-
 nb::object object_of(const FactValue& value) {
   return std::visit(
       []<class Held>(const Held& held) -> nb::object {
@@ -73,7 +67,7 @@ VolumeDescription description_of(const Zyx& shape, const nb::dict& facts) {
   VolumeDescription volume;
   MetadataFacts noted;
   volume.type = given_type(facts).voxel();
-  volume.kind = kind_of(asked_for<std::string>(facts, "kind"));
+  volume.kind = asked_word<VolumeKind>(facts, "kind");
   volume.size = size_of(shape);
   const auto spacing = asked_for<std::optional<std::array<double, 3>>>(facts, "spacing");
   if (spacing) volume.geometry.spacing_mm = xyz_of(*spacing);

@@ -26,10 +26,6 @@ inline nanobind::tuple zyx_of(const Point3& point) {
   return nanobind::make_tuple(point[2], point[1], point[0]);
 }
 
-/// "grey" or "labels", and back; other text is grey.
-const char* kind_name(VolumeKind kind);
-VolumeKind kind_of(const std::string& name);
-
 /// What `of` says of each one of `all`.
 template <class All, class Of>
 nanobind::list list_of(const All& all, Of of) {

@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "asked.h"
 #include "facts.h"
 #include "octavo/core/error.h"
 #include "octavo/ops/label/label_build.h"
@@ -111,16 +112,9 @@ LabelMap labels_selected(const LabelMap& map, const std::vector<Label>& labels,
   return work.run([&] { return LabelMap(mask_of_labels_in(map, labels, work.context())); });
 }
 
-Combination combination_of(const std::string& name) {
-  for (const auto combination : {Combination::unite, Combination::intersect,
-                                 Combination::subtract, Combination::exclusive_or}) {
-    if (name == combination_name(combination)) return combination;
-  }
-  return Combination::complement;
-}
-
 LabelMap combine_maps(const LabelMap& a, const LabelMap* b, const std::string& name,
                       const nb::dict& given) {
+  const auto combination = value_of_given<Combination>(nb::cast(name), "operation");
   Work work(given);
   return work.run([&] {
     const TaskContext& context = work.context();
@@ -129,7 +123,7 @@ LabelMap combine_maps(const LabelMap& a, const LabelMap* b, const std::string& n
     }
     const auto first = a.mask(context);
     const auto second = b == nullptr ? nullptr : b->mask(context);
-    return LabelMap(combined_mask(*first, second.get(), combination_of(name), context));
+    return LabelMap(combined_mask(*first, second.get(), combination, context));
   });
 }
 
@@ -151,10 +145,7 @@ LabelMap filled_map(const LabelMap& map, int connectivity, std::optional<double>
 LabelMap morphed_map(const LabelMap& map, const std::string& name, std::optional<double> mm,
                      std::int64_t steps, int connectivity, const nb::dict& given) {
   MorphOptions options{.input = "the mask", .output = {}};
-  for (const auto morphology :
-       {Morphology::dilate, Morphology::erode, Morphology::open, Morphology::close}) {
-    if (name == morphology_name(morphology)) options.morphology = morphology;
-  }
+  options.morphology = value_of_given<Morphology>(nb::cast(name), "operation");
   options.mm = mm;
   options.steps = steps;
   options.connectivity = static_cast<Connectivity>(connectivity);

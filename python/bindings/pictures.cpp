@@ -24,12 +24,7 @@ namespace {
 
 OverlayLook overlay_look(const nb::dict& asked) {
   OverlayLook look;
-  const auto kind = asked_for<std::optional<std::string>>(asked, "kind");
-  if (kind) {
-    look.kind = *kind == "outline" ? OverlayKind::outline
-                : *kind == "wash"  ? OverlayKind::wash
-                                   : OverlayKind::isolines;
-  }
+  look.kind = asked_word_if<OverlayKind>(asked, "kind");
   look.levels = asked_for<std::vector<double>>(asked, "levels");
   look.opacity = asked_for<std::optional<double>>(asked, "opacity");
   look.color = color_of(asked_for<std::optional<std::string>>(asked, "color"));

@@ -25,6 +25,7 @@
 #include "octavo/file/storage/sparse_source.h"
 #include "octavo/file/storage/storage.h"
 #include "octavo/file/verify.h"
+#include "octavo/tasks/volume_facts.h"
 
 namespace octavo::python {
 
@@ -207,7 +208,7 @@ nb::dict facts_of(const OpenFile& file) {
     levels.append(level_facts(reader, level));
   }
   nb::dict facts = volume_facts(volume);
-  facts["kind"] = kind_name(volume.kind);
+  facts["kind"] = word_of(volume.kind);
   facts["levels"] = levels;
   facts["slope"] = volume.rescale.slope;
   facts["intercept"] = volume.rescale.intercept;

@@ -65,16 +65,6 @@ TransformStep step_of(const std::string& name, const std::vector<double>& number
   }
   return AffineStep{map, is_inverse};
 }
-std::optional<Interpolation> interpolation_of(const std::optional<std::string>& name) {
-  if (!name) return {};
-  return *name == "nearest"  ? Interpolation::nearest
-         : *name == "linear" ? Interpolation::linear
-                             : Interpolation::cubic;
-}
-
-Preset preset_of(const nb::dict& asked) {
-  return asked_for<std::string>(asked, "preset") == "fast" ? Preset::fast : Preset::small;
-}
 
 nb::dict transform_file(const OpenFile& file, const std::string& name, const std::string& path,
                         const nb::list& steps, const OpenFile* grid, const std::string& grid_name,
@@ -91,10 +81,9 @@ nb::dict transform_file(const OpenFile& file, const std::string& name, const std
              options.steps);
   }
   options.grid_of = grid == nullptr ? "" : grid_name;
-  options.interpolation =
-      interpolation_of(asked_for<std::optional<std::string>>(asked, "interpolation"));
+  options.interpolation = asked_word_if<Interpolation>(asked, "interpolation");
   options.fill = asked_for<std::optional<double>>(asked, "fill");
-  options.preset = preset_of(asked);
+  options.preset = asked_word<Preset>(asked, "preset");
   options.max_error = asked_for<double>(asked, "max_error");
   const TransformResult result =
       run_task(transform, options, {{name, &file}, {grid_name, grid}}, given);
@@ -125,20 +114,13 @@ void shell_file(const OpenFile& file, const std::string& name, const std::string
   run_task(shell, options, {{name, &file}}, given);
 }
 
-ZarrCompression compression_of(const std::string& name) {
-  return name == "blosc"  ? ZarrCompression::blosc
-         : name == "zstd" ? ZarrCompression::zstd
-                          : ZarrCompression::none;
-}
-
 /// (levels, files, bytes)
 nb::tuple export_zarr_file(const OpenFile& file, const std::string& name, const std::string& path,
                            const nb::dict& asked, const nb::dict& given) {
   ZarrImageOptions options{.input = name,
                            .output = {path, asked_for<bool>(asked, "overwrite")},
                            .level = asked_for<int>(asked, "level"),
-                           .compression = compression_of(
-                               asked_for<std::string>(asked, "compression")),
+                           .compression = asked_word<ZarrCompression>(asked, "compression"),
                            .chunk_side = asked_for<std::int64_t>(asked, "chunk_side"),
                            .shard_chunks = asked_for<std::int64_t>(asked, "shard_chunks")};
   const ZarrImageResult made = run_task(export_zarr_image, options, {{name, &file}}, given);

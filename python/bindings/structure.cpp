@@ -31,8 +31,7 @@ nb::dict distance_file(const OpenFile& file, const std::string& name, const std:
   DistanceOptions options;
   options.input = name;
   options.output = {path, asked_for<bool>(asked, "overwrite")};
-  options.to = asked_for<std::string>(asked, "to") == "centers" ? DistanceTo::centers
-                                                               : DistanceTo::faces;
+  options.to = asked_word<DistanceTo>(asked, "to");
   options.max_mm = asked_for<std::optional<double>>(asked, "max_mm");
   options.is_in_steps = asked_for<bool>(asked, "steps");
   options.step_mm = asked_for<std::optional<double>>(asked, "step_mm");

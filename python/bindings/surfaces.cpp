@@ -39,8 +39,7 @@ void set_surface(const nb::dict& asked, Options& options) {
           asked_for<std::optional<std::pair<double, bool>>>(asked, "triangles")) {
     options.triangles = AskedTriangles{most->first, most->second};
   }
-  options.space = asked_for<std::string>(asked, "space") == "ras" ? MeshSpace::ras
-                                                                   : MeshSpace::lps;
+  options.space = asked_word<MeshSpace>(asked, "space");
 }
 
 SurfaceOptions surface_options(const std::string& name, const nb::dict& asked) {
@@ -52,9 +51,7 @@ SurfaceOptions surface_options(const std::string& name, const nb::dict& asked) {
   if (const auto seed = asked_for<std::optional<std::array<double, 3>>>(asked, "seed")) {
     options.seed = xyz_of(*seed);
   }
-  if (asked_for<std::string>(asked, "method") == "octree") {
-    options.method = DecimationMethod::cells;
-  }
+  options.method = asked_word<DecimationMethod>(asked, "method");
   options.allows_faults = asked_for<bool>(asked, "allow_faults");
   return options;
 }
@@ -139,15 +136,8 @@ nb::dict label_surface_files(const OpenFile& file, const std::string& name,
   options.input = name;
   options.output = {path, overwrite};
   set_surface(asked, options);
-  if (asked_for<std::string>(asked, "form") == "interfaces") {
-    options.form = LabelSurfaceForm::interfaces;
-  }
-  const auto format = mesh_format_of("part." + asked_for<std::string>(asked, "part_format"));
-  if (!format) {
-    throw Error(ErrorKind::invalid_argument,
-                "part_format is stl, ply, obj, glb, vtp or 3mf");
-  }
-  options.part_format = *format;
+  options.form = asked_word<LabelSurfaceForm>(asked, "form");
+  options.part_format = asked_word<MeshFormat>(asked, "part_format");
   options.smoothing_steps = asked_for<int>(asked, "smooth");
   const LabelSurfacesResult result = run_task(label_surfaces, options, {{name, &file}}, given);
   if (!result.is_written) {
@@ -186,10 +176,7 @@ nb::dict hexahedra_file(const OpenFile& file, const std::string& name, const std
   HexahedraOptions options;
   options.input = name;
   options.output = {path, asked_for<bool>(asked, "overwrite")};
-  const auto method = asked_for<std::string>(asked, "method");
-  options.method = method == "octree"       ? HexMethod::octree
-                   : method == "conforming" ? HexMethod::conforming
-                                            : HexMethod::uniform;
+  options.method = asked_word<HexMethod>(asked, "method");
   options.labels = asked_labels(asked);
   options.level = asked_for<int>(asked, "level");
   options.keep_largest = asked_for<bool>(asked, "keep_largest");

@@ -26,17 +26,6 @@ namespace {
 
 using ColorName = std::optional<std::string>;
 
-RenderMode render_mode_of(const std::string& name) {
-  if (name == "surface") return RenderMode::surface;
-  if (name == "transparency") return RenderMode::transparency;
-  if (name == "volume") return RenderMode::volume;
-  if (name == "mip") return RenderMode::mip;
-  if (name == "minip") return RenderMode::minip;
-  if (name == "mean") return RenderMode::mean;
-  if (name == "iso") return RenderMode::iso;
-  return RenderMode::cubes;
-}
-
 AskedView view_of(const nb::dict& asked) {
   AskedView view;
   view.side = asked_for<std::string>(asked, "view");
@@ -100,9 +89,7 @@ void set_company(const nb::dict& asked, RenderOptions& options) {
 
 /// Light, and what pictures cost.
 void set_light(const nb::dict& asked, RenderOptions& options) {
-  if (const auto shade = asked_for<std::optional<std::string>>(asked, "shade")) {
-    options.shade = *shade == "flat" ? RenderShade::flat : RenderShade::smooth;
-  }
+  options.shade = asked_word_if<RenderShade>(asked, "shade");
   options.fade = asked_for<std::optional<double>>(asked, "fade");
   options.is_average = asked_for<bool>(asked, "average");
   options.window = window_of(asked);
@@ -138,7 +125,7 @@ nb::list render_pictures(const OpenFile& file, const std::string& name, const nb
   std::vector<Picture> pictures;
   options.input = name;
   options.on_picture = [&](const Picture& picture) { pictures.push_back(picture); };
-  options.mode = render_mode_of(asked_for<std::string>(asked, "mode"));
+  options.mode = asked_word<RenderMode>(asked, "mode");
   set_content(asked, options);
   set_company(asked, options);
   set_light(asked, options);

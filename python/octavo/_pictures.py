@@ -6,11 +6,9 @@ import numpy as np
 
 from . import _octavo
 from ._errors import ArgumentError
-from ._work import (AXES, asked_labels, if_given, level_of, number_of, one_of, range_of, several_of,
+from ._work import (AXES, asked_labels, if_given, level_of, number_of, range_of, several_of,
                     text_of, texts_of, three_of, whole_number, work_of)
 
-MODES = ("cubes", "surface", "transparency", "volume", "mip", "minip", "mean", "iso")
-_OVERLAYS = ("outline", "wash", "isolines")
 _MOST_PICTURES = 999
 _LOWEST = -(1 << 62)
 
@@ -152,8 +150,6 @@ class PictureTasks:
         """
         is_of_labels = getattr(self, "kind", "labels") == "labels"
         mode = mode or ("surface" if is_of_labels else "volume")
-        if mode not in MODES:
-            raise ArgumentError(f"mode is one of {', '.join(MODES)}, not {mode!r}")
         name, handle = self._opened_file()
         numbers, names = asked_labels(labels)
         others, mask_name, map_name = _company(name, mask, label_map)
@@ -167,8 +163,8 @@ class PictureTasks:
             level=if_given(level_of, level), isovalue=if_given(number_of, isovalue, "isovalue"),
             window=if_given(range_of, window, "a window"), average=bool(average),
             transfer=if_given(_path_or_text, transfer, "transfer"),
-            shade=if_given(one_of, shade, "shade", ("flat", "smooth")),
-            fade=if_given(_share, fade, "fade"), cuts=[_cut(c) for c in texts_of(cuts, "cuts")],
+            shade=shade, fade=if_given(_share, fade, "fade"),
+            cuts=[_cut(c) for c in texts_of(cuts, "cuts")],
             removed=[_box(box) for box in several_of(removed, "removed")], mask=mask_name,
             label_map=map_name, label_looks=_label_looks(label_looks),
             meshes=[_mesh(one) for one in several_of(meshes, "meshes")],
@@ -230,7 +226,7 @@ def _overlay_look(look):
     if not isinstance(look, dict) or set(look) - {"kind", "levels", "opacity", "color"}:
         raise ArgumentError(f"how an overlay is drawn is a dict of kind, levels, opacity and "
                             f"color, not {look!r}")
-    return dict(kind=if_given(one_of, look.get("kind"), "kind", _OVERLAYS),
+    return dict(kind=look.get("kind"),
                 levels=[number_of(v, "a level") for v in several_of(look.get("levels", ()),
                                                                     "levels")],
                 opacity=if_given(_share, look.get("opacity"), "opacity"),

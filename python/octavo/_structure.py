@@ -46,8 +46,6 @@ class StructureTasks:
         octavo.ArgumentError
             For a mask that is empty or fills the volume, grey values, a spacing that is not known.
         """
-        if to not in ("faces", "centers"):
-            raise ArgumentError(f'to is "faces" or "centers", not {to!r}')
         if step_mm is not None and path is None:
             raise ArgumentError("step_mm is of files: give a path")
         if within_mm is not None and path is None:

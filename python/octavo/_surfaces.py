@@ -7,14 +7,9 @@ import numpy as np
 from . import _octavo
 from ._errors import ArgumentError
 from ._sources import if_written, written_path
-from ._work import (asked_labels, if_given, level_of, number_of, one_of, several_of, three_of,
+from ._work import (asked_labels, if_given, level_of, number_of, several_of, three_of,
                     whole_number, work_of)
 
-_SPACES = ("lps", "ras")
-_METHODS = ("collapse", "octree")
-_FORMS = ("parts", "interfaces")
-_FORMATS = ("stl", "ply", "obj", "glb", "vtp", "3mf")
-_CELLS = ("uniform", "octree", "conforming")
 _MOST_STEPS = 1000
 
 
@@ -142,8 +137,7 @@ class SurfaceTasks:
         name, handle = self._opened_file()
         asked = _asked_labels(labels, level, space)
         asked.update(_fewer(max_deviation_mm, max_deviation_voxels, triangles),
-                     form=one_of(form, "form", _FORMS),
-                     part_format=one_of(part_format, "part_format", _FORMATS),
+                     form=form, part_format=part_format,
                      smooth=whole_number(smooth, "smooth", 0, _MOST_STEPS))
         path = written_path(path)
         with work_of(threads, max_memory, progress) as work:
@@ -184,7 +178,7 @@ class SurfaceTasks:
         name, handle = self._opened_file()
         others = [] if of is None else [opened_beside(of, "of", name)]
         numbers, names = asked_labels(labels)
-        asked = dict(method=one_of(method, "method", _CELLS), labels=numbers, names=names,
+        asked = dict(method=method, labels=numbers, names=names,
                      level=level_of(level), keep_largest=bool(keep_largest),
                      density=if_given(_two, density, "density", "(slope, intercept)"),
                      modulus=if_given(_two, modulus, "modulus", "(factor, exponent)"),
@@ -217,13 +211,13 @@ def _triangles(given):
 def _asked_labels(labels, level, space):
     numbers, names = asked_labels(labels)
     return dict(labels=numbers, names=names, level=level_of(level),
-                space=one_of(space, "space", _SPACES))
+                space=space)
 
 
 def _asked(isovalue, labels, stored, level, seed, space, method, allow_faults, fewer):
     return dict(_asked_labels(labels, level, space), **fewer,
                 isovalue=if_given(number_of, isovalue, "isovalue"), stored=bool(stored),
-                seed=if_given(three_of, seed, "seed"), method=one_of(method, "method", _METHODS),
+                seed=if_given(three_of, seed, "seed"), method=method,
                 allow_faults=bool(allow_faults))
 
 

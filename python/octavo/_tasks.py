@@ -116,11 +116,6 @@ class FileTasks(StructureTasks, PictureTasks, SurfaceTasks):
         from ._building import _output
         from ._volume import Volume
         path = _output(path)
-        if preset not in ("small", "fast"):
-            raise ArgumentError(f'preset is "small" or "fast", not {preset!r}')
-        if interpolation not in (None, "nearest", "linear", "cubic"):
-            raise ArgumentError('interpolation is "nearest", "linear" or "cubic", not '
-                                f"{interpolation!r}")
         name, handle = self._opened_file()
         grid_name, grid = (("", None) if grid_of is None else
                            opened_beside(grid_of, "grid_of", name))

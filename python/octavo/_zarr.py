@@ -269,8 +269,6 @@ def export(volume, path, *, level=0, compression="zstd", chunk_side=64, shard_ch
     if not path.rstrip("/").endswith((".zarr", ".ozx")):
         raise ArgumentError(f"{path}: the name of an OME-Zarr image ends in .ome.zarr or .ozx; "
                             "the program octavo writes other formats", path=path)
-    if compression not in ("zstd", "blosc", "none"):
-        raise ArgumentError(f'compression is "zstd", "blosc" or "none", not {compression!r}')
     name, handle = opened_file(volume, "volume")
     asked = dict(overwrite=bool(overwrite), level=whole_number(level, "level", 0, 63),
                  compression=compression, chunk_side=whole_number(chunk_side, "chunk_side", 0),

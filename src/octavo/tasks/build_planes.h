@@ -5,11 +5,18 @@
 #include <string>
 
 #include "octavo/builder/builder.h"
+#include "octavo/core/option_words.h"
 #include "octavo/planes/plane_source.h"
 #include "octavo/tasks/outputs.h"
 #include "octavo/tasks/task_context.h"
 
 namespace octavo {
+
+constexpr auto option_words(Preset) { return in_order<Preset>("small", "fast"); }
+
+constexpr auto option_words(Access) {
+  return in_order<Access>(kAccessNames[0], kAccessNames[1], kAccessNames[2]);
+}
 
 /// A file that was built.
 struct BuiltVolume {

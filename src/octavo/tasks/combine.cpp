@@ -1,6 +1,5 @@
 #include "octavo/tasks/combine.h"
 
-#include <array>
 #include <memory>
 #include <span>
 #include <utility>
@@ -14,8 +13,6 @@ namespace octavo {
 
 namespace {
 
-constexpr std::array kNames = {"union", "intersect", "subtract", "xor", "complement"};
-
 SetOperation operation_of(Combination combination) {
   switch (combination) {
     case Combination::unite: return SetOperation::unite;
@@ -26,7 +23,7 @@ SetOperation operation_of(Combination combination) {
 }
 
 void require_masks(const CombineOptions& options) {
-  const std::string name = combination_name(options.combination);
+  const std::string name = word_of(options.combination);
   const std::size_t count = options.inputs.size();
   const bool is_complement = options.combination == Combination::complement;
   if (is_complement ? count == 1 : count >= 2) return;
@@ -53,7 +50,7 @@ MaskTree further_mask(const std::string& path, const OpenedMask& first,
 }
 
 MadeBy made_by(const CombineOptions& options, const CombineResult& result) {
-  MadeBy made(combination_name(options.combination));
+  MadeBy made(word_of(options.combination));
   made.set("masks", options.inputs.size());
   if (!result.resampled.empty()) made.set("resampled", result.resampled.size());
   return made;
@@ -142,10 +139,6 @@ ComputedVolume combined_planes(const CombineOptions& options, const TaskContext&
               std::move(masks), options.combination,
               label_description(first->description(), VoxelType::uint8, made_by(options, {}))),
           {.kind = VolumeKind::labels, .is_resumable = false}};
-}
-
-const char* combination_name(Combination combination) {
-  return kNames[static_cast<std::size_t>(combination)];
 }
 
 ComputedMask combined_mask(const ComputedMask& a, const ComputedMask* b, Combination combination,

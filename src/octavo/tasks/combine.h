@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "octavo/core/option_words.h"
 #include "octavo/core/volume.h"
 #include "octavo/tasks/build_planes.h"
 #include "octavo/tasks/masks.h"
@@ -15,8 +16,9 @@ namespace octavo {
 
 enum class Combination : std::uint8_t { unite, intersect, subtract, exclusive_or, complement };
 
-/// "union", "intersect", "subtract", "xor", "complement".
-const char* combination_name(Combination combination);
+constexpr auto option_words(Combination) {
+  return in_order<Combination>("union", "intersect", "subtract", "xor", "complement");
+}
 
 struct CombineOptions {
   std::vector<std::string> inputs;  ///< label maps: one for the complement, else two or more

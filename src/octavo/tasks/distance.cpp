@@ -89,7 +89,7 @@ double max_error_of(const DistanceOptions& options, double step_mm) {
 
 MadeBy made_by(const DistanceOptions& options) {
   MadeBy made("distance");
-  made.set("to", options.to == DistanceTo::faces ? "faces" : "centers");
+  made.set("to", word_of(options.to));
   if (options.max_mm) made.set("max_mm", *options.max_mm);
   if (options.within_mm) made.set("within_mm", *options.within_mm);
   return made;

@@ -5,12 +5,15 @@
 #include <optional>
 #include <string>
 
+#include "octavo/core/option_words.h"
 #include "octavo/core/volume.h"
 #include "octavo/ops/distance/distance_field.h"
 #include "octavo/tasks/outputs.h"
 #include "octavo/tasks/task_context.h"
 
 namespace octavo {
+
+constexpr auto option_words(DistanceTo) { return in_order<DistanceTo>("faces", "centers"); }
 
 struct DistanceOptions {
   std::string input;  ///< a label map; every voxel but 0 is in the mask

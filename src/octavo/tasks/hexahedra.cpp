@@ -269,10 +269,9 @@ void count_elements(const HexMesh& mesh, HexahedraResult& result) {
 }
 
 std::vector<std::string> hex_comments(const HexahedraOptions& options, const FileReader& reader) {
-  constexpr std::array<const char*, 3> kMethods = {"uniform", "octree", "conforming"};
   return {"octavo hexahedra of voxels with SHA-256 " + hex_text(reader.voxel_digest()),
           fmt::format("level {}, {}, SPACE=LPS UNIT=mm", options.level,
-                      kMethods[static_cast<std::size_t>(options.method)])};
+                      word_of(options.method))};
 }
 
 }  // namespace

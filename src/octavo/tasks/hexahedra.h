@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "octavo/core/option_words.h"
 #include "octavo/mesh/hexahedra/cell_values.h"
 #include "octavo/mesh/hexahedra/hex_mesh.h"
 #include "octavo/tasks/asked_labels.h"
@@ -15,6 +16,10 @@
 #include "octavo/tasks/task_context.h"
 
 namespace octavo {
+
+constexpr auto option_words(HexMethod) {
+  return in_order<HexMethod>("uniform", "octree", "conforming");
+}
 
 struct HexahedraOptions {
   std::string input;  ///< a mask or a label map

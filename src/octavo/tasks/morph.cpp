@@ -10,16 +10,8 @@ namespace octavo {
 
 namespace {
 
-struct Way {
-  const char* name;
-  MaskTree (*change)(const MaskTree&, const Reach&, Progress&, std::uint64_t);
-};
-
 /// In the order of Morphology.
-constexpr std::array kWays = std::to_array<Way>(
-    {{"dilate", dilate}, {"erode", erode}, {"open", opening}, {"close", closing}});
-
-const Way& way_of(Morphology morphology) { return kWays[static_cast<std::size_t>(morphology)]; }
+constexpr std::array kChanges = {dilate, erode, opening, closing};
 
 Reach reach_of(const MorphOptions& options, const VolumeDescription& volume,
                std::uint64_t max_bytes) {
@@ -32,10 +24,8 @@ Reach reach_of(const MorphOptions& options, const VolumeDescription& volume,
 
 }  // namespace
 
-const char* morphology_name(Morphology morphology) { return way_of(morphology).name; }
-
 MadeBy made_by_morph(const MorphOptions& options) {
-  MadeBy made(morphology_name(options.morphology));
+  MadeBy made(word_of(options.morphology));
   if (options.mm) {
     made.set("mm", *options.mm);
   } else {
@@ -55,8 +45,8 @@ MaskTree morphed_mask(const MaskTree& mask, const VolumeDescription& volume,
                          "masks that grow");
   MaskTree made;
   context.on_threads([&] {
-    made = way_of(options.morphology)
-               .change(mask, reach, context.watcher(), context.max_memory_bytes);
+    made = kChanges[static_cast<std::size_t>(options.morphology)](
+        mask, reach, context.watcher(), context.max_memory_bytes);
   });
   if (made.is_empty() && !mask.is_empty()) {
     const std::string name = options.output.path.empty() ? "the mask" : options.output.path;
@@ -72,7 +62,7 @@ MorphResult morph(const MorphOptions& options, const TaskContext& context) {
   const MaskTree made = morphed_mask(mask.tree, result.volume, options, context);
   result.voxels = made.voxel_count();
   result.file_bytes = write_mask(made, result.volume, made_by_morph(options), options.output,
-                                 morphology_name(options.morphology), context)
+                                 word_of(options.morphology), context)
                           .file_bytes;
   return result;
 }

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "octavo/core/made_by.h"
+#include "octavo/core/option_words.h"
 #include "octavo/core/volume.h"
 #include "octavo/octree/mask_tree.h"
 #include "octavo/ops/mask/word_neighbors.h"
@@ -16,8 +17,9 @@ namespace octavo {
 
 enum class Morphology : std::uint8_t { dilate, erode, open, close };
 
-/// "dilate", "erode", "open", "close".
-const char* morphology_name(Morphology morphology);
+constexpr auto option_words(Morphology) {
+  return in_order<Morphology>("dilate", "erode", "open", "close");
+}
 
 struct MorphOptions {
   Morphology morphology = Morphology::dilate;

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "octavo/core/hasher.h"
+#include "octavo/core/option_words.h"
 #include "octavo/mesh/decimation.h"
 #include "octavo/mesh/mesh_check.h"
 #include "octavo/mesh/formats/mesh_file.h"
@@ -15,6 +16,16 @@
 #include "octavo/tasks/task_context.h"
 
 namespace octavo {
+
+constexpr auto option_words(MeshSpace) { return in_order<MeshSpace>("lps", "ras"); }
+
+constexpr auto option_words(DecimationMethod) {
+  return in_order<DecimationMethod>("collapse", "octree");
+}
+
+constexpr auto option_words(MeshFormat) {
+  return in_order<MeshFormat>("stl", "ply", "obj", "glb", "vtp", "3mf");
+}
 
 /// How far a surface with fewer triangles may lie from the full one, and the full one from it.
 struct AskedDeviation {

@@ -22,6 +22,7 @@
 #include <vector>
 
 #include "octavo/builder/builder.h"
+#include "octavo/core/option_words.h"
 #include "octavo/core/volume.h"
 #include "octavo/ops/grid/affine.h"
 #include "octavo/ops/grid/resample.h"
@@ -30,6 +31,10 @@
 #include "octavo/tasks/task_context.h"
 
 namespace octavo {
+
+constexpr auto option_words(Interpolation) {
+  return in_order<Interpolation>("nearest", "linear", "cubic");
+}
 
 struct TranslateStep {
   Index3 voxels;

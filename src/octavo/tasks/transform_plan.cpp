@@ -24,13 +24,8 @@ namespace octavo {
 
 namespace {
 
-constexpr std::array kInterpolations = {"nearest", "linear", "cubic"};
 constexpr std::array kAxes = {"x", "y", "z"};
 constexpr const char* kGridTurned = "the grid turned, every voxel kept its place in space";
-
-const char* interpolation_name(Interpolation interpolation) {
-  return kInterpolations[static_cast<std::size_t>(interpolation)];
-}
 
 [[noreturn]] void reject(const std::string& why, const std::string& path, const char* field) {
   throw Error(ErrorKind::invalid_argument, why, path).with_field(field);
@@ -138,7 +133,7 @@ Interpolation Planner::interpolation_of(const std::optional<Interpolation>& aske
   if (is_labels() && *asked != Interpolation::nearest) {
     reject(fmt::format("interpolation {}: labels are names, between which there is nothing; they "
                        "are taken from the nearest voxel",
-                       interpolation_name(*asked)),
+                       word_of(*asked)),
            path_, "step.interpolation");
   }
   return *asked;
@@ -490,7 +485,7 @@ void Planner::note_steps() {
     }
   }
   if (plan_.way != TransformWay::resample || (is_only_scale && !has_grid)) return;
-  plan_.made_by.set("interpolation", interpolation_name(plan_.interpolation));
+  plan_.made_by.set("interpolation", word_of(plan_.interpolation));
   plan_.made_by.set("outside",
                     is_labels() ? plan_.outside : volume_.rescale.to_real(plan_.outside));
 }

@@ -5,10 +5,16 @@
 #include <string>
 
 #include "octavo/builder/float_planes.h"
+#include "octavo/core/option_words.h"
 #include "octavo/core/volume.h"
 #include "octavo/tasks/task_context.h"
 
 namespace octavo {
+
+constexpr auto option_words(VolumeKind) {
+  using enum VolumeKind;
+  return std::to_array<NamedValue<VolumeKind>>({{"grey", grey}, {"labels", labels}});
+}
 
 /// "HU" and the like, as it is shown; empty when the metadata name none.
 std::string unit_of(const VolumeDescription& volume);

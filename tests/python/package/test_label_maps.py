@@ -319,7 +319,7 @@ def test_tasks_work_on_bytes_and_on_closed_files_raise(scan):
     (lambda v: v.threshold(0).select(0), "0 is the background"),
     (lambda v: v.surface(), "needs an isovalue"),
     (lambda v: v.surface(1e9), "no voxel has"),
-    (lambda v: v.render("photo"), "mode is one of"),
+    (lambda v: v.render("photo"), "mode is \"cubes\""),
     (lambda v: v.render(azimuth="left"), "azimuth is a number, not 'left'"),
     (lambda v: v.render(elevation=10**400), "elevation is a number"),
     (lambda v: v.render(level=1.5), "level is a whole number"),

@@ -41,7 +41,7 @@ TEST_F(Combine, MasksAreTakenFromLeftToRight) {
     const auto expected = computed(kCombineSize, [&](const Index3& p) {
       return operation(operation(masks_[0].at(p), masks_[1].at(p)), masks_[2].at(p));
     });
-    EXPECT_EQ(read(options_.output.path), expected) << combination_name(combination);
+    EXPECT_EQ(read(options_.output.path), expected) << word_of(combination);
     EXPECT_EQ(result.voxels, static_cast<std::uint64_t>(std::count(
                                  expected.voxels.begin(), expected.voxels.end(), 1)));
   }

@@ -59,7 +59,7 @@ TEST_F(Morph, ABallInMmReachesWhatLiesWithinIt) {
   for (const auto& [morphology, expected] : cases) {
     options_.morphology = morphology;
     const MorphResult result = morph(options_, context_);
-    EXPECT_EQ(made(), expected) << morphology_name(morphology);
+    EXPECT_EQ(made(), expected) << word_of(morphology);
     const auto count = [](const DenseMask& mask) {
       return static_cast<std::uint64_t>(std::count(mask.voxels.begin(), mask.voxels.end(), 1));
     };

@@ -13,6 +13,7 @@
 #include "octavo/dist/gather.h"
 #include "octavo/dist/rank_report.h"
 #include "octavo/octree/neighbors.h"
+#include "octavo/core/option_words.h"
 #include "octavo/tasks/asked_labels.h"
 #include "octavo/tasks/task_context.h"
 #include "octavo/tasks/value_ranges.h"
@@ -21,6 +22,8 @@ namespace octavo {
 
 /// How o-codes are written: o_code.h.
 enum class CodeNotation { mixed_octal, hierarchical };
+
+constexpr auto option_words(CodeNotation) { return in_order<CodeNotation>("mixed", "linear"); }
 
 struct CodesOptions {
   std::string input;  ///< an .8vo file or a URL of one

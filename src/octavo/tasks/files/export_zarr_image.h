@@ -3,12 +3,19 @@
 
 #include <string>
 
+#include "octavo/core/option_words.h"
 #include "octavo/core/volume.h"
 #include "octavo/io/zarr/zarr_export.h"
 #include "octavo/tasks/outputs.h"
 #include "octavo/tasks/task_context.h"
 
 namespace octavo {
+
+constexpr auto option_words(ZarrCompression) {
+  using enum ZarrCompression;
+  return std::to_array<NamedValue<ZarrCompression>>(
+      {{"zstd", zstd}, {"blosc", blosc}, {"none", none}});
+}
 
 struct ZarrImageOptions {
   std::string input;  ///< an .8vo file or a URL of one

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "octavo/core/option_words.h"
 #include "octavo/tasks/parts/join_scan.h"
 #include "octavo/tasks/parts/part_numbers.h"
 
@@ -12,6 +13,8 @@ namespace octavo {
 
 /// As dist/join_steps.h has them.
 enum class JoinStep { layout, copy, seal };
+
+constexpr auto option_words(JoinStep) { return in_order<JoinStep>("layout", "copy", "seal"); }
 
 struct JoinStepOptions {
   JoinOptions join;

@@ -12,6 +12,7 @@
 #include "octavo/render/transparency/transparency.h"
 #include "octavo/render/view.h"
 #include "octavo/render/window.h"
+#include "octavo/core/option_words.h"
 #include "octavo/tasks/asked_labels.h"
 #include "octavo/tasks/outputs.h"
 #include "octavo/tasks/pictures/picture_files.h"
@@ -37,6 +38,13 @@ enum class RenderShade {
   flat,    ///< three shades, one for the faces across each axis
   smooth,  ///< by the gradient: of grey values where they are drawn, else of the masks
 };
+
+constexpr auto option_words(RenderMode) {
+  return in_order<RenderMode>("cubes", "surface", "transparency", "volume", "mip", "minip", "mean",
+                              "iso");
+}
+
+constexpr auto option_words(RenderShade) { return in_order<RenderShade>("flat", "smooth"); }
 
 /// Values, or labels, to draw.
 struct AskedLook {

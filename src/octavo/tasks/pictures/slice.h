@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "octavo/core/option_words.h"
 #include "octavo/render/slice/slice_picture.h"
 #include "octavo/tasks/asked_labels.h"
 #include "octavo/tasks/outputs.h"
@@ -14,6 +15,10 @@
 #include "octavo/tasks/task_context.h"
 
 namespace octavo {
+
+constexpr auto option_words(OverlayKind) {
+  return in_order<OverlayKind>("outline", "wash", "isolines");
+}
 
 /// A plane through world space; without a point through the middle of the volume.
 struct AskedPlane {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "octavo/core/hasher.h"
+#include "octavo/core/option_words.h"
 #include "octavo/mesh/formats/mesh_file.h"
 #include "octavo/mesh/mesh_check.h"
 #include "octavo/tasks/asked_labels.h"
@@ -21,6 +22,12 @@ enum class LabelSurfaceForm {
   interfaces,  ///< all surfaces, each once, with the labels on both sides
   parts        ///< the closed surface of each label
 };
+
+constexpr auto option_words(LabelSurfaceForm) {
+  using enum LabelSurfaceForm;
+  return std::to_array<NamedValue<LabelSurfaceForm>>(
+      {{"parts", parts}, {"interfaces", interfaces}});
+}
 
 struct LabelSurfacesOptions {
   std::string input;  ///< an .8vo file of labels or a URL of one

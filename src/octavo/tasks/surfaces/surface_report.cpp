@@ -27,7 +27,7 @@ JsonObject surface_report(const SurfaceOptions& options, const SurfaceResult& re
   if (!options.labels.numbers.empty()) report.set("labels", options.labels.numbers);
   if (!options.labels.names.empty()) report.set("label_names", options.labels.names);
   report.set("level", options.level)
-      .set("space", options.space == MeshSpace::lps ? "lps" : "ras")
+      .set("space", word_of(options.space))
       .set("triangles", result.triangle_count)
       .set("full_triangles", result.full_triangle_count)
       .set("points", result.point_count)
