@@ -102,7 +102,8 @@ def _build(work, planned, output, overwrite, joins_side_by_side, report):
     plan = os.path.join(folder, "scan.plan")
     goes_on = os.path.exists(plan)
     try:
-        os.makedirs(folder, exist_ok=True)
+        with contextlib.suppress(FileExistsError):
+            os.mkdir(folder)
     except OSError as error:
         raise StorageError(f"{folder}: {error.strerror}", path=folder) from None
     # The same source and options make the same plan, so that its parts are kept.

@@ -144,6 +144,8 @@ def test_what_cannot_be_built_is_said(folder, voxels, monkeypatch):
     with pytest.raises(octavo.MissingError, match="none.raw") as raised:
         build(["scan.raw", "none.raw"], "scan.8vo", **PLANNED)
     assert raised.value.filename == "none.raw"
+    with pytest.raises(octavo.StorageError, match="none/scan.8vo.parts: No such file"):
+        build("scan.raw", "none/scan.8vo", **PLANNED)
     pathlib.Path("there.8vo").write_bytes(b"kept")
     with pytest.raises(octavo.StorageError, match="overwrite=True"):
         build("scan.raw", "there.8vo", **PLANNED)
