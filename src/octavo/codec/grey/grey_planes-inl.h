@@ -70,7 +70,6 @@ struct PlaneConstants {
   V min, max, range, odd_low, odd_high;
   V pairs[kFeatures / 2];  ///< context weights, two by two
   hn::Vec<hn::RepartitionToWide<D>> constant;
-  hn::Vec<hn::RepartitionToWide<D>> free_bits;
 
   HWY_INLINE PlaneConstants(const Parameters& p, const Stage& stage) {
     const auto set = [](std::int64_t v) HWY_ATTR {
@@ -100,9 +99,38 @@ struct PlaneConstants {
                                              low | high));
     }
     constant = hn::Set(kWide, w[5]);
-    free_bits = hn::Set(kWide, 6);
   }
 };
+
+/// contexts_of for two vectors of predicted magnitudes, which stand as InterleaveLower and -Upper
+/// leave them; of details that are multiples of 1. No limit is below 0.
+template <class D, class Sums>
+HWY_INLINE hn::Vec<D> contexts_of_halves(D d, Sums lower, Sums upper, hn::Vec<D> limit) {
+  const hn::RepartitionToWide<D> sums;
+  const hn::RebindToFloat<decltype(sums)> floats;
+  const hn::RebindToUnsigned<D> u;
+  const auto set = [](std::int16_t value) HWY_ATTR { return hn::Set(D(), value); };
+  const auto add = [&](Sums v, std::int32_t more) HWY_ATTR {
+    return hn::Add(v, hn::Set(sums, more));
+  };
+  // In units of 128, rounded up: what does not fit in 16 bits is not below any limit.
+  const auto units = hn::ReorderDemote2To(d, hn::ShiftRight<7>(add(lower, 127)),
+                                          hn::ShiftRight<7>(add(upper, 127)));
+  // Half-octaves of 32 bits, what follows from them of 16
+  const auto exponents = [&](Sums predicted, hn::Vec<D> limits) HWY_ATTR {
+    const auto bounded = hn::Min(predicted, hn::ShiftLeft<8>(hn::BitCast(sums, limits)));
+    return hn::ShiftRight<22>(hn::BitCast(sums, hn::ConvertTo(floats, add(bounded, 8))));
+  };
+  const auto zero = hn::Zero(d);
+  const auto found = hn::ReorderDemote2To(d, exponents(lower, hn::InterleaveLower(d, limit, zero)),
+                                          exponents(upper, hn::InterleaveUpper(d, limit, zero)));
+  const auto half_octave = hn::Min(hn::Sub(found, set(260)), set(kMagnitudes - 1));
+  const auto octave = hn::BitCast(u, hn::ShiftRight<1>(half_octave));
+  const auto plain =
+      hn::Min(hn::BitCast(d, hn::SaturatedSub(octave, hn::Set(u, 6))), set(kMaxPlainBits));
+  const auto bank = hn::IfThenZeroElse(hn::Lt(units, limit), set(kMagnitudes));
+  return hn::Add(hn::Add(half_octave, bank), hn::ShiftLeft<8>(plain));
+}
 
 /// Predictions, limits and contexts of a plane. What is predicted from slopes alone takes the place
 /// of the excesses behind. Where all pairs of a vector lie in uniform cells nothing is predicted,
@@ -212,16 +240,7 @@ void prepare_rows(D d, const Parameters& p, const Stage& stage, Workspace<std::i
       add(magnitude(near.back - 1), magnitude(near.back + 1), constants.pairs[3]);
       add(magnitude(near.back_up), magnitude(near.back_down), constants.pairs[4]);
       // Its context
-      const hn::RepartitionToWide<D> sums;
-      const auto wide = [&](U v) HWY_ATTR { return hn::BitCast(sums, v); };
-      const U zero = hn::Zero(u);
-      const U most_detail = hn::BitCast(u, limit);
-      const auto found = hn::ReorderDemote2To(
-          d,
-          contexts_of(lower, wide(hn::InterleaveLower(u, most_detail, zero)),
-                      constants.free_bits),
-          contexts_of(upper, wide(hn::InterleaveUpper(u, most_detail, zero)),
-                      constants.free_bits));
+      const V found = contexts_of_halves(d, lower, upper, limit);
       hn::StoreU(hn::BitCast(u, found), u, contexts + x);
     }
   }
@@ -326,42 +345,45 @@ class PairRow {
   V up_;
 };
 
-/// Residuals of a row to samples and magnitudes.
+/// Residuals of the rows from y to end - 1, which follow one another, to samples and magnitudes.
 template <int kAxis, class D>
 HWY_NOINLINE void settle_pairs(D d, const Stage& stage, Workspace<std::int16_t>& work,
-                               const std::int16_t* residuals, std::int64_t y, std::int64_t z) {
-  const PairRow<kAxis, D> row(stage, work, y, z);
+                               const std::int16_t* residuals, std::int64_t y, std::int64_t end,
+                               std::int64_t z) {
   constexpr int kLanes = static_cast<int>(hn::MaxLanes(D()));
   const auto count = static_cast<int>(stage.pairs.x);
-  const bool is_looked_at = stage.is_looked_at(y);
-  const RowMask open = open_pairs(stage, work, y, z);
-  auto first = hn::Zero(d);
-  auto last = hn::Zero(d);
-  for (int x = 0; x < count; x += kLanes) {
-    const bool is_open = is_any_from(d, open, x);
-    // No residual is coded of other pairs.
-    const auto residual = is_open ? hn::LoadU(d, residuals + x) : hn::Zero(d);
-    last = row.keep_magnitudes(x, residual);
-    if (x == 0) first = last;
-    if (!is_looked_at) continue;
-    if (!is_open) {
-      row.repeat_means(x);
-      continue;
+  for (; y < end; ++y, residuals += count) {
+    const PairRow<kAxis, D> row(stage, work, y, z);
+    const bool is_looked_at = stage.is_looked_at(y);
+    const RowMask open = open_pairs(stage, work, y, z);
+    auto first = hn::Zero(d);
+    auto last = hn::Zero(d);
+    for (int x = 0; x < count; x += kLanes) {
+      const bool is_open = is_any_from(d, open, x);
+      // No residual is coded of other pairs.
+      const auto residual = is_open ? hn::LoadU(d, residuals + x) : hn::Zero(d);
+      last = row.keep_magnitudes(x, residual);
+      if (x == 0) first = last;
+      if (!is_looked_at) continue;
+      if (!is_open) {
+        row.repeat_means(x);
+        continue;
+      }
+      const auto detail = details_of(d, residual, row.prediction(x), row.limit(x));
+      row.keep_excess(x, detail);
+      row.put_samples(x, hn::Add(detail, row.known(x)));
     }
-    const auto detail = details_of(d, residual, row.prediction(x), row.limit(x));
-    row.keep_excess(x, detail);
-    row.put_samples(x, hn::Add(detail, row.known(x)));
+    row.put_margins(first, last, count);
   }
-  row.put_margins(first, last, count);
 }
 
 template <int kAxis>
-void settle_row(const Stage& stage, Workspace<std::int16_t>& work, const std::int16_t* residuals,
-                std::int64_t y, std::int64_t z) {
+void settle_rows(const Stage& stage, Workspace<std::int16_t>& work, const std::int16_t* residuals,
+                 std::int64_t y, std::int64_t end, std::int64_t z) {
   if (has_wide_rows(stage)) {
-    settle_pairs<kAxis>(kWideHalves, stage, work, residuals, y, z);
+    settle_pairs<kAxis>(kWideHalves, stage, work, residuals, y, end, z);
   } else {
-    settle_pairs<kAxis>(kSignedHalves, stage, work, residuals, y, z);
+    settle_pairs<kAxis>(kSignedHalves, stage, work, residuals, y, end, z);
   }
 }
 
@@ -468,16 +490,18 @@ class PlaneDecoder {
     symbols_.expect_inside();
     const auto count = static_cast<int>(stage_.pairs.x);
     const std::int16_t* found = residuals_;
+    if (is_all_coded_) settle_rows<kAxis>(stage_, work_, found, first_, last_, z_);
     alignas(64) std::int16_t spread[kBrickSide + 2 * kHalfLanes] = {};
     for (std::int64_t y = first_; y < last_; ++y) {
       if (is_all_coded_) {
-        settle_one(found, y);
+        settle_weighted_row(stage_, work_, y, z_, found);
         found += count;
         continue;
       }
       const RowMask pairs = pairs_[y - first_];
       spread_residuals(pairs, count, found, spread);
-      settle_one(spread, y);
+      settle_rows<kAxis>(stage_, work_, spread, y, y + 1, z_);
+      settle_weighted_row(stage_, work_, y, z_, spread);
       found += std::popcount(pairs);
     }
   }
@@ -503,11 +527,6 @@ class PlaneDecoder {
       to += counts_[y - first_];
     }
   }
-  void settle_one(const std::int16_t* residuals, std::int64_t y) {
-    settle_row<kAxis>(stage_, work_, residuals, y, z_);
-    if (!stage_.last_pair.are_equal()) settle_weighted_row(stage_, work_, y, z_, residuals);
-  }
-
   const Stage& stage_;
   Workspace<std::int16_t>& work_;
   SymbolReader& symbols_;
