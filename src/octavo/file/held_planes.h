@@ -2,7 +2,8 @@
 //
 // Planes are decoded one after the other along one axis. Who asks for few of them first gets no
 // more than these and what lies in front; who asks for further ones gets all. What is kept is a
-// dense array of the first planes: its length tells how many.
+// dense array of the first planes: its length tells how many. Of a part, who asks for few planes
+// along another axis first gets these alone, which are kept by themselves.
 #pragma once
 
 #include <cstdint>

@@ -22,6 +22,35 @@ LruCache<UnsetBytes>::Key key_of_part(const BrickEntry& entry, std::size_t part)
   return {level + kPlaceOfPart * (part + 1), entry.code};
 }
 
+/// Planes of a part of which a request asks for few along an axis on which parts are not decoded
+/// plane by plane; empty where it asks for others.
+/// axis  on which they are
+Box slab_of(const Box& request, const Box& part, int axis) {
+  if (request.size()[axis] <= kFewPlanes) return {};
+  for (int across = 0; across < 3; ++across) {
+    if (request.size()[across] > kFewPlanes) continue;
+    Box slab = part;
+    slab.lo[across] = intersection(request, part).lo[across];
+    slab.hi[across] = intersection(request, part).hi[across];
+    return slab == part ? Box{} : slab;
+  }
+  return {};
+}
+
+// Of a slab of a part among the decoded bricks.
+LruCache<UnsetBytes>::Key key_of_slab(const BrickEntry& entry, std::size_t number, const Box& slab,
+                                      const Box& part) {
+  std::uint64_t place = 1;
+  for (int axis = 0; axis < 3; ++axis) {
+    constexpr std::uint64_t kPlaces = 64;
+    place = place * kPlaces + static_cast<std::uint64_t>(slab.lo[axis] - part.lo[axis]);
+    place = place * kPlaces + static_cast<std::uint64_t>(slab.size()[axis] - 1);
+  }
+  LruCache<UnsetBytes>::Key key = key_of_part(entry, number);
+  key.first |= place << 16;
+  return key;
+}
+
 void run_here(std::int64_t count, const std::function<void(std::int64_t)>& task) {
   for (std::int64_t i = 0; i < count; ++i) task(i);
 }
@@ -194,7 +223,9 @@ void PartReader::decode_found(std::span<const Found> parts) const {
     const BrickParts& brick = *request.brick.parts;
     const Box all = moved(brick.parts()[parts[i].number].box, at);
     const Box shared = intersection(all, request.box);
-    const Box own = moved(decoded_for(request.box, all, request.axis, parts[i].is_new), back);
+    const Box slab = parts[i].is_new ? slab_of(request.box, all, request.axis) : Box{};
+    const Box first = decoded_for(request.box, all, request.axis, parts[i].is_new);
+    const Box own = moved(slab.is_empty() ? first : slab, back);
     const Size3 size = own.size();
     const auto bytes = static_cast<std::size_t>(size.voxel_count()) * out.voxel_bytes;
     const bool is_kept = request.keeps && bytes <= decoded_.capacity();
@@ -228,9 +259,36 @@ void PartReader::decode_found(std::span<const Found> parts) const {
     }
     copy_shared(dense[i], moved(own, request.at), request.box, request.out);
     if (!kept[i]) continue;
-    decoded_.insert(key_of_part(request.entry, parts[i].number), kept[i],
-                    kept[i]->size() + sizeof(UnsetBytes));
+    keep(parts[i], moved(own, request.at), kept[i]);
   }
+}
+
+/// Keeps what was decoded of a part. Beside a slab stands that something was.
+void PartReader::keep(const Found& part, const Box& own,
+                      const std::shared_ptr<const UnsetBytes>& bytes) const {
+  const Request& request = *part.request;
+  const Box all = moved(request.brick.parts->parts()[part.number].box, request.at);
+  const Box slab = part.is_new ? slab_of(request.box, all, request.axis) : Box{};
+  const auto insert = [&](const LruCache<UnsetBytes>::Key& key, auto&& value) {
+    decoded_.insert(key, value, value->size() + sizeof(UnsetBytes));
+  };
+  const auto key = key_of_part(request.entry, part.number);
+  if (own != slab) return insert(key, bytes);
+  insert(key_of_slab(request.entry, part.number, slab, all), bytes);
+  insert(key, std::make_shared<const UnsetBytes>());
+}
+
+/// What is kept of a part that holds what a request shares with it.
+PartReader::Held PartReader::held(const PartOf& part, const Box& request,
+                                  std::size_t voxel_bytes) const {
+  const Box shared = intersection(part.box, request);
+  const auto kept = decoded_.find(key_of_part(part.entry, part.number));
+  if (!kept) return {nullptr, {}, true};
+  const Box planes = held_of(part.box, part.axis, kept->size(), voxel_bytes);
+  if (planes.contains(shared)) return {kept, planes, false};
+  const Box slab = slab_of(request, part.box, part.axis);
+  if (slab.is_empty()) return {};
+  return {decoded_.find(key_of_slab(part.entry, part.number, slab, part.box)), slab, false};
 }
 
 bool PartReader::reads(const BrickEntry& entry) const {
@@ -294,10 +352,9 @@ std::vector<PartReader::Missing> PartReader::copy_kept(const Request& request) c
     const Box part = moved(parts[i].box, at);
     const Box shared = intersection(part, box);
     if (shared.is_empty()) continue;
-    const auto kept = decoded_.find(key_of_part(entry, i));
-    const Box held = kept ? held_of(part, axis, kept->size(), out.voxel_bytes) : Box{};
-    if (held.contains(shared)) copy_shared(kept->data(), held, shared, out.from(shared.lo, box.lo));
-    else missing.push_back({i, kept == nullptr});
+    const auto [bytes, kept, is_new] = held({entry, i, part, axis}, box, out.voxel_bytes);
+    if (bytes) copy_shared(bytes->data(), kept, shared, out.from(shared.lo, box.lo));
+    else missing.push_back({i, is_new});
   }
   return missing;
 }
@@ -312,10 +369,8 @@ bool PartReader::has_decoded(const BrickEntry& entry, const Box& box) const {
   const auto voxel_bytes = static_cast<std::size_t>(bytes_per_voxel(file_.description().type));
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const Box part = moved(parts[i].box, at);
-    const Box shared = intersection(part, box);
-    if (shared.is_empty()) continue;
-    const auto kept = decoded_.find(key_of_part(entry, i));
-    if (!kept || !held_of(part, axis, kept->size(), voxel_bytes).contains(shared)) return false;
+    if (intersection(part, box).is_empty()) continue;
+    if (!held({entry, i, part, axis}, box, voxel_bytes).bytes) return false;
   }
   return true;
 }

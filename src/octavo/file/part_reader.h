@@ -82,7 +82,24 @@ class PartReader {
     ByteSpan bytes;
   };
 
+  /// A part and where its voxels are.
+  struct PartOf {
+    const BrickEntry& entry;
+    std::size_t number;
+    Box box;
+    int axis;  ///< as in Request
+  };
+  /// Decoded voxels of a part.
+  struct Held {
+    LruCache<UnsetBytes>::Pointer bytes;  ///< null where none are kept that do
+    Box box;
+    bool is_new = false;  ///< nothing of the part is kept
+  };
+
   bool has_parts(const BrickEntry& entry) const;
+  void keep(const Found& part, const Box& own,
+            const std::shared_ptr<const UnsetBytes>& bytes) const;
+  Held held(const PartOf& part, const Box& request, std::size_t voxel_bytes) const;
   std::vector<std::shared_ptr<const Opened>> opened(std::span<const BrickEntry> entries) const;
   std::vector<std::unique_ptr<BrickParts>> open_together(const BrickCodec& codec,
                                                          const BrickEntry& first,

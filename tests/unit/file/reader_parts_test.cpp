@@ -185,6 +185,9 @@ TEST(ReaderParts, PlanesThatFollowEachOtherTakeTheBytesTwiceAtMost) {
           box.lo[axis] = is_rising ? i : kSize[axis] - 1 - i;
           box.hi[axis] = box.lo[axis] + 1;
           ASSERT_EQ(box_of_reader(*reader, box), cut_out(all, box, 2)) << axis << " " << i;
+          const std::uint64_t taken = source->bytes;
+          ASSERT_EQ(box_of_reader(*reader, box), cut_out(all, box, 2)) << axis << " " << i;
+          EXPECT_EQ(source->bytes, taken) << "plane " << i << " once more, axis " << axis;
         }
         EXPECT_LT(source->bytes, 2 * bytes.size()) << axis;
       }
