@@ -42,20 +42,21 @@ std::string count_text(std::size_t count, const char* noun) {
 
 double rounded(double value, double steps) { return std::round(value * steps) / steps; }
 
-/// Some programs write the gap between slices as their spacing, which is none of contiguous ones.
+/// Some scanners write the gap between slices as their spacing: then it makes up a step with their
+/// thickness. Where both are one length but for rounding, the step is twice the spacing instead.
 bool states_gap(const DicomSlice& slice, double step_mm) {
   const std::optional<double> spacing = slice.spacing_mm;
   const std::optional<double> thickness = slice.thickness_mm;
-  return spacing && thickness && *spacing != *thickness &&
-         std::abs(*spacing + *thickness - step_mm) <= tolerance_mm(step_mm);
+  const double tolerance = tolerance_mm(step_mm);
+  return spacing && thickness && std::abs(*spacing - *thickness) > tolerance &&
+         std::abs(*spacing + *thickness - step_mm) <= tolerance;
 }
 
 /// The step of a segmentation whose empty planes are left out, where its frames lie on a grid of
-/// the spacing that it states.
+/// the spacing that it states. It counts from center to center, as the standard has it.
 std::optional<double> stated_step_mm(const DicomStack& stack, const SlicePlaces& places) {
   const DicomSlice& first = stack.slices.front();
   if (!stack.leaves_out_empty || !first.spacing_mm || !(*first.spacing_mm > 0)) return std::nullopt;
-  if (states_gap(first, places.step_mm(1))) return std::nullopt;
   return grid_step_near_mm(places, *first.spacing_mm);
 }
 

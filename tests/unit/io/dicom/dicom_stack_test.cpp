@@ -377,6 +377,31 @@ TEST(SourceDicomSegmentation, FramesLeftOutAtEvenDistancesAreEmptyPlanes) {
   EXPECT_TRUE(contains(source_error({folder.file("seg.dcm")}), "[on_gap=fill]"));
 }
 
+/// What rounding makes of one length, and lengths that differ, are no gap between segmented planes:
+/// their spacing is one of centers.
+TEST(SourceDicomSegmentation, FramesLeftOutBesideAnyThicknessAreEmptyPlanes) {
+  const std::string empty(15, '\0');
+  for (const char* spacing : {"2.0000001", "1.99999999", "2.001", "2.00000000000014"}) {
+    for (const char* thickness : {"2", "1.99", "2.02"}) {
+      const TempFolder folder;
+      SegmentationSample sample = segmentation({0, 4, 6});
+      sample.spacing = spacing;
+      sample.thickness = thickness;
+      write_segmentation(folder.file("seg.dcm"), sample);
+      const auto source = open_source({folder.file("seg.dcm")}, {});
+      EXPECT_NEAR(source->description().geometry.spacing_mm[2], 2, 1e-9) << spacing;
+      EXPECT_EQ(voxels_of(*source),
+                labels_of(sample, 0) + empty + labels_of(sample, 1) + labels_of(sample, 2));
+      sample = segmentation({0, 4});
+      sample.spacing = spacing;
+      sample.thickness = thickness;
+      write_segmentation(folder.file("seg.dcm"), sample);
+      const auto two = open_source({folder.file("seg.dcm")}, {});
+      EXPECT_EQ(two->description().size, (Size3{5, 3, 3})) << spacing << " " << thickness;
+    }
+  }
+}
+
 TEST(SourceDicomSegmentation, ThickGapsWithoutASpacingBringAWarning) {
   const TempFolder folder;
   SegmentationSample sample = segmentation({0, 8});
@@ -428,6 +453,8 @@ TEST(SourceDicomThinned, EvenSlicesOfWhichOthersMayBeMissingBringAWarning) {
       {"every second by its spacing", "2", "2", 1, "2 times what their Spacing Between Slices"},
       {"overlapping slices", "5", "1", 1, "4 times what their Spacing Between Slices"},
       {"every second by its number", "2", "", 2, "2 times what their thickness"},
+      {"every second, rounded", "2", "2.000000005", 1, "2 times what their Spacing"},
+      {"every second, rounded otherwise", "2.003", "1.9999", 1, "2 times what their Spacing"},
       {"complete", "4", "4", 1, ""},
       {"overlapping and complete", "8", "4", 1, ""},
       {"a gap in place of the spacing", "3", "1", 1, ""},
