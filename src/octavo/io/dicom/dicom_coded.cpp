@@ -23,6 +23,9 @@ namespace octavo {
 namespace {
 
 constexpr const char* kRunLengthSyntax = "1.2.840.10008.1.2.5";
+/// The fewest that GDCM decodes of JPEG.
+constexpr std::uint8_t kDecodedBits = 8;
+constexpr std::int64_t kMostJpegBits = 16;
 /// Of the first picture: a head may stand behind a profile of colors.
 constexpr std::size_t kPictureHeadBytes = std::size_t{1} << 16;
 
@@ -120,6 +123,34 @@ void decode(const DicomLayout& layout, const CodedPicture& picture, std::span<st
                      ") cannot be decoded: it is damaged, or of a kind that GDCM does not read");
 }
 
+/// Decodes a lossless JPEG picture of fewer than 8 bits, which GDCM does not, as one that says it
+/// has 8. Each value is coded as its distance from what those before it predict, the first from the
+/// middle of what the bits hold, so all come out higher by as much as the middles differ.
+/// Source: ITU-T T.81, H.1.2.1 (Prediction)
+void decode_few_bits(const DicomLayout& layout, const PictureHead& head, CodedPicture& picture,
+                     std::span<std::byte> plane) {
+  std::vector<std::byte> whole;
+  for (const std::vector<std::byte>& part : picture.fragments) {
+    whole.insert(whole.end(), part.begin(), part.end());
+  }
+  const std::optional<std::size_t> place = lossless_bits_place(whole);
+  if (!place) {
+    reject(layout, "the numbers of the compressed picture have " + std::to_string(head.bits) +
+                       (head.bits == 1 ? " bit" : " bits") +
+                       ", which JPEG has in lossless pictures alone: it is damaged; copy the file "
+                       "again from its origin");
+  }
+  whole[*place] = std::byte{kDecodedBits};
+  picture.fragments = {std::move(whole)};
+  picture.bits_stored = kDecodedBits;
+  picture.high_bit = kDecodedBits - 1;
+  decode(layout, picture, plane);
+  const unsigned surplus = (1U << (kDecodedBits - 1)) - (1U << (head.bits - 1));
+  for (std::byte& value : plane) {
+    value = static_cast<std::byte>(std::to_integer<unsigned>(value) - surplus);
+  }
+}
+
 /// The coding of a transfer syntax that has no decoder here; null of any other.
 const char* coding_without_decoder(std::string_view uid) {
   constexpr std::string_view kCodings = "1.2.840.10008.1.2.4.";
@@ -187,6 +218,11 @@ std::optional<PictureHead> proven_head(const DicomLayout& layout, std::int64_t f
   std::optional<PictureHead> head;
   if (!has_run_lengths(layout)) head = picture_head(picture);
   if (head) require_claimed(layout, *head);
+  if (head && is_plain_jpeg(layout) && head->bits > kMostJpegBits) {
+    reject(layout, "the numbers of the compressed picture have " + std::to_string(head->bits) +
+                       " bits, JPEG has " + std::to_string(kMostJpegBits) +
+                       " at most: it is damaged; copy the file again from its origin");
+  }
   require_whole(layout, frame, picture);
   return head;
 }
@@ -341,7 +377,9 @@ bool read_coded_frame(const DicomSlice& slice, std::span<std::byte> plane) {
     narrow = UnsetBytes(plane.size() / ratio);
     decoded = narrow.bytes();
   }
-  decode(layout, picture, decoded);
+  const bool has_few_bits = is_plain_jpeg(layout) && head->bits < kDecodedBits;
+  if (has_few_bits) decode_few_bits(layout, *head, picture, decoded);
+  else decode(layout, picture, decoded);
   if (head->bits == layout.bits_allocated && layout.bits_stored == head->bits) return true;
   switch (picture.bits_allocated) {
     case 8: settle_from<std::uint8_t>(layout, *head, decoded, plane); break;

@@ -20,6 +20,8 @@ constexpr std::size_t kBitsAt = 42;
 constexpr std::size_t kAcrossAt = 43;
 constexpr std::size_t kDownAt = 44;
 constexpr std::size_t kEnd = 45;
+// Of a JPEG frame header, behind its length.
+constexpr std::size_t kJpegBitsAt = 2;
 
 std::uint64_t extent_at(std::span<const std::byte> bytes, std::size_t at) {
   std::uint64_t value = 0;
@@ -63,7 +65,13 @@ bool starts_frame(unsigned mark) {
   return (mark >= 0xc0 && mark <= 0xcf && !is_table) || mark == 0xf7;
 }
 
-std::optional<PictureHead> jpeg_head(std::span<const std::byte> bytes) {
+/// A frame header behind its mark; it is whole.
+struct FramePlace {
+  unsigned mark = 0;
+  std::size_t at = 0;
+};
+
+std::optional<FramePlace> find_frame(std::span<const std::byte> bytes) {
   constexpr unsigned kScan = 0xda;
   constexpr std::size_t kFrameBytes = 8;
   std::size_t at = 0;
@@ -76,22 +84,35 @@ std::optional<PictureHead> jpeg_head(std::span<const std::byte> bytes) {
     at += 2;
     if (has_no_length(mark)) continue;
     if (mark == kScan || at + kFrameBytes > bytes.size()) return std::nullopt;
-    if (starts_frame(mark)) {
-      return PictureHead{word_at(bytes, at + 5), word_at(bytes, at + 3),
-                         std::to_integer<std::int64_t>(bytes[at + 2]), false,
-                         std::to_integer<std::int64_t>(bytes[at + 7])};
-    }
+    if (starts_frame(mark)) return FramePlace{mark, at};
     at += word_at(bytes, at);
   }
   return std::nullopt;
 }
 
+std::optional<PictureHead> jpeg_head(std::span<const std::byte> bytes) {
+  const std::optional<FramePlace> frame = find_frame(bytes);
+  if (!frame) return std::nullopt;
+  return PictureHead{word_at(bytes, frame->at + 5), word_at(bytes, frame->at + 3),
+                     std::to_integer<std::int64_t>(bytes[frame->at + kJpegBitsAt]), false,
+                     std::to_integer<std::int64_t>(bytes[frame->at + 7])};
+}
+
+bool starts_jpeg(std::span<const std::byte> bytes) {
+  return bytes.size() >= 2 && bytes[0] == std::byte{0xff} && bytes[1] == std::byte{0xd8};
+}
+
 }  // namespace
 
 std::optional<PictureHead> picture_head(std::span<const std::byte> bytes) {
-  const bool is_jpeg = bytes.size() >= 2 && bytes[0] == std::byte{0xff} &&
-                       bytes[1] == std::byte{0xd8};
-  return is_jpeg ? jpeg_head(bytes) : jpeg2000_head(bytes);
+  return starts_jpeg(bytes) ? jpeg_head(bytes) : jpeg2000_head(bytes);
+}
+
+std::optional<std::size_t> lossless_bits_place(std::span<const std::byte> picture) {
+  constexpr unsigned kLossless = 0xc3;
+  const auto frame = starts_jpeg(picture) ? find_frame(picture) : std::nullopt;
+  if (!frame || frame->mark != kLossless) return std::nullopt;
+  return frame->at + kJpegBitsAt;
 }
 
 }  // namespace octavo

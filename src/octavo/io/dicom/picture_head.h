@@ -24,4 +24,9 @@ struct PictureHead {
 ///         ITU-T T.800, A.5.1 (Image and tile size) and B.2 (Component mapping)
 std::optional<PictureHead> picture_head(std::span<const std::byte> bytes);
 
+/// Where the number of bits of a sample stands in a lossless JPEG picture of Huffman codes; nothing
+/// in any other.
+/// Source: ITU-T T.81, B.2.2 (Frame header)
+std::optional<std::size_t> lossless_bits_place(std::span<const std::byte> picture);
+
 }  // namespace octavo

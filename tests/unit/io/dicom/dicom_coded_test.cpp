@@ -136,6 +136,49 @@ TEST_F(SourceDicomCoded, NumbersOfLosslessJpegThatAreNoWholeVoxelsAreKeptWithAWa
   }
 }
 
+TEST_F(SourceDicomCoded, LosslessJpegOfFewBitsIsDecoded) {
+  for (int bits = 1; bits < 8; ++bits) {
+    std::vector<std::uint16_t> values;
+    std::vector<std::uint8_t> narrow;
+    for (int i = 0; i < kSide * kSide; ++i) {
+      values.push_back(static_cast<std::uint16_t>(i * i % 251 % (1 << bits)));
+      narrow.push_back(static_cast<std::uint8_t>(values.back()));
+    }
+    const std::string picture = jpeg_of_bits(values, kCodings[2].type, bits);
+    const auto stored = static_cast<std::uint16_t>(bits);
+    for (const std::uint16_t wide : {stored, std::uint16_t{8}}) {
+      EXPECT_EQ(voxels_of(*open(header(8, wide, wide - 1), picture, kCodings[2].uid)),
+                bytes_of(narrow)) << bits;
+      EXPECT_EQ(voxels_of(*open(header(16, wide, wide - 1), picture, kCodings[2].uid)),
+                bytes_of(values)) << bits;
+    }
+    if (bits == 1) continue;
+    DicomElements with_sign = header(8, stored, stored - 1);
+    with_sign.set_number(kSignTag, 1);
+    const std::uint8_t sign = static_cast<std::uint8_t>(1 << (bits - 1));
+    for (std::uint8_t& value : narrow) value = static_cast<std::uint8_t>((value ^ sign) - sign);
+    EXPECT_EQ(voxels_of(*open(with_sign, picture, kCodings[2].uid)), bytes_of(narrow)) << bits;
+  }
+}
+
+TEST_F(SourceDicomCoded, JpegOfBitsThatItsProcessLacksIsRejected) {
+  std::string picture = picture_of(ramp<std::uint8_t>(3), Syntax::JPEGBaselineProcess1);
+  const std::size_t frame = picture.find("\xff\xc0");
+  for (const int bits : {1, 2, 5, 7}) {
+    picture.at(frame + 4) = static_cast<char>(bits);
+    const auto source = open(header(8, 8, 7), picture, kJpegBaseline);
+    const Error error = error_of([&] { voxels_of(*source); });
+    EXPECT_EQ(error.kind(), ErrorKind::source_rejected);
+    EXPECT_TRUE(contains(error, "have " + std::to_string(bits) + " bit")) << error.what();
+  }
+  for (const int bits : {17, 24, 32}) {
+    picture.at(frame + 4) = static_cast<char>(bits);
+    const auto source = open(header(32, 32, 31), picture, kJpegBaseline);
+    const Error error = error_of([&] { voxels_of(*source); });
+    EXPECT_TRUE(contains(error, "have " + std::to_string(bits) + " bits, JPEG has 16 at most"));
+  }
+}
+
 TEST_F(SourceDicomCoded, JpegOfWholeVoxelsMayHoldAnythingBesideTheStoredBits) {
   const auto values = ramp<std::uint16_t>(1);
   const std::string picture = picture_of(values, Syntax::JPEGLosslessProcess14_1);

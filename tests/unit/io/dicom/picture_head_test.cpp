@@ -61,5 +61,19 @@ TEST(PictureHead, OfJpegIsFoundBehindTables) {
   EXPECT_EQ(head_of(start + "\xff\xc3" + size.substr(0, 6)), std::nullopt);
 }
 
+TEST(PictureHead, OfLosslessJpegSaysWhereItsBitsStand) {
+  const auto place = [](const std::string& bytes) {
+    return lossless_bits_place(std::as_bytes(std::span(bytes)));
+  };
+  const std::string start("\xff\xd8\xff\xfe\0\3\xc3", 7);
+  const std::string size("\0\x0b\x0c\1\x2c\2\1\1\1\x11\0", 11);
+  EXPECT_EQ(place(start + "\xff\xc3" + size), 11U);
+  for (const char* mark : {"\xff\xc0", "\xff\xc2", "\xff\xf7", "\xff\xda"}) {
+    EXPECT_EQ(place(start + mark + size), std::nullopt);
+  }
+  EXPECT_EQ(place(start + "\xff\xc3" + size.substr(0, 6)), std::nullopt);
+  EXPECT_EQ(place(codestream({8, 9, 0, 0}, 1, 1)), std::nullopt);
+}
+
 }  // namespace
 }  // namespace octavo::testing
