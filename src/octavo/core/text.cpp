@@ -52,7 +52,7 @@ std::pair<std::string, std::string> unlike_texts(double a, double b) {
   }
 }
 
-std::string precise_text(double value) { return formatted("%.7g", value); }
+std::string precise_text(double value) { return formatted("%.7g", value == 0 ? 0.0 : value); }
 
 std::string point_text(const Point3& point, const std::string& separator) {
   return joined_axes({number_text(point[0]), number_text(point[1]), number_text(point[2])},

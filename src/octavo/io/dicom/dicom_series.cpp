@@ -129,6 +129,7 @@ void require_one_space(const std::vector<DicomSlice>& slices) {
 constexpr SharedName kSettings[] = {
     {"Convolution Kernel (0018,1210)", &DicomLayout::kernel, true},
     {"Patient Position (0018,5100)", &DicomLayout::patient_position, true},
+    {"KVP (0018,0060)", &DicomLayout::voltage, true},
     {"Echo Time (0018,0081)", &DicomLayout::echo, true},
     {"Inversion Time (0018,0082)", &DicomLayout::inversion, true},
     {"Flip Angle (0018,1314)", &DicomLayout::flip_angle, true},
@@ -257,12 +258,15 @@ SlicePlaces settle_duplicates(DicomStack& stack, const SlicePlaces& all, bool ma
 
 /// The distance of planes of a single slice cannot be measured.
 double lone_spacing(const DicomSlice& slice, DicomStack& stack) {
-  const std::optional<double> thickness = slice.thickness_mm;
-  const bool is_usable = thickness && *thickness > 0;
-  stack.warnings.push_back("a single slice: its thickness of " +
-                           (is_usable ? mm_text(*thickness) : std::string("1 mm (assumed)")) +
-                           " stands for the distance of planes");
-  return is_usable ? *thickness : 1.0;
+  const auto is_length = [](std::optional<double> mm) { return mm && *mm > 0; };
+  const bool has_spacing = is_length(slice.spacing_mm);
+  const std::optional<double> found = has_spacing ? slice.spacing_mm : slice.thickness_mm;
+  stack.warnings.push_back(
+      std::string("a single slice: its ") +
+      (has_spacing ? "Spacing Between Slices (0018,0088)" : "thickness") + " of " +
+      (is_length(found) ? mm_text(*found) : std::string("1 mm (assumed)")) +
+      " stands for the distance of planes");
+  return is_length(found) ? *found : 1.0;
 }
 
 void place_stack(DicomStack& stack, const SourceOptions& options) {

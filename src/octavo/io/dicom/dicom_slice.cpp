@@ -137,6 +137,7 @@ DicomLayout read_layout(const DicomFile& file) {
   layout.patient = data.text(0x00100020);
   layout.patient_position = data.text(0x00185100);
   layout.kernel = data.text(0x00181210);
+  layout.voltage = setting_text(data, 0x00180060, " kV");
   layout.echo = setting_text(data, 0x00180081, " ms");
   layout.inversion = setting_text(data, 0x00180082, " ms");
   layout.flip_angle = setting_text(data, 0x00181314, " degrees");

@@ -46,6 +46,7 @@ struct DicomLayout {
   std::string patient;           ///< Patient ID
   std::string patient_position;  ///< "HFS": how the patient lies
   std::string kernel;            ///< Convolution Kernel
+  std::string voltage;           ///< KVP to a tenth
   std::string echo;              ///< Echo Time to a tenth
   std::string inversion;         ///< Inversion Time to a tenth
   std::string flip_angle;        ///< to a tenth

@@ -445,6 +445,7 @@ TEST(SourceDicomMixture, OfKernelsPositionsAndEchoesBringsAWarning) {
   for (const Row& row : std::vector<Row>{
            {0x00181210, "SH", {"B30", "B70"}, "Convolution Kernel (0018,1210) is B30 in s0"},
            {0x00185100, "CS", {"HFS", "FFS"}, "Patient Position (0018,5100)"},
+           {0x00180060, "DS", {"80", "120"}, "KVP (0018,0060) is 120 kV in s1 and 80 kV in s0"},
            {0x00180081, "DS", {"10", "20"}, "10 ms in s0 and 20 ms in s1"},
            {0x00180082, "DS", {"100", "900"}, "100 ms in s0 and 900 ms in s1"},
            {0x00181314, "DS", {"15", "5"}, "Flip Angle (0018,1314) is 15 degrees in s0"},
@@ -503,6 +504,7 @@ TEST(SourceDicomMixture, OfVolumesAtOnePlaceIsToldByWhatTellsThemApart) {
   };
   const TempFolder folder;
   for (const Row& row : std::vector<Row>{
+           {0x00180060, "DS", {"80", "140"}, "KVP (0018,0060) is 80 kV and 140 kV"},
            {0x00180081, "DS", {"10", "20"}, "Echo Time (0018,0081) is 10 ms and 20 ms"},
            {0x00181314, "DS", {"5", "15"}, "Flip Angle (0018,1314) is 5 degrees and 15 degrees"},
            {0x00200012, "IS", {"3", "four"}, "Acquisition Number (0020,0012) is 3 and four"}}) {

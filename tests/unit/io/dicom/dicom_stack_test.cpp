@@ -145,6 +145,17 @@ TEST(SourceDicomDuplicates, CopiesAreLeftOutWithANoticeWhenAsked) {
   EXPECT_EQ(prepared(*source), nlohmann::json({{"dropped_duplicates", 3}}));
 }
 
+TEST(SourceDicomDuplicates, APlaceHasNoNegativeZeros) {
+  const TempFolder folder;
+  write_slices(folder, {0, 2, 4});
+  DicomSample sample = slice_at(0);
+  for (const char* name : {"s0", "s1"}) {
+    sample.position = "0\\-0.0\\-0.00000001";
+    write_dicom(folder.file(name), sample);
+  }
+  expect_rejected(folder.path(), {"lie at the same position (0, 0, 0 mm)"});
+}
+
 TEST(SourceDicomDuplicates, OtherVoxelsAtTheSamePositionAreRejectedWithBothNames) {
   const TempFolder folder;
   write_slices(folder, {0, 2, 2});
@@ -476,6 +487,28 @@ TEST(SourceDicomThinned, EvenSlicesOfWhichOthersMayBeMissingBringAWarning) {
     ASSERT_EQ(source->warnings().size(), row.warning.empty() ? 0U : 1U) << row.name;
     if (row.warning.empty()) continue;
     EXPECT_TRUE(contains(source->warnings().front(), row.warning)) << row.name;
+  }
+}
+
+TEST(SourceDicomThinned, ASingleSliceTakesItsSpacingBeforeItsThickness) {
+  const std::string spacing = "its Spacing Between Slices (0018,0088) of 3.3 mm stands for";
+  const std::vector<std::tuple<const char*, const char*, double, std::string>> rows = {
+      {"3", "3.3", 3.3, spacing},
+      {"", "3.3", 3.3, spacing},
+      {"3", "", 3, "its thickness of 3 mm stands for"},
+      {"3", "0", 3, "its thickness of 3 mm stands for"},
+      {"3", "-3.3", 3, "its thickness of 3 mm stands for"},
+      {"0", "", 1, "its thickness of 1 mm (assumed) stands for"}};
+  for (const auto& [thickness, between, expected_mm, words] : rows) {
+    const TempFolder folder;
+    DicomElements slice = ct_elements(3, 2, 8);
+    slice.set(0x00180050, "DS", thickness);
+    slice.set(0x00180088, "DS", between);
+    slice.write(folder.file("s"), kExplicitLittle);
+    const auto source = open_source({folder.file("s")}, {});
+    EXPECT_EQ(source->description().geometry.spacing_mm[2], expected_mm) << thickness;
+    ASSERT_EQ(source->warnings().size(), 1U);
+    EXPECT_TRUE(contains(source->warnings().front(), words)) << source->warnings().front();
   }
 }
 
