@@ -126,6 +126,11 @@ class DicomSeries(cli_test.InFolder):
         for z in range(4):
             self.write(f"IM{z}", 2 * z)
         lost = self.folder / "scan" / "IM3"
+        whole = lost.read_bytes()
+        lost.write_bytes(whole[:whole.rindex(b"\xe0\x7f\x10\0")])
+        self.refuse(["IM3", "a picture without pixel data", "copy it again"])
+        lost.write_bytes(whole[:whole.index(b"\x08\0\x60\0")])
+        self.refuse(["IM3", "nothing stands behind", "copy it again"])
         lost.write_bytes(b"")
         self.refuse(["IM3", "the file is empty", "copy it again"])
         lost.write_bytes(bytes(700))

@@ -21,6 +21,7 @@ constexpr std::uint64_t kSiemensHeaderLimit = std::uint64_t{1} << 20;
 constexpr std::size_t kWindowBytes = std::size_t{1} << 14;
 constexpr int kMaxDepth = 16;
 
+constexpr DicomTag kMediaClass = 0x00020002;
 constexpr DicomTag kTransferSyntax = 0x00020010;
 constexpr DicomTag kFloatPixelData = 0x7fe00008;
 constexpr DicomTag kDoublePixelData = 0x7fe00009;
@@ -150,10 +151,11 @@ class Walker {
       const ElementHead head = read_head(at, window_.size(), syntax);
       const std::uint64_t end = value_end(head, window_.size());
       count(head.tag);
-      if (head.tag == kTransferSyntax && head.length <= kStoredValueLimit) {
+      const bool is_class = head.tag == kMediaClass;
+      if ((is_class || head.tag == kTransferSyntax) && head.length <= kStoredValueLimit) {
         DicomSet meta;
         meta.add_value(head.tag, window_.bytes(head.value_offset, head.length));
-        file.transfer_syntax = meta.text(head.tag);
+        (is_class ? file.media_class : file.transfer_syntax) = meta.text(head.tag);
       }
       at = end;
     }

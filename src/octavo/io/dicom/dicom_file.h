@@ -76,6 +76,7 @@ struct DicomPixels {
 struct DicomFile {
   std::string path;
   std::string transfer_syntax;
+  std::string media_class;  ///< Media Storage SOP Class UID, of the file meta information
   bool big_endian = false;
   DicomSet data;
   DicomPixels pixels;

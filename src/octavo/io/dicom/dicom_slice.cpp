@@ -12,6 +12,7 @@
 #include "octavo/io/dicom/dicom_extent.h"
 #include "octavo/io/dicom/dicom_mosaic.h"
 #include "octavo/io/dicom/dicom_nuclear.h"
+#include "octavo/io/dicom/dicom_strays.h"
 #include "octavo/io/dicom/dicom_tags.h"
 #include "octavo/io/source/described_source.h"
 #include "octavo/io/source/source_file.h"
@@ -294,7 +295,10 @@ std::string DicomSlice::name() const {
 
 std::vector<DicomSlice> read_dicom_slices(const std::string& path) {
   const DicomFile file = read_dicom_file(path);
-  if (!file.pixels.is_present) return {};
+  if (!file.pixels.is_present) {
+    require_no_picture(file);
+    return {};
+  }
   const auto layout = std::make_shared<const DicomLayout>(read_layout(file));
   const std::vector<DicomSet>& shared_items = file.data.items(kSharedGroups);
   const std::vector<DicomSet>& frame_items = file.data.items(kPerFrameGroups);

@@ -136,8 +136,9 @@ struct DicomSlice {
 std::string list_text(std::span<const double> values);
 
 /// The slices of one file in frame order, geometry and rescale from the functional groups where it
-/// has them. None when the file holds no pixel data (reports, directories).
-/// Throws Error{source_rejected} where the file is cut or its header makes no sense; Error{io}
+/// has them. None when a file of its kind holds no pixel data (reports, directories).
+/// Throws Error{source_rejected} where the file is cut, its header makes no sense, or it lacks
+///        pixel data that a file of its kind has; Error{io}
 std::vector<DicomSlice> read_dicom_slices(const std::string& path);
 
 }  // namespace octavo

@@ -41,22 +41,16 @@ std::vector<DicomSlice> collect_slices(const std::vector<std::string>& files,
                                        std::vector<Warning>& warnings) {
   std::vector<DicomSlice> slices;
   DicomStrays strays;
-  std::size_t without_picture = 0;
   for (const std::string& path : files) {
     if (!looks_like_dicom(path)) {
       strays.add(path, files.size() == 1);
       continue;
     }
     std::vector<DicomSlice> found = read_dicom_slices(path);
-    if (found.empty()) ++without_picture;
+    if (found.empty()) strays.add_without_picture(path);
     std::move(found.begin(), found.end(), std::back_inserter(slices));
   }
-  if (without_picture > 0 && !slices.empty()) {
-    warnings.push_back(std::to_string(without_picture) +
-                       (without_picture == 1 ? " DICOM file" : " DICOM files") +
-                       " without a picture (directories, reports) left out");
-  }
-  if (const std::string text = strays.warning(); !text.empty()) warnings.push_back(text);
+  for (std::string& text : strays.warnings()) warnings.push_back(std::move(text));
   return slices;
 }
 
