@@ -36,7 +36,8 @@ int run_combine(const CombineOptions& options, Context& context) {
        {"mm3", json_of(mm3_of(result.voxels, result.volume))},
        {"resampled", result.resampled},
        {"file_bytes", result.file_bytes}},
-      fmt::format("{}: {}\n", options.output.path, volume_text(result.voxels, result.volume)));
+      fmt::format("{}: {}\n", shown_path(options.output.path),
+                  volume_text(result.voxels, result.volume)));
   return kExitDone;
 }
 

@@ -39,7 +39,7 @@ struct CompareArguments {
 
 std::string difference_text(const CompareOptions& options, const CompareResult& result) {
   std::string text =
-      fmt::format("{} and {} differ\n", public_name(options.a), public_name(options.b));
+      fmt::format("{} and {} differ\n", shown_path(options.a), shown_path(options.b));
   for (const std::string& line : comparison_lines(result.comparison, result.a, result.b)) {
     text += "  " + line + "\n";
   }
@@ -49,8 +49,8 @@ std::string difference_text(const CompareOptions& options, const CompareResult& 
 int run_volumes(const CompareOptions& options, Context& context) {
   const CompareResult result = run_task(compare_volumes, options, context);
   const bool is_equal = result.comparison.is_equal();
-  const std::string text = is_equal ? fmt::format("{} and {} are {}\n", public_name(options.a),
-                                                  public_name(options.b), equal_text(result))
+  const std::string text = is_equal ? fmt::format("{} and {} are {}\n", shown_path(options.a),
+                                                  shown_path(options.b), equal_text(result))
                                     : difference_text(options, result);
   print_finding(context, is_equal, comparison_json(result.comparison), text);
   return is_equal ? kExitDone : kExitDifferent;
@@ -61,8 +61,8 @@ std::string labels_text(const CompareOptions& options, const CompareLabelsResult
   const auto alike = std::count_if(all.begin(), all.end(),
                                    [](const LabelAgreement& one) { return one.dice() == 1; });
   const std::string text = fmt::format(
-      "A = {}, B = {}: {} label{}, {} of them the same in both\n", escaped(public_name(options.a)),
-      escaped(public_name(options.b)), all.size(), all.size() == 1 ? "" : "s", alike);
+      "A = {}, B = {}: {} label{}, {} of them the same in both\n", shown_path(options.a),
+      shown_path(options.b), all.size(), all.size() == 1 ? "" : "s", alike);
   return all.empty() ? text : text + agreement_table(result);
 }
 

@@ -72,9 +72,9 @@ nlohmann::ordered_json report_json(const ComponentsOptions& options,
 }
 
 std::string table_text(const ComponentsOptions& options, const ComponentsResult& result) {
-  std::string text = fmt::format("{}: {}, {} kept{}\n", public_name(options.input),
+  std::string text = fmt::format("{}: {}, {} kept{}\n", shown_path(options.input),
                                  count_of(result.found, "component"), count_of(result.kept),
-                                 options.output ? " in " + options.output->path : "");
+                                 options.output ? " in " + shown_path(options.output->path) : "");
   if (!result.rows.empty()) {
     text += fmt::format("{:>7} {:>14} {:>14}  {:<26} {}\n", "label", "voxels", "mm3",
                         result.rows.front().mm3 ? "centroid mm (x, y, z)" : "centroid voxels",
@@ -116,8 +116,9 @@ int run_numbered(const ComponentsArguments& arguments, Context& context) {
        {"kept", result.kept},
        {"output", output->path},
        {"file_bytes", result.file_bytes}},
-      fmt::format("{}: {}, {} kept in {}\n", public_name(input),
-                  count_of(result.found, "component"), count_of(result.kept), output->path));
+      fmt::format("{}: {}, {} kept in {}\n", shown_path(input),
+                  count_of(result.found, "component"), count_of(result.kept),
+                  shown_path(output->path)));
   return kExitDone;
 }
 

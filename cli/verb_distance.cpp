@@ -56,8 +56,8 @@ int run_distance(const DistanceOptions& options, Context& context) {
        {"max_error_mm", result.max_error_mm},
        {"held_in", hold_word(result.hold)},
        {"file_bytes", result.file_bytes}},
-      fmt::format("{}: {:.6g} to {:.6g} mm{}\n", escaped(options.output.path), result.smallest_mm,
-                  result.largest_mm,
+      fmt::format("{}: {:.6g} to {:.6g} mm{}\n", shown_path(options.output.path),
+                  result.smallest_mm, result.largest_mm,
                   options.is_in_steps ? fmt::format(", in steps of {} mm", step_mm) : ""));
   return kExitDone;
 }

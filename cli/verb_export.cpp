@@ -64,10 +64,11 @@ nlohmann::ordered_json result_json(const ExportPartResult& result, int level) {
 }
 
 std::string result_text(const ExportResult& result, const Box& box, int level) {
-  std::string files = result.files.empty() ? "" : result.files.front();
-  if (result.files.size() == 2) files += " and " + result.files.back();
+  std::string files = result.files.empty() ? "" : shown_path(result.files.front());
+  if (result.files.size() == 2) files += " and " + shown_path(result.files.back());
   if (result.files.size() > 2) {
-    files += fmt::format(" .. {} ({} files)", result.files.back(), result.files.size());
+    files += fmt::format(" .. {} ({} files)", shown_path(result.files.back()),
+                         result.files.size());
   }
   return fmt::format("{}: {} {} of level {}, {} values, {}\n", files, size_text(box.size()),
                      voxel_type_name(result.type), level, result.real_units ? "real" : "stored",
@@ -95,7 +96,7 @@ int run_zarr_export(const ExportArguments& arguments, Context& context) {
        {"levels", result.written.levels},
        {"files", result.written.files},
        {"bytes", result.written.bytes}},
-      fmt::format("{}: {} in {}, {}\n", part.output.path,
+      fmt::format("{}: {} in {}, {}\n", shown_path(part.output.path),
                   count_of(static_cast<std::uint64_t>(result.written.levels), "level"),
                   count_of(result.written.files, "file"), bytes_text(result.written.bytes)));
   return kExitDone;

@@ -53,7 +53,7 @@ int run_fill_holes(const FillHolesOptions& options, Context& context) {
                 {"hole_mm3", json_of(mm3_of(result.hole_voxels, result.volume))},
                 {"larger_holes", result.larger_hole_count},
                 {"file_bytes", result.file_bytes}},
-               fmt::format("{}: {}; {}\n", escaped(options.output.path),
+               fmt::format("{}: {}; {}\n", shown_path(options.output.path),
                            volume_text(result.voxels, result.volume), holes_text(result)));
   return kExitDone;
 }

@@ -66,8 +66,9 @@ ModulusPower parse_modulus(const std::string& text, const std::string& option) {
 std::string hexahedra_text(const HexahedraOptions& options, const HexahedraResult& result) {
   const auto& [cubes, pyramids, tetrahedra] = result.elements_of_shape;
   std::string text = fmt::format(
-      "{}: {} of {}, {}", options.output.path, count_of(result.element_count, "element"),
-      count_of(result.voxel_count, "voxel"), count_of(result.node_count, "node"));
+      "{}: {} of {}, {}", shown_path(options.output.path),
+      count_of(result.element_count, "element"), count_of(result.voxel_count, "voxel"),
+      count_of(result.node_count, "node"));
   if (result.hanging_count != 0) {
     text += fmt::format(", {} of them hang", count_of(result.hanging_count));
   }

@@ -218,7 +218,7 @@ std::string metadata_text(const InfoResult& info) {
 std::string screen(const InfoResult& info, bool show_metadata) {
   const VolumeDescription& d = info.volume;
   const Metadata& metadata = d.metadata;
-  std::string text = info.name + "\n";
+  std::string text = shown_path(info.name) + "\n";
   text += row("holds", fmt::format("{} voxels of {}, {}, {}", size_text(d.size),
                                    voxel_type_name(d.type), word_of(d.kind),
                                    loss_words(info, metadata)));

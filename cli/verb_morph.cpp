@@ -90,7 +90,7 @@ int run_morph(const MorphArguments& arguments, Context& context) {
                 {"mm3", json_of(mm3_of(result.voxels, result.volume))},
                 {"voxels_before", result.voxels_before},
                 {"file_bytes", result.file_bytes}},
-               fmt::format("{}: {} (before: {})\n", escaped(options.output.path),
+               fmt::format("{}: {} (before: {})\n", shown_path(options.output.path),
                            volume_text(result.voxels, result.volume),
                            volume_text(result.voxels_before, result.volume)));
   return kExitDone;

@@ -173,7 +173,9 @@ std::string counts_text(RenderMode mode, const RenderResult& result) {
 std::string report_text(const RenderOptions& options, const RenderResult& result) {
   const std::vector<std::string>& paths = result.outputs;
   const std::string names =
-      paths.size() == 1 ? paths.front() : fmt::format("{} to {}", paths.front(), paths.back());
+      paths.size() == 1 ? shown_path(paths.front())
+                        : fmt::format("{} to {}", shown_path(paths.front()),
+                                      shown_path(paths.back()));
   const std::string pixel =
       is_spacing_known(result.volume) ? fmt::format(" of {} mm", number_text(result.pixel_mm)) : "";
   return fmt::format("{}: {} x {} pixels{}, {}; drawn in {}\n", names, result.width, result.height,

@@ -49,12 +49,12 @@ nlohmann::ordered_json seal_json(const RepairOptions& options, const SealResult&
 std::string seal_text(const RepairOptions& options, const SealResult& result) {
   if (result.whole_planes == result.plane_count) {
     return fmt::format("{}: all {} planes of the interrupted build are whole\n",
-                       options.output.path, count_text(result.plane_count));
+                       shown_path(options.output.path), count_text(result.plane_count));
   }
   return fmt::format(
       "{}: planes 0 to {} of {} are whole; planes {} to {} are missing and hold {}\n",
-      options.output.path, result.whole_planes - 1, result.plane_count, result.whole_planes,
-      result.plane_count - 1, number_text(result.fill));
+      shown_path(options.output.path), result.whole_planes - 1, result.plane_count,
+      result.whole_planes, result.plane_count - 1, number_text(result.fill));
 }
 
 nlohmann::ordered_json repair_json(const RepairOptions& options, const BitRepairResult& result) {
@@ -84,7 +84,7 @@ std::string flips_text(const BitRepairResult& result) {
 }
 
 std::string repair_text(const RepairOptions& options, const BitRepairResult& result) {
-  std::string text = options.output.path + ": " + flips_text(result);
+  std::string text = shown_path(options.output.path) + ": " + flips_text(result);
   if (result.has_new_trailer) text += "trailer made anew; ";
   if (result.dropped_bytes > 0) {
     text += fmt::format("{} behind its end left out; ", count_of(result.dropped_bytes, "byte"));

@@ -43,7 +43,7 @@ int run_shell(const ShellOptions& options, Context& context) {
   const ShellResult result = run_task(shell, options, context);
   print_result(context, report_json(options, result),
                fmt::format("{}: {} of {} leaves lie at the surface, {} removed; {}\n",
-                           options.output ? options.output->path : public_name(options.input),
+                           shown_path(options.output ? options.output->path : options.input),
                            count_text(result.kept), count_text(result.leaves),
                            count_text(result.leaves - result.kept),
                            volume_text(result.voxels, result.volume)));

@@ -208,8 +208,9 @@ std::string position_text(const DrawnSlice& slice) {
 
 std::string slice_text(const DrawnSlice& slice, const SliceResult& result) {
   std::string text =
-      fmt::format("{}: {} x {} pixels of {}, {} of level {}", slice.path, slice.width, slice.height,
-                  pixel_text(slice, result), position_text(slice), result.level);
+      fmt::format("{}: {} x {} pixels of {}, {} of level {}", shown_path(slice.path),
+                  slice.width, slice.height, pixel_text(slice, result), position_text(slice),
+                  result.level);
   if (!slice.window) return text + "\n";
   const std::string unit = unit_of(result.volume);
   return text + fmt::format(", window {},{}{}\n", number_text(slice.window->center),

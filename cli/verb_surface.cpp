@@ -182,11 +182,12 @@ std::string advice_words(const SurfaceResult& result) {
 std::string report_text(const SurfaceOptions& options, const SurfaceResult& result) {
   if (!result.is_written) {
     return fmt::format("{}: not written, the surface has {}; --allow-open writes it\n",
-                       options.output.path, all_fault_words(result)) +
+                       shown_path(options.output.path), all_fault_words(result)) +
            advice_words(result);
   }
   std::string text =
-      fmt::format("{}: {}, {}\n", options.output.path, count_of(result.triangle_count, "triangle"),
+      fmt::format("{}: {}, {}\n", shown_path(options.output.path),
+                  count_of(result.triangle_count, "triangle"),
                   count_of(result.check.components, "piece"));
   text += result.is_sound ? "closed, manifold\n" : all_fault_words(result) + "\n";
   if (result.max_deviation_mm > 0) {

@@ -59,12 +59,12 @@ std::string report_text(const ThresholdOptions& options, const ThresholdResult& 
   const auto all = static_cast<double>(result.volume.size.voxel_count());
   std::string text;
   for (const LabelVolume& object : result.objects) {
-    text += fmt::format("{}: {}{} ({:.3g} % of the volume)\n", options.output.path,
+    text += fmt::format("{}: {}{} ({:.3g} % of the volume)\n", shown_path(options.output.path),
                         options.classes.empty() ? "" : fmt::format("label {}: ", object.label),
                         volume_text(object.voxels, result.volume),
                         100 * static_cast<double>(object.voxels) / all);
   }
-  return text.empty() ? options.output.path + ": no voxel is in any class\n" : text;
+  return text.empty() ? shown_path(options.output.path) + ": no voxel is in any class\n" : text;
 }
 
 nlohmann::ordered_json report_json(const ThresholdOptions& options, const ThresholdResult& result) {

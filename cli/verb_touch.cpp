@@ -89,8 +89,8 @@ const char* relation_of(const Interference& found) {
 std::string masks_text(const TouchArguments& arguments, const TouchMasksResult& result) {
   const Interference& found = result.found;
   const VolumeDescription& volume = result.volume;
-  const std::string a = escaped(public_name(arguments.inputs[0]));
-  const std::string b = escaped(public_name(arguments.inputs[1]));
+  const std::string a = shown_path(arguments.inputs[0]);
+  const std::string b = shown_path(arguments.inputs[1]);
   std::string text = fmt::format("{} and {} {}\n", a, b,
                                  found.is_overlap()   ? "overlap"
                                  : found.is_contact() ? "touch"
@@ -123,7 +123,7 @@ nlohmann::ordered_json masks_json(const TouchArguments& arguments,
 
 std::string labels_text(const TouchArguments& arguments, const TouchLabelsResult& result) {
   std::string text = fmt::format(
-      "{}: {}\n", escaped(public_name(arguments.inputs[0])),
+      "{}: {}\n", shown_path(arguments.inputs[0]),
       counted_text(static_cast<std::int64_t>(result.contacts.size()), "pair of labels touches",
                    "pairs of labels touch"));
   if (result.contacts.empty()) return text;

@@ -157,8 +157,8 @@ int run_transform(const TransformArguments& arguments, Context& context) {
   const TransformResult result = run_task(transform, options, context);
   print_result(
       context, report_json(options, result),
-      fmt::format("{}: {} voxels{}; {}\n", options.output.path, size_text(result.volume.size),
-                  grid_text(result.volume), result.summary));
+      fmt::format("{}: {} voxels{}; {}\n", shown_path(options.output.path),
+                  size_text(result.volume.size), grid_text(result.volume), result.summary));
   return kExitDone;
 }
 

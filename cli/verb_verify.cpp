@@ -117,7 +117,7 @@ std::string extent_text(const std::string& input, const VerifyReport& report) {
     throw Error(ErrorKind::corrupt, first.detail + extent_text(input, report), input, first.offset);
   }
   for (const Damage& damage : report.damages) {
-    context.note(escaped(public_name(input)) + ": " + damage.detail);
+    context.note(shown_path(input) + ": " + damage.detail);
   }
   const auto listed = static_cast<std::int64_t>(report.damages.size());
   const std::string named =
@@ -133,8 +133,8 @@ std::string difference_text(const VerifyArguments& arguments, const VerifyVolume
   const VolumeDescription& source = result.against->source;
   const Comparison& c = result.against->comparison;
   std::string text =
-      fmt::format("{}: sound, but differs from {}\n", public_name(arguments.options.input),
-                  public_name(arguments.options.against.front()));
+      fmt::format("{}: sound, but differs from {}\n", shown_path(arguments.options.input),
+                  shown_path(arguments.options.against.front()));
   for (const std::string& line : comparison_lines(c, result.volume, source)) {
     text += "  " + line + "\n";
   }
@@ -147,7 +147,7 @@ std::string difference_text(const VerifyArguments& arguments, const VerifyVolume
 
 std::string sound_text(const VerifyArguments& arguments, const VerifyVolumeResult& result) {
   const std::string missing = missing_words(result.volume.metadata);
-  return fmt::format("{}: sound; {}, {} read and decoded{}\n", public_name(arguments.options.input),
+  return fmt::format("{}: sound; {}, {} read and decoded{}\n", shown_path(arguments.options.input),
                      counted_text(result.report.brick_count, "brick"),
                      bytes_text(result.report.file_bytes),
                      missing.empty() ? "" : "; but " + missing);
@@ -158,10 +158,10 @@ std::string faithful_text(const VerifyArguments& arguments, const VerifyVolumeRe
   const std::string within = distance_text(result.volume, check.allowed_error);
   const bool is_exact = check.allowed_error == 0;
   return fmt::format(
-      "{}: sound; {} {} of {}{}, {}; {} checked\n", public_name(arguments.options.input),
+      "{}: sound; {} {} of {}{}, {}; {} checked\n", shown_path(arguments.options.input),
       is_exact ? "equal to all" : "within " + within + " of all",
       counted_text(check.comparison.voxels, "voxel"),
-      public_name(arguments.options.against.front()),
+      shown_path(arguments.options.against.front()),
       check.has_planes_between ? " with planes in between" : "",
       check.comparison.is_place_known ? "and in geometry" : "whose spacing is not known",
       counted_text(result.report.brick_count, "brick"));
@@ -175,8 +175,8 @@ int run_verify_part(const VerifyArguments& arguments, Context& context) {
   object.erase("sound");  // that all parts together say
   print_result(
       context, std::move(object),
-      fmt::format("{}: part {} of {} of {}: {}, {}\n", options.output.path, found.part.number,
-                  found.part.count, public_name(arguments.options.input),
+      fmt::format("{}: part {} of {} of {}: {}, {}\n", shown_path(options.output.path),
+                  found.part.number, found.part.count, shown_path(arguments.options.input),
                   counted_text(found.report.brick_count, "brick"),
                   counted_text(found.report.damage_count, "damaged place")));
   return kExitDone;

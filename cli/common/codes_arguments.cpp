@@ -31,8 +31,9 @@ std::string summary_text(const LinearOctree& octree, const VolumeDescription& d,
   const std::int64_t leaves = leaf_count(octree);
   const auto voxels = static_cast<std::int64_t>(leaf_volume(octree));
   table.add({"all", "", count_text(leaves), count_text(voxels)});
-  const std::string text = fmt::format("{}: {} voxels in a universe of side 2^{}\n\n{}", path,
-                                       size_text(d.size), octree.root_level, table.text());
+  const std::string text = fmt::format("{}: {} voxels in a universe of side 2^{}\n\n{}",
+                                       shown_path(path), size_text(d.size), octree.root_level,
+                                       table.text());
   if (leaves == 0) return text;
   return text +
          fmt::format("\n  {:.1f} % of the volume, {:.1f} voxels a leaf\n",
@@ -253,7 +254,7 @@ void print_codes(const CodesResult& result, const CodesArguments& arguments,
   } else if (arguments.is_counts) {
     print(counts_text(octree, names));
   } else {
-    print(summary_text(octree, result.volume, public_name(arguments.options.input)));
+    print(summary_text(octree, result.volume, arguments.options.input));
   }
 }
 

@@ -1,19 +1,42 @@
 #include "common/context.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
 #include <nlohmann/json.hpp>
+#include <string_view>
 #include <thread>
 #include <utility>
 
 #include "common/options.h"
 #include "octavo/core/error.h"
+#include "octavo/core/url_text.h"
 #include "text/quantities.h"
 
 namespace octavo::cli {
 
 namespace {
+
+/// How many bytes at the start of `text` are one control character in UTF-8; 0: none are.
+std::size_t control_bytes(std::string_view text) {
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  if (byte(0) < 0x20 || byte(0) == 0x7f) return 1;
+  return byte(0) == 0xc2 && text.size() > 1 && byte(1) >= 0x80 && byte(1) < 0xa0 ? 2 : 0;
+}
+
+/// kept  control characters that stay
+std::string without_controls(std::string_view text, std::string_view kept) {
+  std::string out;
+  while (!text.empty()) {
+    const std::size_t bytes = control_bytes(text);
+    const bool is_shown = bytes == 0 || kept.find(text.front()) != std::string_view::npos;
+    const std::string_view piece = text.substr(0, std::max<std::size_t>(bytes, 1));
+    out += is_shown ? std::string(piece) : escaped(piece);
+    text.remove_prefix(piece.size());
+  }
+  return out;
+}
 
 void say(const std::string& text) {
   const std::string line = "octavo: " + one_line(text) + "\n";
@@ -22,14 +45,9 @@ void say(const std::string& text) {
 
 }  // namespace
 
-std::string one_line(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    const auto byte = static_cast<unsigned char>(c);
-    out += byte < 0x20 || byte == 0x7f ? escaped(std::string(1, c)) : std::string(1, c);
-  }
-  return out;
-}
+std::string one_line(const std::string& text) { return without_controls(text, ""); }
+
+std::string shown_path(const std::string& path) { return one_line(public_name(path)); }
 
 void Context::note(const std::string& text) const {
   if (!quiet) say(text);
@@ -75,7 +93,7 @@ void print_finding(const Context& context, bool is_success, nlohmann::ordered_js
     object["warnings"] = context.warnings;
     print_json(object);
   } else if (!context.quiet || !is_success) {
-    print(text);
+    print(without_controls(text, "\n\t"));
   }
 }
 

@@ -53,7 +53,7 @@ void print(const std::string& text);
 void print_json(const nlohmann::ordered_json& object);
 
 /// Prints what a verb found: with --json the object, its warnings behind it; otherwise the text,
-/// unless --quiet.
+/// unless --quiet. Of its control characters only ends of lines and tabs are printed as they are.
 void print_result(const Context& context, nlohmann::ordered_json object, const std::string& text);
 
 /// The same, but that --quiet leaves out a text alone that is of success.
@@ -62,5 +62,8 @@ void print_finding(const Context& context, bool is_success, nlohmann::ordered_js
 
 /// `text` for one line of a message: control characters escaped, UTF-8 and length left alone.
 std::string one_line(const std::string& text);
+
+/// A file or a URL as text for people says it: on one line, and without what is secret in a URL.
+std::string shown_path(const std::string& path);
 
 }  // namespace octavo::cli

@@ -57,8 +57,8 @@ void print_part_result(const Context& context, const Output& output, const WorkP
   nlohmann::ordered_json object = {{"output", output.path}, {"part", {part.number, part.count}}};
   object.update(found);
   print_result(context, std::move(object),
-               fmt::format("{}: part {} of {}: {}\n", output.path, part.number, part.count,
-                           found_text));
+               fmt::format("{}: part {} of {}: {}\n", shown_path(output.path), part.number,
+                           part.count, found_text));
 }
 
 }  // namespace octavo::cli

@@ -81,13 +81,14 @@ int print_runs(const JoinOptions& options, Context& context) {
   }
   std::string text;
   for (const FileRun& run : joined.runs) {
-    text += fmt::format("{} {} {}\n", run.path, run.offset, run.length);
+    text += fmt::format("{} {} {}\n", shown_path(run.path), run.offset, run.length);
   }
   print(text);
   return kExitDone;
 }
 
-std::string step_words(const JoinStepResult& done, JoinStep step, const std::string& path) {
+std::string step_words(const JoinStepResult& done, JoinStep step, const std::string& output) {
+  const std::string path = shown_path(output);
   if (done.is_done) return fmt::format("{}: is joined already\n", path);
   if (step == JoinStep::seal) return fmt::format("{}: {}\n", path, bytes_text(done.file_bytes));
   const std::string left = fmt::format("{} of {} to be copied", done.uncopied.size(),

@@ -60,7 +60,8 @@ int run_part(const PartVerbArguments& arguments, Context& context) {
   for (const MadePart& part : result.parts) {
     const std::string what =
         part.was_there ? " is there already"
-                       : fmt::format(": {}, {}", part.path, bytes_text(part.file_bytes));
+                       : fmt::format(": {}, {}", shown_path(part.path),
+                                     bytes_text(part.file_bytes));
     text += fmt::format("part {} of {}{}\n", part.number, result.part_count, what);
   }
   print_result(context, made_parts_json(result), text);

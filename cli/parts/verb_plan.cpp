@@ -94,7 +94,7 @@ std::string plan_words(const PlanResult& plan, const std::string& path) {
   std::string stem = path;
   if (stem.ends_with(".plan")) stem.resize(stem.size() - 5);
   constexpr std::uint64_t kGiB = std::uint64_t{1} << 30;
-  const std::string file = shell_path(path);
+  const std::string file = one_line(shell_path(path));
   std::string text = fmt::format(
       "plan      {} voxels of {}, {}; {} of {}, {} each\n", size_text(plan.volume.size),
       voxel_type_name(plan.volume.type), bytes_text(plan.raw_bytes),
@@ -113,7 +113,7 @@ std::string plan_words(const PlanResult& plan, const std::string& path) {
       "          octavo join {} parts/ -o {}\n",
       plan.part_count - 1, (plan.part_memory_bytes + kGiB - 1) / kGiB,
       quoted_words("octavo part " + file + " -j 1" + limit + " -o parts/"), file,
-      shell_path(stem + ".8vo"));
+      one_line(shell_path(stem + ".8vo")));
   return text;
 }
 

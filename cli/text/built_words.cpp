@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "common/context.h"
 #include "octavo/core/text.h"
 #include "octavo/tasks/volume_facts.h"
 #include "text/detail_words.h"
@@ -42,7 +43,7 @@ std::string built_text(const BuiltVolume& built, const std::string& output) {
                       static_cast<double>(volume.size.voxel_count());
   return fmt::format("{}: {} {} {}{}{}, {} from {} ({:.2f}:1, {:.2f} bits per voxel) in {} "
                      "({:.0f} MB/s, {})\n",
-                     output, size_text(volume.size), voxel_type_name(volume.type),
+                     shown_path(output), size_text(volume.size), voxel_type_name(volume.type),
                      word_of(built.kind), names_text(built), promise_text(built),
                      bytes_text(build.file_bytes), bytes_text(build.raw_bytes),
                      built.compression_ratio(), bits, duration_text(build.total_seconds),

@@ -21,7 +21,7 @@ const LabelNames& names_in(const LabelSurfacesResult& result) {
 }
 
 std::string faults_text(const LabelSurfacesOptions& options, const LabelSurfacesResult& result) {
-  std::string text = options.output.path + ": not written\n";
+  std::string text = shown_path(options.output.path) + ": not written\n";
   bool are_rounded = false;
   for (const LabelSurface& surface : result.labels) {
     if (surface.is_sound()) continue;
@@ -82,7 +82,7 @@ std::string label_surfaces_text(const LabelSurfacesOptions& options,
                                 const LabelSurfacesResult& result) {
   if (!result.is_written) return faults_text(options, result);
   std::string text =
-      fmt::format("{}: {}, {}\n", options.output.path,
+      fmt::format("{}: {}, {}\n", shown_path(options.output.path),
                   count_of(result.labels.size(), "label"),
                   count_of(result.triangle_count, "triangle"));
   text += touching_text(result);
