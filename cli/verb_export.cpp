@@ -134,7 +134,8 @@ void add_options(Verb verb, ExportArguments& arguments) {
   Option box = verb.add_parsed("--box BOX", options.box, parse_box,
                                "x0:x1,y0:y1,z0:z1 in voxels of the level, half-open");
   verb.add_parsed("--box-mm BOX", options.box_mm, parse_box_mm,
-                  "The same in mm: the voxels centered inside")
+                  "The same in mm: the voxels centered inside; on an oblique grid the box of "
+                  "voxels around them")
       .excludes(box);
   Option stored = verb.add_flag_of("--stored", options.values, ExportValues::stored,
                                    "Stored integers instead of real units");

@@ -44,9 +44,10 @@ Option add_build_options(Verb verb, BuildScanOptions& options) {
                   "--max-error, nor with --access slices or boxes")
       .check(whole_within(1, 5));
   verb.add_parsed("--nan VALUE", options.repair.nan, parse_float,
-                  "float32: what takes the place of NaN");
+                  "float32: the stored value that takes the place of NaN");
   verb.add_parsed("--inf VALUE", options.repair.infinity, parse_float,
-                  "float32: what takes the place of +infinity; of -infinity its negative");
+                  "float32: the stored value that takes the place of +infinity; of -infinity its "
+                  "negative");
   verb.add_flag("--keep-identity", options.scan.source.keep_identity,
                 "Keep names, dates and free text of the source in the metadata");
   verb.add_flag("--thumbnail", options.output.has_thumbnail,

@@ -62,7 +62,8 @@ def build(source, path, *, kind=None, spacing=None, origin=None, direction=None,
     keep_details : int
         The finest level whose details are kept.
     nan, inf : float, optional
-        Take the place of NaN and infinities; without a max error these are kept as they are.
+        Stored values that take the place of NaN and infinities; without a max error these are kept
+        as they are.
     thumbnail : bool
         Put a small picture into the file: it may show a face.
     overwrite, resume : bool

@@ -22,6 +22,16 @@ class Usage(cli_test.InFolder):
         self.assertIn("Verbs:", of_all)
         self.assertNotIn("ubcommand", of_all)
 
+    def test_help_says_what_values_are_of_and_what_is_rounded(self):
+        for verb, words in [
+            ("export", "on an oblique grid the box of voxels around them"),
+            ("build", "the stored value that takes the place of NaN"),
+            ("build", "the stored value that takes the place of +infinity"),
+            ("build", "that was rounded before: twice in all"),
+        ]:
+            told = self.expect(0, verb, "--help").stdout
+            self.assertIn(words, " ".join(told.split()))
+
     def test_what_may_have_been_meant_is_named(self):
         for arguments, words in [
             (["rendr", "a.8vo"], "no verb 'rendr'; did you mean render?"),
