@@ -21,6 +21,8 @@ constexpr VerbText kPublishText = {
     "set for nginx, caddy, Apache and S3, which is little. In a folder that is there, other files\n"
     "stay; --force replaces those of the same names. What was published there before stays in the\n"
     "list of the page, behind what is new, as long as it is in the folder.\n\n"
+    "Files are published as they are. One that was built with --keep-identity is rejected unless\n"
+    "it is given here as well; 'octavo build FILE -o NEW.8vo' makes one without names.\n\n"
     "Examples:\n"
     "  octavo publish head.8vo -o site\n"
     "  octavo publish head.8vo organs.8vo -o site\n"
@@ -45,13 +47,15 @@ std::string published_text(const PublishOptions& options, const PublishResult& r
     is_told_how = is_told_how || file.name == "HOSTING.md";
   }
   for (const PublishedFile& file : result.volumes) {
-    text += fmt::format("{}/{}: {}\n", options.output.path, file.name, bytes_text(file.bytes));
+    text += fmt::format("{}: {}\n", shown_path(options.output.path + "/" + file.name),
+                        bytes_text(file.bytes));
   }
   if (!result.listed.empty()) {
-    text += fmt::format("{}/{}: also lists what was published before: {}{}\n", options.output.path,
-                        kWebListName, result.listed.front(), others_text(result.listed.size() - 1));
+    text += fmt::format("{}/{}: also lists what was published before: {}{}\n",
+                        shown_path(options.output.path), kWebListName,
+                        one_line(result.listed.front()), others_text(result.listed.size() - 1));
   }
-  return text + fmt::format("{}: the page, {} files of {}{}\n", options.output.path,
+  return text + fmt::format("{}: the page, {} files of {}{}\n", shown_path(options.output.path),
                             result.page.size(), bytes_text(page_bytes),
                             is_told_how ? "; HOSTING.md says how to serve it" : "");
 }
@@ -74,6 +78,8 @@ void add_publish(CLI::App& app, Context& context) {
   options.page_folder = web_page_folder();
   verb.add_option("files FILE", options.inputs, "The .8vo files or URLs of them").required();
   verb.add_output(options.output, "The folder to write");
+  verb.add_flag("--keep-identity", options.keep_identity,
+                "Publish files too that keep names, dates and free text of their source");
 }
 
 }  // namespace octavo::cli

@@ -29,6 +29,8 @@ constexpr VerbText kServeText = {
     "With --as zarr3 each file also stands at its address with .zarr/ behind it, as an OME-Zarr\n"
     "0.5 image whose chunks are decoded when they are asked for: zarr-python and tensorstore take\n"
     "the address. As such a file stays what it was when the program was started.\n\n"
+    "Files are given out as they are: of one that was built with --keep-identity a warning says\n"
+    "so. As zarr it holds no names.\n\n"
     "Examples:\n"
     "  octavo serve head.8vo\n"
     "  octavo serve head.8vo organs.8vo --port 8080\n"

@@ -218,6 +218,8 @@ constexpr Advice kAdvice[] = {
 
     // --- Browsers
     {kAny, "page_folder", "", "tools/build_web builds it; $OCTAVO_WEB names its folder"},
+    {kUsage, "publish.keep_identity", "",
+     "'octavo build FILE -o NEW.8vo' leaves them out, --keep-identity publishes them"},
     {kUsage, "serve.address", "", "--bind takes numbers: 0.0.0.0 is all of this machine's"},
     {kUsage, "serve.allowed_origins", "", "change --allow-origin"},
     {kUsage, "serve.inputs", "", "'octavo view' shows a URL"},

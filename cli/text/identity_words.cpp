@@ -29,7 +29,7 @@ std::string counted(std::size_t count) {
 }  // namespace
 
 const char* identity_state(const Metadata& metadata) {
-  if (!kept_in(metadata).empty()) return "kept";
+  if (metadata.keeps_identity()) return "kept";
   return dropped_in(metadata).empty() ? "none" : "dropped";
 }
 

@@ -137,12 +137,15 @@ class Metadata(cli_test.InFolder):
                                             ["build", "--max-error", "1", "-o", "out.8vo"]]:
                 self.expect_read(what, arguments)
 
-    def test_what_is_no_metadata_takes_no_names(self):
+    def test_what_is_no_metadata_and_is_kept_takes_no_names(self):
         (self.folder / "names.txt").write_text("1 a\n")
         self.give("l.8vo", DEEP["nested lists"])
-        self.expect_error(4, ["metadata cannot be read", "no names"], "build", "bad.8vo",
-                          "--labels", "--label-names", "names.txt", "-o", "out.8vo")
+        named = ["build", "bad.8vo", "--labels", "--label-names", "names.txt", "-o", "out.8vo"]
+        self.expect_error(4, ["metadata cannot be read", "no names"], *named, "--keep-identity")
         self.assertFalse((self.folder / "out.8vo").exists())
+        # As it may tell who, such text is not passed on, and leaves room for names.
+        self.expect(0, *named)
+        self.assertEqual(self.info("out.8vo")["metadata"]["labels"], {"1": {"name": "a"}})
 
 
 if __name__ == "__main__":

@@ -108,16 +108,16 @@ std::optional<JsonObject> object_in(const JsonObject& members, const char* name)
 
 bool has(const JsonObject& members, const char* name) { return !members.json_of(name).empty(); }
 
-/// The identity of a source with its texts moved to what was dropped. Requires normal form.
-void drop_attributes(JsonObject& members) {
-  std::optional<JsonObject> identity = object_in(members, kIdentity);
-  if (!identity || !has(*identity, kIdentityAttributes)) return;
-  JsonObject dropped = object_in(*identity, kIdentityDropped).value_or(JsonObject());
-  const auto attributes = object_in(*identity, kIdentityAttributes).value_or(JsonObject());
-  for (const JsonMember& attribute : attributes.members()) dropped.set(attribute.name, 1);
-  identity->erase(kIdentityAttributes);
-  identity->set(kIdentityDropped, dropped).set(kIdentityKept, false);
-  members.set_json(kIdentity, normal_json(identity->text(), MemberOrder::by_name));
+/// What stays of an identity: the names of its texts, as what was dropped. Nothing else that may
+/// stand there does.
+IdentityNote without_texts(const IdentityNote& identity) {
+  IdentityNote left;
+  left.dropped = identity.dropped;
+  left.kept = identity.kept;
+  if (!identity.attributes) return left;
+  for (const auto& [name, text] : *identity.attributes) left.dropped[name] = 1;
+  left.kept = false;
+  return left;
 }
 
 }  // namespace
@@ -215,8 +215,23 @@ void Metadata::set_isotropic(const IsotropicNote& isotropic,
   *this = read(members.text());
 }
 
-Metadata Metadata::for_labels(const MadeBy& made_by) const {
+JsonObject Metadata::members_without_identity() const {
   JsonObject members = normal_members();
+  members.erase(kUnreadable);
+  if (!has(members, kIdentity)) return members;
+  if (facts_.identity) members.set_json(kIdentity, written(without_texts(*facts_.identity)));
+  else members.erase(kIdentity);
+  return members;
+}
+
+Metadata Metadata::without_identity() const {
+  const JsonObject members = normal_members();
+  if (!has(members, kIdentity) && !has(members, kUnreadable)) return *this;
+  return read(members_without_identity().text());
+}
+
+Metadata Metadata::for_labels(const MadeBy& made_by) const {
+  JsonObject members = members_without_identity();
   for (const char* name : {kUnit, kCoding, kSourceMaxError, kLossySource, kIdentity, kSegments,
                            kSegment, kChosen, kLabels, kWrittenBy}) {
     members.erase(name);
@@ -227,21 +242,12 @@ Metadata Metadata::for_labels(const MadeBy& made_by) const {
 
 Metadata Metadata::for_copy(double lost, bool keep_identity) const {
   lost += source_max_error();
-  JsonObject members = normal_members();
-  const bool drops_identity = !keep_identity && has(members, kIdentity);
-  const bool says_how = has(members, kCoding) || has(members, kWrittenBy);
-  if (lost == 0 && !says_how && !drops_identity) return *this;
-  if (drops_identity) drop_attributes(members);
+  const Metadata passed_on = keep_identity ? *this : without_identity();
+  JsonObject members = passed_on.normal_members();
+  if (lost == 0 && !has(members, kCoding) && !has(members, kWrittenBy)) return passed_on;
   members.erase(kCoding);
   members.erase(kWrittenBy);
   if (lost > 0) members.set(kSourceMaxError, lost);
-  return read(members.text());
-}
-
-Metadata Metadata::for_same_bricks() const {
-  JsonObject members = normal_members();
-  if (!has(members, kIdentity)) return *this;
-  drop_attributes(members);
   return read(members.text());
 }
 

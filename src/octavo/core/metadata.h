@@ -30,6 +30,10 @@ class Metadata {
   /// Why the text cannot be read; empty where it can.
   const std::string& defect() const { return defect_; }
 
+  /// Whether there are texts that may tell who, where or when.
+  bool keeps_identity() const {
+    return facts_.identity && facts_.identity->attributes && !facts_.identity->attributes->empty();
+  }
   /// False when the source carried no spacing and 1 mm was assumed.
   bool is_spacing_known() const { return facts_.spacing_known.value_or(true); }
   /// A code of UCUM, or any text, as it stands there; empty where none does.
@@ -60,6 +64,10 @@ class Metadata {
                      const std::optional<std::vector<PlaneRun>>& made_planes,
                      const std::optional<PlaneRun>& missing);
 
+  /// Without what may tell who, where or when: the texts of an identity, of which the names stay as
+  /// what was dropped, and text that cannot be read. All that leaves a file takes this way.
+  Metadata without_identity() const;
+
   /// For labels computed from the volume: without what is said of values, of people and of the
   /// names of labels.
   Metadata for_labels(const MadeBy& made_by) const;
@@ -70,15 +78,13 @@ class Metadata {
   /// keep_identity  whether what was kept of the identity of the source is passed on
   Metadata for_copy(double lost, bool keep_identity) const;
 
-  /// For a file with the same bricks: how they were coded still holds, what was kept of the
-  /// identity of the source is not passed on.
-  Metadata for_same_bricks() const;
-
   bool operator==(const Metadata& other) const { return text_ == other.text_; }
 
  private:
   /// All members in normal form (json_members.h). Text that cannot be read becomes one of them.
   JsonObject normal_members() const;
+  /// The same without_identity.
+  JsonObject members_without_identity() const;
   void put_behind(MetadataFacts facts);
 
   std::string text_ = "{}";

@@ -1,6 +1,7 @@
 #include "octavo/tasks/inputs.h"
 
 #include "octavo/core/error.h"
+#include "octavo/core/text.h"
 #include "octavo/core/url_text.h"
 #include "octavo/file/storage/storage.h"
 #include "octavo/io/http/http_source.h"
@@ -41,6 +42,13 @@ std::shared_ptr<FileReader> open_volume(const std::string& path, const TaskConte
   std::shared_ptr<FileReader> reader = FileReader::open(open_input(path, context), options);
   context.require_voxels(reader->description().size, reader->source().name());
   return reader;
+}
+
+std::string kept_identity_words(const FileReader& reader) {
+  const Metadata& metadata = reader.description().metadata;
+  if (!metadata.keeps_identity()) return "";
+  const auto count = static_cast<std::int64_t>(metadata.facts().identity->attributes->size());
+  return "keeps " + counted_text(count, "attribute") + " that may tell who, where or when";
 }
 
 std::shared_ptr<FileReader> open_labels(const std::string& path, const TaskContext& context,

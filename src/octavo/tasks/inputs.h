@@ -21,6 +21,10 @@ std::shared_ptr<const ByteSource> open_input(const std::string& path, const Task
 /// Throws what FileReader::open throws; Error{io} for a folder; as require_voxels
 std::shared_ptr<FileReader> open_volume(const std::string& path, const TaskContext& context);
 
+/// "keeps 12 attributes that may tell who, where or when": what a file says of the identity of its
+/// source, in words; empty where it keeps none.
+std::string kept_identity_words(const FileReader& reader);
+
 /// What a label map is opened as: for the words of the error and the field that it is about.
 struct LabelUse {
   const char* what;

@@ -27,7 +27,7 @@ VolumeDescription new_description(const std::shared_ptr<const FileReader>& reade
                                   const TransformPlan& plan) {
   VolumeDescription volume = FilePlanes(reader, plan.level, 1).description();
   if (plan.way == TransformWay::copy) {
-    volume.metadata = reader->description().metadata.for_same_bricks();
+    volume.metadata = reader->description().metadata.without_identity();
   }
   volume.size = plan.size;
   volume.geometry = plan.geometry;

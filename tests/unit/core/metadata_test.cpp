@@ -110,11 +110,13 @@ TEST(Metadata, SaysNothingWhereItCannotBeRead) {
     const Metadata labels = read.for_labels(MadeBy("threshold"));
     EXPECT_TRUE(labels.is_readable()) << labels.defect();
     EXPECT_EQ(labels.facts().made_by->operation(), "threshold");
-    EXPECT_EQ(read.for_copy(0, false).text(), text);
+    EXPECT_EQ(read.for_copy(0, true).text(), text);
+    EXPECT_EQ(read.for_copy(0, false).text(), "{}");
+    EXPECT_EQ(read.without_identity().text(), "{}");
     EXPECT_EQ(read.for_copy(1, false).source_max_error(), 1);
   }
   EXPECT_EQ(metadata("[1]").for_labels(MadeBy("xor")).text(),
-            R"({"unreadable":"[1]","made_by":{"operation":"xor"}})");
+            R"({"made_by":{"operation":"xor"}})");
 }
 
 TEST(Metadata, PassesOverFactsOfAnotherForm) {
@@ -226,6 +228,26 @@ TEST(Metadata, PassesOnToACopyWhatIsStillSo) {
   EXPECT_EQ(metadata(R"({ "unit":"HU"})").for_copy(0, false).text(), R"({ "unit":"HU"})");
 }
 
+TEST(Metadata, LeavesOutOfAnIdentityAllButNamesAndCounts) {
+  const auto without = [](const std::string& identity) {
+    const Metadata read = metadata("{ \"unit\":\"HU\",\"identity\":" + identity + "}");
+    return read.without_identity().text();
+  };
+  EXPECT_EQ(without(R"("A")"), R"({"unit":"HU"})");
+  EXPECT_EQ(without(R"(["A"])"), R"({"unit":"HU"})");
+  EXPECT_EQ(without(R"({"attributes":{"B":["A"]}})"),
+            R"({"unit":"HU","identity":{"dropped":{"B":1},"kept":false}})");
+  EXPECT_EQ(without(R"({"attributes":{"B":"A"},"kept":"A","C":"A","dropped":{"D":"A","E":2}})"),
+            R"({"unit":"HU","identity":{"dropped":{"B":1,"D":0,"E":2},"kept":false}})");
+  EXPECT_EQ(without(R"({"attributes":{"B":"A"}},"identity":{"dropped":{}})"),
+            R"({"unit":"HU","identity":{"dropped":{}}})");
+  EXPECT_EQ(without(R"({"dropped":{"B":3},"kept":true})"),
+            R"({"unit":"HU","identity":{"dropped":{"B":3},"kept":true}})");
+  EXPECT_EQ(metadata(R"({ "unit":"HU"})").without_identity().text(), R"({ "unit":"HU"})");
+  EXPECT_TRUE(metadata(R"({"identity":{"attributes":{"B":"A"}}})").keeps_identity());
+  EXPECT_FALSE(metadata(R"({"identity":{"attributes":{},"kept":true}})").keeps_identity());
+}
+
 TEST(Metadata, SaysWhoCodedTheVoxelsAsLongAsTheseBricksStand) {
   const std::string identity = R"("identity":{"attributes":{"A":"y"},"dropped":{},"kept":true})";
   Metadata coded = metadata("{\"coding\":{\"preset\":\"fast\"}," + identity + "}");
@@ -238,7 +260,7 @@ TEST(Metadata, SaysWhoCodedTheVoxelsAsLongAsTheseBricksStand) {
   EXPECT_EQ(coded.facts().written_by->revision, 3);
   EXPECT_EQ(coded.for_copy(0, true).text(), "{" + identity + "}");
   EXPECT_EQ(coded.for_labels(MadeBy("xor")).text(), R"({"made_by":{"operation":"xor"}})");
-  EXPECT_EQ(coded.for_same_bricks().text(),
+  EXPECT_EQ(coded.without_identity().text(),
             R"({"coding":{"preset":"fast"},"identity":{"dropped":{"A":1},"kept":false},)" + said);
   writer.revision = 4;
   coded.set_written_by(writer);

@@ -94,7 +94,9 @@ JsonObject octavo_attribute(const FileReader& reader, int first_level) {
       .set("slope", volume.rescale.slope)
       .set("intercept", volume.rescale.intercept);
   if (first_level == 0) object.set("voxels_sha256", hex_text(reader.voxel_digest()));
-  if (volume.metadata.is_readable()) object.set_json("metadata", volume.metadata.text());
+  if (volume.metadata.is_readable()) {
+    object.set_json("metadata", volume.metadata.without_identity().text());
+  }
   return object;
 }
 

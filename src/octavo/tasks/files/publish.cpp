@@ -130,7 +130,12 @@ PublishResult publish(const PublishOptions& options, const TaskContext& context)
   const std::vector<std::string> names = web_names(options.inputs, page);
   std::vector<std::shared_ptr<const ByteSource>> volumes;
   for (const std::string& path : options.inputs) {
-    open_volume(path, context);
+    const auto reader = open_volume(path, context);
+    if (const std::string kept = kept_identity_words(*reader);
+        !kept.empty() && !options.keep_identity) {
+      throw Error(ErrorKind::invalid_argument, kept, public_name(path))
+          .with_field("publish.keep_identity");
+    }
     volumes.push_back(open_input(path, context));
   }
   Storage& storage = local_storage();

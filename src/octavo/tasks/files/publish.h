@@ -14,6 +14,7 @@ struct PublishOptions {
   std::vector<std::string> inputs;  ///< .8vo files
   std::string page_folder;          ///< the built page
   Output output;                    ///< a folder, new or there; its files of other names stay
+  bool keep_identity = false;       ///< files that keep what may tell who, where or when are taken
 };
 
 struct PublishedFile {
@@ -33,8 +34,10 @@ struct PublishResult {
 /// Volumes that were published there before stay listed as long as their files are there, behind
 /// the new ones.
 /// Throws  as open_volume; Error{corrupt} for a damaged volume, about the field "input.repair"
-///         where repair turns the damage of a file back; Error{io} where the page is not there, a
-///         name is taken and not to be overwritten, and what writing throws; Error{cancelled}
+///         where repair turns the damage of a file back; Error{invalid_argument} about the field
+///         "publish.keep_identity" for a volume that keeps identity; Error{io} where the page is
+///         not there, a name is taken and not to be overwritten, and what writing throws;
+///         Error{cancelled}
 /// Memory  as verify_file, without bricks
 PublishResult publish(const PublishOptions& options, const TaskContext& context);
 

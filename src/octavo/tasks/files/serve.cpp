@@ -162,6 +162,10 @@ ServeResult serve(const ServeOptions& options, const TaskContext& context) {
           .with_field("serve.inputs");
     }
     volumes.push_back(open_volume(path, context));
+    if (const std::string kept = kept_identity_words(*volumes.back());
+        !kept.empty() && !options.needs_page) {
+      context.warn(path + ": " + kept + ", and is given out as it is");
+    }
   }
   Site site(options, token, volumes);
   if (!site.has_page()) context.note("the page of the viewer is not there: files alone are served");
