@@ -74,7 +74,8 @@ def test_arrays_of_xarray_do_not_show_it(kept, tmp_path):
         assert SECRET.decode() not in str(dataset.to_dict())
         (tmp_path / "out").mkdir()
         pytest.importorskip("scipy")
-        dataset.to_netcdf(tmp_path / "out" / "a.nc", engine="scipy")
+        assert dataset["voxels"].astype(np.int16).attrs["kind"] == "grey"
+        dataset.astype(np.int16).to_netcdf(tmp_path / "out" / "a.nc", engine="scipy")
     assert_none_in(tmp_path / "out")
 
 
