@@ -15,6 +15,18 @@ import pytest
 import octavo
 from ranged_files import serving
 
+
+class SlowPlanes:
+    """An array whose build takes two seconds on any machine."""
+
+    shape, dtype = (200, 20, 20), np.dtype(np.int16)
+
+    def __getitem__(self, planes):
+        count = len(range(*planes.indices(self.shape[0])))
+        time.sleep(count / 100)
+        return np.zeros((count, *self.shape[1:]), self.dtype)
+
+
 # Of volumes behind URLs and a folder: grey values, labels, a mask, the same mask elsewhere.
 CALLS = {
     "align": lambda a: a.mask.align(a.other, output=a.out("o.txt"), picture=a.out("p.png")),
@@ -45,7 +57,7 @@ CALLS = {
     "threshold": lambda a: a.grey.threshold(0),
     "touch": lambda a: a.labels.touch(),
     "touch masks": lambda a: a.mask.touch(a.other),
-    "told of a build": lambda a: octavo.build(np.zeros((300, 300, 200), np.int16), a.out("o.8vo"),
+    "told of a build": lambda a: octavo.build(SlowPlanes(), a.out("o.8vo"),
                                               progress=lambda *_: a.grey[...]),
     "transform": lambda a: a.grey.transform(a.out("o.8vo"), mirror="x"),
 }
