@@ -400,9 +400,11 @@ class Volume(VolumeTasks, View):
         if self.closed:
             return f"<octavo volume {self.name}, closed>"
         size = " x ".join(map(str, self.shape))
-        spacing = " x ".join(f"{s:.4g}" for s in self.spacing)
+        spacing = "unknown spacing"
+        if self.is_spacing_known:
+            spacing = " x ".join(f"{s:.4g}" for s in self.spacing) + " mm"
         unit = {"[hnsf'U]": " HU"}.get(self.unit, f" {self.unit}" if self.unit else "")
-        return (f"<octavo volume {self.name}: {size} {self.dtype}{unit}, {spacing} mm "
+        return (f"<octavo volume {self.name}: {size} {self.dtype}{unit}, {spacing} "
                 f"(z, y, x), {len(self.levels)} levels>")
 
     def _repr_html_(self):

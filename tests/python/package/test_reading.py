@@ -241,6 +241,15 @@ def test_a_volume_says_what_it_is(volume, voxels, run):
     assert len(volume) == 130
 
 
+@pytest.mark.parametrize("spacing, said", [((2, 0.5, 0.25), "2 x 0.5 x 0.25 mm"),
+                                           (None, "unknown spacing")])
+def test_a_volume_shows_its_spacing_where_that_is_known(tmp_path, spacing, said):
+    octavo.build(np.zeros((2, 3, 4), np.uint8), tmp_path / "v.8vo", spacing=spacing)
+    with octavo.open(tmp_path / "v.8vo") as made:
+        shown = repr(made)
+    assert said in shown and (" mm" in shown) == (spacing is not None)
+
+
 def test_a_closed_volume_says_so(path):
     volume = octavo.open(path)
     volume.close()
