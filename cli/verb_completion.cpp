@@ -38,7 +38,7 @@ struct ManualArguments {
 /// A text about octavo with the name of this program.
 std::string of_program(std::string text, const CLI::App& app) {
   constexpr std::string_view kName = "octavo";
-  const std::string name = option_tree(app).name;
+  const std::string name = program_name(app);
   for (std::size_t at = 0; (at = text.find(kName, at)) != std::string::npos; at += name.size()) {
     text.replace(at, kName.size(), name);
   }
@@ -107,10 +107,8 @@ void add_manual(CLI::App& app, Context& context) {
     return run_manual(app, *arguments, context);
   });
   // This verb is added last, so all verbs are there to be named.
-  std::vector<std::string> names;
-  for (const VerbEntry& entry : option_tree(app).verbs) names.push_back(entry.name);
   verb.add_option("verb VERB", arguments->verb, "The verb whose page is printed")
-      .check(one_of(names));
+      .check(one_of(verb_names(app)));
   verb.add_option("-o,--output FOLDER", arguments->folder,
                   "Write all pages into this folder instead");
 }

@@ -61,20 +61,26 @@ OptionEntry entry_of(const CLI::Option& option) {
   return entry;
 }
 
+std::vector<const CLI::App*> subcommands_of(const CLI::App& app) {
+  return app.get_subcommands([](const CLI::App*) { return true; });
+}
+
 /// The options of an application and of the nameless groups in it.
 void add_options(const CLI::App& app, std::vector<const CLI::Option*>& options) {
   for (const CLI::Option* option : app.get_options([](const CLI::Option*) { return true; })) {
     options.push_back(option);
   }
-  for (const CLI::App* group : app.get_subcommands([](const CLI::App*) { return true; })) {
+  for (const CLI::App* group : subcommands_of(app)) {
     if (group->get_name().empty()) add_options(*group, options);
   }
 }
 
 }  // namespace
 
+std::string program_name(const CLI::App& app) { return app.get_name(); }
+
 ProgramEntry option_tree(const CLI::App& app) {
-  ProgramEntry program{app.get_name(), app.get_description(), app.get_footer(), {}, {}};
+  ProgramEntry program{program_name(app), app.get_description(), app.get_footer(), {}, {}};
   std::vector<const CLI::Option*> of_program;
   add_options(app, of_program);
   for (const CLI::Option* option : of_program) {
@@ -82,7 +88,7 @@ ProgramEntry option_tree(const CLI::App& app) {
     if (option != app.get_version_ptr()) program.options.push_back(entry_of(*option));
   }
 
-  for (const CLI::App* app_of_verb : app.get_subcommands([](const CLI::App*) { return true; })) {
+  for (const CLI::App* app_of_verb : subcommands_of(app)) {
     VerbEntry verb{
         app_of_verb->get_name(), app_of_verb->get_description(), app_of_verb->get_footer(), {}};
     std::vector<const CLI::Option*> of_verb;
@@ -99,6 +105,12 @@ ProgramEntry option_tree(const CLI::App& app) {
 std::vector<std::string> verb_names(const ProgramEntry& program) {
   std::vector<std::string> names;
   for (const VerbEntry& verb : program.verbs) names.push_back(verb.name);
+  return names;
+}
+
+std::vector<std::string> verb_names(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* verb : subcommands_of(app)) names.push_back(verb->get_name());
   return names;
 }
 

@@ -45,4 +45,9 @@ ProgramEntry option_tree(const CLI::App& app);
 
 std::vector<std::string> verb_names(const ProgramEntry& program);
 
+/// The name of the program, and those of its verbs so far. The tree has them, too, but takes longer
+/// than all else that the program does at its start.
+std::string program_name(const CLI::App& app);
+std::vector<std::string> verb_names(const CLI::App& app);
+
 }  // namespace octavo::cli
