@@ -31,7 +31,7 @@ LIBRARIES = {
     "libwebp7": "BSD-3-Clause", "libwebpmux3": "BSD-3-Clause", "libzstd1": "BSD-3-Clause",
 }
 # Those that are linked within the extension, as far as it calls them.
-INSIDE = ("libblosc1", "libfreetype6", "libminizip1", "libzstd1")
+INSIDE = ("libblosc1", "libfreetype6", "libhwy1", "libminizip1", "libzstd1")
 SOURCE = pathlib.Path(__file__).resolve().parent.parent
 FONT = SOURCE / "src/octavo/render/font/LICENSE"
 

@@ -87,7 +87,8 @@ list(TRANSFORM OCTAVO_READ_SOURCES PREPEND ${CMAKE_CURRENT_LIST_DIR}/)
 
 # The same with vectorized decoders, for those who have Highway.
 set(OCTAVO_READ_SIMD_SOURCES
-  codec/grey/grey_stage_simd.cpp codec/label/label_walk_simd.cpp codec/simd_level.cpp)
+  codec/grey/grey_stage_simd.cpp codec/highway_targets.cpp codec/label/label_walk_simd.cpp
+  codec/simd_level.cpp)
 list(TRANSFORM OCTAVO_READ_SIMD_SOURCES PREPEND ${CMAKE_CURRENT_LIST_DIR}/)
 list(APPEND OCTAVO_READ_SIMD_SOURCES ${OCTAVO_READ_SOURCES})
 list(FILTER OCTAVO_READ_SIMD_SOURCES EXCLUDE REGEX _dispatch_portable)

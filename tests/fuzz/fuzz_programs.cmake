@@ -24,7 +24,6 @@ if(OCTAVO_FUZZING_ENGINE)
   return()
 endif()
 
-find_library(HIGHWAY_LIBRARY hwy REQUIRED)
 octavo_decoders(portable ${decoder_sources})
 set(simd_sources ${OCTAVO_READ_SIMD_SOURCES})
 list(FILTER simd_sources EXCLUDE REGEX /file/)
@@ -32,7 +31,6 @@ octavo_decoders(simd ${simd_sources})
 # One instruction set: with sanitizers, each one more takes clang many minutes.
 target_compile_options(decoders_simd PRIVATE -O1 -march=haswell)
 target_compile_definitions(decoders_simd PRIVATE HWY_COMPILE_ONLY_STATIC)
-target_link_libraries(decoders_simd PRIVATE ${HIGHWAY_LIBRARY})
 octavo_fuzz_target(simd decoders_portable decoders_simd)
 
 # The building half.
