@@ -1,6 +1,5 @@
 """Where the bytes of a file come from: a path, bytes in memory, a URL, a file object."""
 
-import asyncio
 import concurrent.futures
 import contextlib
 import io
@@ -293,6 +292,7 @@ class _Url:
         self._answers = []
         if not self._is_http():
             return self._tried(lambda: _asked(files, "size", path))
+        import asyncio
 
         async def timed(answer):
             start = time.perf_counter()
@@ -466,6 +466,7 @@ class _NoRanges(OSError):
 def _asked(files, name, *args, **options):
     """The future of what a method of a file system returns. Who cancels it does not wait."""
     if getattr(files, "async_impl", False) and not getattr(files, "asynchronous", False):
+        import asyncio
         ask = getattr(files, "_" + name)
         return asyncio.run_coroutine_threadsafe(ask(*args, **options), files.loop)
     future = concurrent.futures.Future()

@@ -1,6 +1,5 @@
 """OME-Zarr: a volume as a zarr store and as dask arrays, images written and read."""
 
-import asyncio
 import itertools
 import os
 import re
@@ -127,6 +126,7 @@ def as_zarr(volume):
     octavo.ArgumentError
         Where zarr 3 is not installed.
     """
+    import asyncio
     try:
         from zarr.abc.store import OffsetByteRequest, RangeByteRequest, Store, SuffixByteRequest
     except ImportError:

@@ -279,6 +279,13 @@ def test_an_array_whose_voxels_share_memory_is_not_filled(volume):
         assert np.array_equal(volume.read(box, out=out), volume[1:5, 2:7, 3:9])
 
 
+def test_what_asks_servers_is_imported_once_there_is_a_url():
+    code = ("import sys, numpy; before = set(sys.modules); import octavo\n"
+            "assert 'asyncio' in before or 'asyncio' not in sys.modules")
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+
+
 def test_modules_that_need_other_packages_are_imported_once_they_are_used():
     code = ("import sys, octavo; before = set(sys.modules)\n"
             "assert 'octavo.dask' not in before and 'numpy' in before\n"
