@@ -157,3 +157,19 @@ def make_error(kind, detail, path="", offset=None, hints=()):
     if kind == "io" and path and any(field in _EXISTING_PATH for field, _ in hints):
         return ExistsError(text, detail, path)
     return _CLASSES.get(kind, InternalError)(text, detail, path, offset)
+
+
+def package_error(package, text, error):
+    """The error for an `ImportError` of an optional package.
+
+    `text` where there is none; where there is one that cannot be imported, as an old one beside a
+    new NumPy, why as well.
+    """
+    cause = error
+    while isinstance(cause.__cause__, ImportError):
+        cause = cause.__cause__
+    is_missing = isinstance(cause, ModuleNotFoundError)
+    if is_missing and (cause.name or "").partition(".")[0] == package:
+        return ArgumentError(text)
+    reason = (str(cause).splitlines() or [type(cause).__name__])[0]
+    return ArgumentError(f"{text}; the one that is installed cannot be imported: {reason}")

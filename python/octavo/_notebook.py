@@ -4,7 +4,7 @@ import base64
 import html
 
 from . import _octavo
-from ._errors import ArgumentError, Error
+from ._errors import ArgumentError, Error, package_error
 
 # Voxels of a slice that is drawn without being asked for.
 _MOST_DRAWN = 1 << 20
@@ -56,8 +56,9 @@ def viewer(volume, axis="z", level=None, **look):
     """
     try:
         import ipywidgets
-    except ImportError:
-        raise ArgumentError("a viewer needs ipywidgets (pip install ipywidgets)") from None
+    except ImportError as error:
+        raise package_error("ipywidgets", "a viewer needs ipywidgets (pip install ipywidgets)",
+                            error) from None
     if level is None:
         views = getattr(volume, "levels", (volume,))
         level = next((number for number, view in enumerate(views)

@@ -11,7 +11,8 @@ import time
 import urllib.parse
 
 from . import _octavo
-from ._errors import ArgumentError, ExistsError, MissingError, StorageError
+from ._errors import (ArgumentError, ExistsError, MissingError, StorageError,
+                      package_error)
 
 
 def source_of(place, options=None):
@@ -225,9 +226,9 @@ class _Url:
     def open(self, cache_bytes):
         try:
             import fsspec.asyn
-        except ImportError:
-            raise ArgumentError(f"{self.name}: URLs are read through fsspec, which is not "
-                                "installed (pip install fsspec aiohttp)") from None
+        except ImportError as error:
+            raise package_error("fsspec", f"{self.name}: URLs are read through fsspec (pip install "
+                                "fsspec aiohttp)", error) from None
         self._waiters = _octavo.Waiters()
         try:
             files, path = self._found(fsspec)

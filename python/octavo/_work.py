@@ -10,7 +10,7 @@ import warnings
 
 import numpy as np
 
-from ._errors import ArgumentError
+from ._errors import ArgumentError, package_error
 
 MOST_THREADS = 1 << 10
 CONNECTIVITIES = (6, 18, 26)
@@ -162,9 +162,9 @@ def _reporter(progress):
         return
     try:
         from tqdm.auto import tqdm
-    except ImportError:
-        raise ArgumentError("progress=True needs tqdm (pip install tqdm); a function "
-                            "progress(done, total, what) does without it") from None
+    except ImportError as error:
+        raise package_error("tqdm", "progress=True needs tqdm (pip install tqdm); a function "
+                            "progress(done, total, what) does without it", error) from None
     with tqdm() as bar:
         def report(done, total, what):
             bar.total = total

@@ -8,7 +8,7 @@ import numpy as np
 
 from . import _octavo
 from ._building import BUILD_OPTIONS, _given, _output, build, build_zarr, is_zarr
-from ._errors import ArgumentError, Error
+from ._errors import ArgumentError, Error, package_error
 from ._sources import require_there, written_path
 from ._tasks import FileTasks, opened_file
 from ._volume import RealView, View, Volume
@@ -129,8 +129,8 @@ def as_zarr(volume):
     import asyncio
     try:
         from zarr.abc.store import OffsetByteRequest, RangeByteRequest, Store, SuffixByteRequest
-    except ImportError:
-        raise ArgumentError("as_zarr needs zarr 3 (pip install zarr)") from None
+    except ImportError as error:
+        raise package_error("zarr", "as_zarr needs zarr 3 (pip install zarr)", error) from None
 
     class OctavoStore(Store):
         """Files of an image, read only."""
@@ -213,8 +213,8 @@ def as_dask(volume, level=0, *, chunks=None):
     """
     try:
         import dask.array
-    except ImportError:
-        raise ArgumentError("as_dask needs dask (pip install dask)") from None
+    except ImportError as error:
+        raise package_error("dask", "as_dask needs dask (pip install dask)", error) from None
     if isinstance(volume, FileTasks):
         volume = _with_levels(volume)
         level = whole_number(level, "level", 0, len(volume.levels) - 1)
@@ -312,9 +312,9 @@ def from_ome_zarr(source, path, *, level=0, channel=None, time=None, **options):
         require_there(os.fspath(source))
     try:
         import zarr
-    except ImportError:
-        raise ArgumentError("from_ome_zarr needs zarr 3 for URLs (pip install zarr), and a folder "
-                            "or an .ozx file otherwise") from None
+    except ImportError as error:
+        raise package_error("zarr", "from_ome_zarr needs zarr 3 for URLs (pip install zarr), and a "
+                            "folder or an .ozx file otherwise", error) from None
     if isinstance(source, zarr.Group):
         folder = _folder_of(zarr, source)
         if folder and is_zarr(folder):

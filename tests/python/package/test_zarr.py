@@ -3,6 +3,7 @@
 import json
 import os
 import subprocess
+import sys
 import zipfile
 import zlib
 
@@ -371,6 +372,27 @@ def test_dask_reads_levels(volume, voxels):
                           volume.levels[1][3:9, ::2])
     real = octavo.as_dask(volume.real)
     assert real.dtype == np.float32 and np.array_equal(real[5].compute(), volume.real[5])
+
+
+@pytest.mark.parametrize("module, why", [
+    (None, ""),
+    ("import numpy.old_compat", "No module named 'numpy.old_compat'"),
+    ("try:\n    import old_toolz\nexcept ImportError as error:\n"
+     "    raise ImportError('get what\\nis missing') from error", "No module named 'old_toolz'"),
+    ("raise ImportError", "ImportError")], ids=("none", "old", "without-others", "wordless"))
+def test_a_dask_that_cannot_be_imported_is_told_from_none(path, tmp_path, module, why):
+    if module is None:
+        hidden = "import sys; sys.modules['dask'] = None\n"
+    else:
+        hidden = f"import sys; sys.path.insert(0, {os.fspath(tmp_path)!r})\n"
+        (tmp_path / "dask").mkdir()
+        (tmp_path / "dask" / "__init__.py").touch()
+        (tmp_path / "dask" / "array.py").write_text(module + "\n")
+    code = (f"{hidden}import octavo\ntry:\n    octavo.as_dask(octavo.open({os.fspath(path)!r}))\n"
+            "except octavo.ArgumentError as error:\n    print(error)\n")
+    said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    told = f"; the one that is installed cannot be imported: {why}" if why else ""
+    assert said.stdout == f"as_dask needs dask (pip install dask){told}\n"
 
 
 def test_xarray_opens_files_by_its_engine(path, volume, voxels):
