@@ -22,6 +22,9 @@ class SharedGroups(parts_test.InParts):
 
     def setUp(self):
         super().setUp()
+        self.begin_with(self.make_parts)
+
+    def make_parts(self):
         self.plan("--bands", "2")
         self.part(0, "--parts", "4,1,5,0,2,3", "-o", "parts", "-q")
 

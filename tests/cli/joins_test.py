@@ -6,7 +6,6 @@ usage: joins_test.py OCTAVO [unittest arguments]
 
 import json
 import os
-import shutil
 import sys
 
 import cli_test
@@ -17,20 +16,15 @@ from parts_test import PLANE, VOXELS, without_schedulers
 class JoinedInOtherWays(parts_test.InParts):
     """All tests begin with copies of the same parts."""
 
-    @classmethod
-    def setUpClass(cls):
-        super().setUpClass()
-        cls.made = cls.scan.parent / "made"
-
     def setUp(self):
         super().setUp()
-        if not self.made.exists():
-            self.built()
-            self.plan("--parts", "3")
-            self.part(0, "--parts", "0-2", "-o", "parts", "-q")
-            shutil.copytree(self.folder, self.made, ignore=shutil.ignore_patterns("scan.raw"))
-        shutil.copytree(self.made, self.folder, dirs_exist_ok=True)
+        self.begin_with(self.make_parts)
         self.whole = self.bytes_of("whole.8vo")
+
+    def make_parts(self):
+        self.built()
+        self.plan("--parts", "3")
+        self.part(0, "--parts", "0-2", "-o", "parts", "-q")
 
     def step(self, code, *arguments, **variables):
         return self.expect(code, "join", "scan.plan", "parts", *arguments, "-o", "scan.8vo",
