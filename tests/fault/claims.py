@@ -8,6 +8,7 @@ Everything is generated. Memory and processor time are those of the program, so 
 depends on what else runs.
 """
 
+import functools
 import gzip
 import os
 import pathlib
@@ -246,23 +247,27 @@ def mosaic(side):
          element(0x7fe0, 0x10, "OB", bytes(2))])
 
 
-class Volumes(InFolder):
-    """Volumes of 4096 x 4096 x 4096 voxels in 800 kB."""
+@functools.cache
+def claimed_volumes():
+    """The bytes of volumes of 4096 x 4096 x 4096 voxels in 800 kB, by the names of their files."""
+    grey = (GOLDEN / "minimal.8vo").read_bytes()
+    labels = (GOLDEN / "labels-uint8.8vo").read_bytes()
+    size = (SIDE, SIDE, SIDE)
+    files = {
+        "g.8vo": ClaimedVolume(size, lambda i, j, k: 50 * is_odd(i, j, k), grey),
+        "flat.8vo": ClaimedVolume(size, lambda i, j, k: 0, grey),
+        "l.8vo": ClaimedVolume(size, is_odd, labels),
+        "long.8vo": ClaimedVolume((1 << 21, 64, 64), is_odd, labels),
+    }
+    return {name: volume.bytes() for name, volume in files.items()}
 
+
+class Volumes(InFolder):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        grey = (GOLDEN / "minimal.8vo").read_bytes()
-        labels = (GOLDEN / "labels-uint8.8vo").read_bytes()
-        size = (SIDE, SIDE, SIDE)
-        files = {
-            "g.8vo": ClaimedVolume(size, lambda i, j, k: 50 * is_odd(i, j, k), grey),
-            "flat.8vo": ClaimedVolume(size, lambda i, j, k: 0, grey),
-            "l.8vo": ClaimedVolume(size, is_odd, labels),
-            "long.8vo": ClaimedVolume((1 << 21, 64, 64), is_odd, labels),
-        }
-        for name, volume in files.items():
-            (cls.folder / name).write_bytes(volume.bytes())
+        for name, data in claimed_volumes().items():
+            (cls.folder / name).write_bytes(data)
 
 
 class Limits(Volumes):
