@@ -316,16 +316,16 @@ class LabelMap(_FileTasks):
                    threads: int = 0, max_memory: int = 0,
                    progress: _Progress = None) -> LabelMap: ...
     def dilate(self, voxels: int | None = None, *, mm: float | None = None,
-               connectivity: Literal[6, 18, 26] = 6, threads: int = 0, max_memory: int = 0,
+               connectivity: Literal[6, 18, 26] | None = None, threads: int = 0, max_memory: int = 0,
                progress: _Progress = None) -> LabelMap: ...
     def erode(self, voxels: int | None = None, *, mm: float | None = None,
-              connectivity: Literal[6, 18, 26] = 6, threads: int = 0, max_memory: int = 0,
+              connectivity: Literal[6, 18, 26] | None = None, threads: int = 0, max_memory: int = 0,
               progress: _Progress = None) -> LabelMap: ...
     def open(self, voxels: int | None = None, *, mm: float | None = None,
-             connectivity: Literal[6, 18, 26] = 6, threads: int = 0, max_memory: int = 0,
+             connectivity: Literal[6, 18, 26] | None = None, threads: int = 0, max_memory: int = 0,
              progress: _Progress = None) -> LabelMap: ...
     def close(self, voxels: int | None = None, *, mm: float | None = None,
-              connectivity: Literal[6, 18, 26] = 6, threads: int = 0, max_memory: int = 0,
+              connectivity: Literal[6, 18, 26] | None = None, threads: int = 0, max_memory: int = 0,
               progress: _Progress = None) -> LabelMap: ...
     def components(self, *, keep_largest: int = 0, min_mm3: float = 0,
                    connectivity: Literal[6, 18, 26] = 6, threads: int = 0, max_memory: int = 0,

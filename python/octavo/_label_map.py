@@ -205,7 +205,7 @@ class LabelMap(FileTasks):
         with work_of(threads, max_memory, progress) as work:
             return LabelMap(self._tree.fill_holes(connectivity_of(connectivity), limit, work))
 
-    def dilate(self, voxels=None, *, mm=None, connectivity=6, threads=0, max_memory=0,
+    def dilate(self, voxels=None, *, mm=None, connectivity=None, threads=0, max_memory=0,
                progress=None):
         """The mask grown.
 
@@ -215,22 +215,22 @@ class LabelMap(FileTasks):
             Steps from voxel to neighbor; 1 where `mm` is not given either.
         mm : float, optional
             In place of steps: the radius of a ball, between centers of voxels.
-        connectivity : {6, 18, 26}
-            Which voxels are neighbors, of steps.
+        connectivity : {6, 18, 26}, optional
+            Which voxels are neighbors, of steps; 6 where it is not given. A ball has none.
         """
         return self._morphed("dilate", voxels, mm, connectivity, threads, max_memory, progress)
 
-    def erode(self, voxels=None, *, mm=None, connectivity=6, threads=0, max_memory=0,
+    def erode(self, voxels=None, *, mm=None, connectivity=None, threads=0, max_memory=0,
               progress=None):
         """The mask shrunk; nothing is taken away at the border of the volume. As `dilate`."""
         return self._morphed("erode", voxels, mm, connectivity, threads, max_memory, progress)
 
-    def open(self, voxels=None, *, mm=None, connectivity=6, threads=0, max_memory=0,
+    def open(self, voxels=None, *, mm=None, connectivity=None, threads=0, max_memory=0,
              progress=None):
         """`erode`, then `dilate`: the places that the ball fits into."""
         return self._morphed("open", voxels, mm, connectivity, threads, max_memory, progress)
 
-    def close(self, voxels=None, *, mm=None, connectivity=6, threads=0, max_memory=0,
+    def close(self, voxels=None, *, mm=None, connectivity=None, threads=0, max_memory=0,
               progress=None):
         """`dilate`, then `erode`: gaps are closed that the ball does not fit into."""
         return self._morphed("close", voxels, mm, connectivity, threads, max_memory, progress)
@@ -311,10 +311,12 @@ class LabelMap(FileTasks):
             raise ArgumentError("give steps in voxels or a radius in mm, not both")
         if mm is not None:
             mm = number_of(mm, "mm")
+            if connectivity is not None:
+                raise ArgumentError("connectivity says how voxels count; with mm it says nothing")
         steps = 1 if voxels is None else _count(voxels, "voxels")
+        neighbors = 6 if connectivity is None else connectivity_of(connectivity)
         with work_of(threads, max_memory, progress) as work:
-            return LabelMap(self._tree.morph(operation, mm, steps, connectivity_of(connectivity),
-                                             work))
+            return LabelMap(self._tree.morph(operation, mm, steps, neighbors, work))
 
     def _require_map(self, other):
         if not isinstance(other, LabelMap):

@@ -77,7 +77,7 @@ class StructureTasks:
         calibration : (slope, intercept)
             density = slope * real value of the scan + intercept.
         thickness : bool
-            False leaves out Tb.Th, Tb.Sp and Tb.N.
+            False leaves out Tb.Th, Tb.Sp, Tb.N and what is measured slice by slice.
         tortuosity : bool
             Whether the geodesic tortuosity of what is not in the mask is measured, along x, y, z:
             from end to end of the region, but for axes on which it tapers.

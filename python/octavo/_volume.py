@@ -26,7 +26,8 @@ class View:
     Coarse levels of float32 volumes hold means in steps. In lossless files these follow the noise
     of the voxels: of noise of deviation 1 they are 1/8 wide, so that level 3 has three values.
     Files built with a `max_error` have steps of twice that, so that coarse levels are as fine as it
-    is small. Take means of level 0 where neither will do.
+    is small. Integers that all lie a multiple of some number apart have means that do, too: where
+    there are two values, levels hold these two. Take means of level 0 where none of it will do.
 
     Attributes
     ----------

@@ -308,6 +308,7 @@ def test_tasks_work_on_bytes_and_on_closed_files_raise(scan):
     (lambda v: v.label_map(), "holds grey values"),
     (lambda v: v.threshold(0).dilate(1, mm=2), "not both"),
     (lambda v: v.threshold(0).dilate(connectivity=7), "connectivity is 6"),
+    (lambda v: v.threshold(0).close(mm=1, connectivity=26), "with mm it says nothing"),
     (lambda v: v.threshold(0).dilate(-1), "voxels is a whole number"),
     (lambda v: v.threshold(0).fill_holes(max_mm3="x"), "max_mm3 is a number"),
     (lambda v: v.threshold(0).fill_holes(max_mm3=-1), "max_mm3 is 0 or more"),
