@@ -7,6 +7,7 @@ import {
   levelText,
   nearestWorldAxes,
   orientationOf,
+  placeText,
   sampleAt,
   sideLetters,
   toIndex,
@@ -35,6 +36,19 @@ test("a place in mm is that of the index, and back", () => {
       toIndex(g, toWorld(g, index)).forEach((v, a) => assert.ok(Math.abs(v - index[a]!) < 1e-9));
     }
   }
+});
+
+test("a place has the digits that tell a voxel from the next", () => {
+  const facts = { geometry: straight, isPlaceKnown: true, isSpacingKnown: true };
+  assert.equal(placeText(facts, [2, 4, 1]), "R 9.0, P 23.0, S 32.0 mm");
+  const fine: Geometry = { ...straight, origin: [0, -1, 0], spacing: [0.0002, 0.0195, 0.1] };
+  assert.equal(
+    placeText({ ...facts, geometry: fine }, [20, 15, 3]),
+    "L 0.0040, A 0.7075, S 0.3000 mm",
+  );
+  const nowhere = { ...facts, geometry: fine, isPlaceKnown: false };
+  assert.equal(placeText(nowhere, [1, 0, 10]), "0.0002, -1.0000, 1.0000 mm");
+  assert.equal(placeText({ ...nowhere, isSpacingKnown: false }, [1, 0, 10]), "");
 });
 
 test("slices of a straight grid are drawn as radiologists have them", () => {

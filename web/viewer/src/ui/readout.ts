@@ -3,23 +3,12 @@
 import { type Vec3, AXES } from "../reader/volume.js";
 import { CELL_SIDE } from "../decode/cells.js";
 import { type Store } from "../store/state.js";
-import { levelText, toWorld } from "../view/geometry.js";
+import { levelText, placeText } from "../view/geometry.js";
 import { nameOf } from "../view/label_color.js";
 import { oCode, rootLevel } from "../view/o_code.js";
 import { realText } from "../view/value_text.js";
 import { byId, shownText } from "./dom.js";
 import { type Session } from "./session.js";
-
-function placeText(session: Session, voxel: Vec3): string {
-  const { facts } = session;
-  if (!facts.isSpacingKnown) return "";
-  const mm = toWorld(facts.geometry, voxel);
-  const text = mm.map((v, a) => {
-    const side = facts.isPlaceKnown ? `${(v < 0 ? "RAI" : "LPS")[a]} ` : "";
-    return `${side}${(facts.isPlaceKnown ? Math.abs(v) : v).toFixed(1)}`;
-  });
-  return `${text.join(", ")} mm`;
-}
 
 export function valueText(session: Session, voxel: Vec3): string {
   const { facts } = session;
@@ -66,7 +55,7 @@ export class Readout {
   text(voxel: Vec3): string {
     const session = this.session();
     if (!session) return "";
-    const parts = [`voxel ${voxel.join(", ")}`, placeText(session, voxel)];
+    const parts = [`voxel ${voxel.join(", ")}`, placeText(session.facts, voxel)];
     parts.push(valueText(session, voxel));
     const over = this.overlay();
     const inOver = over && session.voxelIn(over, voxel);

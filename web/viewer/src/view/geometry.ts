@@ -6,6 +6,7 @@ import {
   type Geometry,
   type Level,
   type Vec3,
+  type VolumeFacts,
 } from "../reader/volume.js";
 
 export function toWorld(g: Geometry, index: Vec3): Vec3 {
@@ -15,6 +16,19 @@ export function toWorld(g: Geometry, index: Vec3): Vec3 {
     return sum;
   };
   return [row(0), row(1), row(2)];
+}
+
+type Place = Pick<VolumeFacts, "geometry" | "isPlaceKnown" | "isSpacingKnown">;
+
+/** The place of a voxel in mm, with the digits that tell it from the next voxel. */
+export function placeText({ geometry, isPlaceKnown, isSpacingKnown }: Place, voxel: Vec3): string {
+  if (!isSpacingKnown) return "";
+  const digits = Math.max(1, Math.ceil(-Math.log10(Math.min(...geometry.spacing))));
+  const text = toWorld(geometry, voxel).map((v, a) => {
+    const side = isPlaceKnown ? `${(v < 0 ? "RAI" : "LPS")[a]} ` : "";
+    return `${side}${(isPlaceKnown ? Math.abs(v) : v).toFixed(digits)}`;
+  });
+  return `${text.join(", ")} mm`;
 }
 
 /** The fractional index of a world position; the direction must be invertible. */
