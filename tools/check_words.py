@@ -7,6 +7,8 @@ Three lists: spellings, words with a better one, and phrases. A word is found in
 snake_case and CamelCase are taken apart. EXCEPTIONS says where a word stays, and why.
 """
 
+import functools
+import os
 import pathlib
 import re
 import sys
@@ -73,15 +75,23 @@ STRING = re.compile(r'"(?:[^"\\]|\\.)*"|\'(?:[^\'\\]|\\.)*\'')
 
 def files(root: pathlib.Path):
     for folder in FOLDERS:
-        for path in sorted((root / folder).rglob("*")):
-            if path.is_symlink() or not path.is_file():
-                continue
-            name = path.relative_to(root).as_posix()
-            is_script = path.suffix == "" and folder in ("tools", "bench")
-            if (path.suffix in ENDINGS or is_script) and not name.startswith(SKIPPED):
-                yield path
+        for place, folders, names in os.walk(root / folder):
+            inside = pathlib.Path(place).relative_to(root).as_posix()
+            folders[:] = sorted(f for f in folders if f"{inside}/{f}/" not in SKIPPED)
+            for name in sorted(names):
+                path = pathlib.Path(place, name)
+                is_script = path.suffix == "" and folder in ("tools", "bench")
+                if ((path.suffix in ENDINGS or is_script) and not path.is_symlink()
+                        and not f"{inside}/{name}".startswith(SKIPPED)):
+                    yield path
     yield from (p for p in sorted(root.iterdir())
                 if p.suffix in {".md", ".txt"} or p.name in {"check", "demo"})
+
+
+@functools.cache
+def better_word(found: str) -> str | None:
+    word = found.lower()
+    return american(word) or WORDS.get(word)
 
 
 def american(word: str) -> str | None:
@@ -104,10 +114,8 @@ def split(line: str, suffix: str) -> tuple[str, str]:
 
 def offenses(line: str, suffix: str):
     for found in WORD.findall(line):
-        word = found.lower()
-        better = american(word) or WORDS.get(word)
-        if better:
-            yield word, better
+        if better := better_word(found):
+            yield found.lower(), better
     code, prose = split(line, suffix)
     for name in NAME.findall(code):
         for part in WORD.findall(GOOD_NAMES.sub("", name)):
@@ -122,6 +130,22 @@ def offenses(line: str, suffix: str):
             yield match.group(), better
 
 
+# What is in every line that has a name, a word of prose or a phrase to change.
+HINTS = [*NAME_WORDS, *PROSE_WORDS,
+         *(re.sub(r"\\b|\(\?!.*", "", pattern) for pattern in PHRASES)]
+
+
+def suspects(text: str):
+    """The lines of a file, with their numbers, that may have something to change."""
+    lower = text.lower()
+    marks = [hint for hint in HINTS if hint in lower]
+    marks += {word.lower() for word in set(WORD.findall(text)) if better_word(word)}
+    if marks:
+        for number, line in enumerate(text.splitlines(), 1):
+            if any(mark in line.lower() for mark in marks):
+                yield number, line
+
+
 def is_exception(name: str, word: str) -> bool:
     return any(name.startswith(path) and re.fullmatch(pattern, word)
                for path, pattern, _ in EXCEPTIONS)
@@ -134,7 +158,7 @@ def main() -> int:
     for path in files(root):
         visited += 1
         name = path.relative_to(root).as_posix()
-        for number, line in enumerate(path.read_text(errors="replace").splitlines(), 1):
+        for number, line in suspects(path.read_text(errors="replace")):
             for word, better in offenses(line, path.suffix):
                 if not is_exception(name, word):
                     print(f"{name}:{number}: '{word}'; say '{better}'")
