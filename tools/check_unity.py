@@ -31,6 +31,8 @@ APART = re.compile(r"set_source_files_properties\(([^)]*)SKIP_UNITY_BUILD_INCLUS
 COMMENT = re.compile(r"#[^\n]*")
 COMMAND = re.compile(r"(\w+)\s*\(([^()]*)\)")
 KEYWORD = re.compile(r"[A-Z]+")
+BRACKETS = {pair: re.compile(f"[{pair}]") for pair in ("{}", "()", "<>")}
+END_OF_HEAD = re.compile(r"[{;(]")
 QUALIFIED = re.compile(r"[\w\]>]\s*::\s*~?\w+\s*\($")
 
 
@@ -43,13 +45,10 @@ def code_of(path: pathlib.Path) -> str:
 def closing(text: str, start: int, pair: str) -> int:
     """The place behind the bracket that closes the one at start."""
     depth = 0
-    for i in range(start, len(text)):
-        if text[i] == pair[0]:
-            depth += 1
-        elif text[i] == pair[1]:
-            depth -= 1
-            if depth == 0:
-                return i + 1
+    for bracket in BRACKETS[pair].finditer(text, start):
+        depth += 1 if bracket.group() == pair[0] else -1
+        if depth == 0:
+            return bracket.end()
     return len(text)
 
 
@@ -57,24 +56,23 @@ def statements(text: str):
     """What a namespace declares: what stands before a body or a semicolon, and the body."""
     head = ""
     i = 0
-    while i < len(text):
-        if text[i] == "{":
+    while found := END_OF_HEAD.search(text, i):
+        head += text[i:found.start()]
+        i = found.start()
+        if found.group() == "{":
             # Braces behind a function's parameters or a type are a body, others a value.
             end = closing(text, i, "{}")
             yield head.strip(), text[i + 1:end - 1]
             i = end
             head = ""
-        elif text[i] == ";":
+        elif found.group() == ";":
             yield head.strip(), ""
             head = ""
             i += 1
-        elif text[i] == "(":
+        else:
             end = closing(text, i, "()")
             head += text[i:end]
             i = end
-        else:
-            head += text[i]
-            i += 1
 
 
 def without_templates(head: str) -> str:
@@ -162,16 +160,22 @@ def are_one(a: str, b: str) -> bool:
 
 
 @functools.cache
+def read_headers(root: pathlib.Path, path: pathlib.Path) -> tuple:
+    """The headers of the tree that a file reads itself."""
+    places = [folder / name for name in INCLUDE.findall(path.read_text())
+              for folder in (root / "src", root / "cli", root / "python/bindings", root / "tests")]
+    return tuple(place for place in places if place.exists())
+
+
+@functools.cache
 def headers_of(root: pathlib.Path, path: pathlib.Path) -> frozenset:
     """The headers of the tree that a file reads, directly or not."""
     found, waiting = set(), [path]
     while waiting:
-        for name in INCLUDE.findall(waiting.pop().read_text()):
-            for folder in (root / "src", root / "cli", root / "python/bindings", root / "tests"):
-                header = folder / name
-                if header.exists() and header not in found:
-                    found.add(header)
-                    waiting.append(header)
+        for header in read_headers(root, waiting.pop()):
+            if header not in found:
+                found.add(header)
+                waiting.append(header)
     return frozenset(found)
 
 
@@ -234,17 +238,19 @@ def clashes(root: pathlib.Path, paths: list[pathlib.Path]) -> list[str]:
     """What sources that may be compiled together name alike."""
     errors = []
     first = {}
-    all_headers = sorted(set().union(*(headers_of(root, path) for path in paths)))
+    declared = {}
+    for header in sorted(set().union(*(headers_of(root, path) for path in paths))):
+        for name, same in names_of_header(header).items():
+            declared.setdefault(name, []).extend((header, one) for one in same)
     for path in paths:
         # What a source reads itself its own compilation judges.
-        others = [header for header in all_headers if header not in headers_of(root, path)]
+        own_headers = headers_of(root, path)
         for name in sorted(names_in(path)):
             known = first.setdefault(bare(name), [])
             clash = [other for other, same in known if other != path and are_one(name, same)]
             known.append((path, name))
-            clash += [header for header in others
-                      for same in names_of_header(header).get(bare(name), ())
-                      if are_one(name, same)]
+            clash += [header for header, same in declared.get(bare(name), ())
+                      if header not in own_headers and are_one(name, same)]
             if clash:
                 errors.append(f"{path.relative_to(root)}: {clash[0].relative_to(root)} names "
                               f"{name} as well")
