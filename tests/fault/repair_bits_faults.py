@@ -106,7 +106,7 @@ class RepairBits(program_faults.InFolder):
 
     def test_a_garbled_sector_that_passes_for_a_flipped_bit_is_rejected(self):
         numbers = random.Random(8)
-        voxels = array.array("h", (numbers.randrange(-32768, 32768) for _ in range(100 * 64 * 8)))
+        voxels = array.array("h", numbers.choices(range(-32768, 32768), k=100 * 64 * 8))
         (self.folder / "v.raw").write_bytes(voxels.tobytes())
         self.expect(0, "build", "v.raw", "--raw", "100,64,8,int16", "--spacing", "1", "-o",
                     "good.8vo", "--force")
