@@ -582,7 +582,7 @@ class Stopping(InFolder):
 
     def test_under_nohup_a_terminal_that_closes_ends_nothing(self):
         process = subprocess.Popen(
-            [OCTAVO, "phantom", "--size", "300", "--noise", "30", "-o", "big.8vo", "-q"],
+            [OCTAVO, "phantom", "--size", "200", "--noise", "30", "-o", "big.8vo", "-q"],
             cwd=self.folder, preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN))
         processor_time.let_run(process, 0.2)
         process.send_signal(signal.SIGHUP)

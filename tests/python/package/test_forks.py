@@ -27,7 +27,7 @@ path = sys.argv[1]
 
 WRITERS = """
 planes = int(sys.argv[2])
-voxels = np.random.default_rng(1).integers(0, 99, (130, 97, 150)).astype(np.uint8)
+voxels = np.random.default_rng(1).integers(0, 99, (130, 40, 70)).astype(np.uint8)
 w = octavo.Writer(path, voxels.shape, voxels.dtype)
 w.add(voxels[:planes])
 
@@ -69,7 +69,7 @@ assert not os.path.exists(os.path.dirname(name))
 
 BUILDS = """
 import threading
-voxels = np.random.default_rng(1).integers(0, 999, (160, 120, 110)).astype(np.int16)
+voxels = np.random.default_rng(1).integers(0, 999, (130, 70, 70)).astype(np.int16)
 volume = octavo.build(voxels, path)
 mask = volume.threshold(500)
 stop = False
