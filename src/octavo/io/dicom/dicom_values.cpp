@@ -28,14 +28,20 @@ double number_or(const DicomSet& set, DicomTag tag, const char* name, double abs
   return absent;
 }
 
-std::string unit_of(const DicomSet& data, const std::string& type) {
-  if (!type.empty()) return known_value_unit(type);
+/// set  what holds Rescale Slope, Intercept and Type of `data`
+std::string unit_of(const DicomSet& data, const DicomSet& set) {
+  if (const std::string type = set.text(kRescaleType); !type.empty()) {
+    return known_value_unit(type);
+  }
   if (data.text(kModality) == "PT") {
     const std::string units = data.text(kPetUnits);
     if (units == "GML") return known_value_unit("g/ml");
     return known_value_unit(units == "CNTS" ? "counts" : units);
   }
-  return data.text(kModality) == "CT" ? "HU" : "";
+  // Without a rescale the numbers of a CT may be anything.
+  const bool is_rescaled =
+      !set.text(kRescaleSlope).empty() || !set.text(kRescaleIntercept).empty();
+  return data.text(kModality) == "CT" && is_rescaled ? "HU" : "";
 }
 
 DicomValues dose_values(const DicomSet& data) {
@@ -65,7 +71,7 @@ DicomValues read_dicom_values(const DicomSet& data, const DicomSet* transformati
   values.rescale.slope = number_or(set, kRescaleSlope, "Rescale Slope", 1, values.fault);
   values.rescale.intercept =
       number_or(set, kRescaleIntercept, "Rescale Intercept", 0, values.fault);
-  values.unit = unit_of(data, set.text(kRescaleType));
+  values.unit = unit_of(data, set);
   if (!data.items(kModalityTable).empty()) {
     values.fault = "its values go through a table (Modality LUT Sequence " +
                    dicom_tag_text(kModalityTable) +

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <tuple>
+
 #include "support/dicom_elements.h"
 #include "support/source_files.h"
 
@@ -28,6 +30,20 @@ TEST(DicomValues, OfADoseHaveNoOtherScaleBesideItsOwn) {
   for (const char* slope : {"1", "0.001"}) {
     write(slope, "0");
     EXPECT_EQ(open_source({path}, {})->description().rescale, (Rescale{0.001, 0}));
+  }
+}
+
+TEST(DicomValues, OfACtAreInHounsfieldUnitsWhereThereIsARescale) {
+  const TempFolder folder;
+  for (const auto& [slope, intercept, unit] :
+       {std::tuple{"1", "", "[hnsf'U]"}, {"", "0", "[hnsf'U]"}, {"", "", ""}}) {
+    DicomElements elements = ct_elements(5, 3, 8);
+    elements.set(kSlope, "DS", slope);
+    elements.set(kIntercept, "DS", intercept);
+    const std::string path = folder.file("a.dcm");
+    elements.write(path, kExplicitLittle);
+    EXPECT_EQ(open_source({path}, {})->description().metadata.unit(), unit)
+        << "slope '" << slope << "', intercept '" << intercept << "'";
   }
 }
 
