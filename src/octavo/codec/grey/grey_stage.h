@@ -91,7 +91,7 @@ template <class T, std::int64_t kPadding = 8>
 class PairGrid {
  public:
   PairGrid()
-      : values_(unset_room<T>(
+      : values_(cleared_room<T>(
             static_cast<std::size_t>(kBrickSide * kBrickSide * kBrickSide / 2 + 64))) {}
   void set_size(const Size3& pairs) {
     row_ = (pairs.x + kPadding - 1) & ~(kPadding - 1);
@@ -109,19 +109,19 @@ class PairGrid {
  private:
   std::int64_t row_ = 0;
   std::int64_t plane_ = 0;
-  std::unique_ptr<T[]> values_;
+  Room<T> values_;
 };
 
 /// Some pairs of every row of a split.
 class PairMasks {
  public:
-  PairMasks() : rows_(unset_room<RowMask>(static_cast<std::size_t>(kBrickSide * kBrickSide))) {}
+  PairMasks() : rows_(cleared_room<RowMask>(static_cast<std::size_t>(kBrickSide * kBrickSide))) {}
   RowMask& row(std::int64_t y, std::int64_t z) {
     return rows_[static_cast<std::size_t>(z * kBrickSide + y)];
   }
 
  private:
-  std::unique_ptr<RowMask[]> rows_;
+  Room<RowMask> rows_;
 };
 
 /// The pairs of a split that lie in no uniform cell.

@@ -9,9 +9,13 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
+#include <cstdlib>
 #include <cstring>
 #include <memory>
+#include <new>
+#include <type_traits>
 
 #include "octavo/core/box.h"
 
@@ -32,11 +36,20 @@ enum class Margins {
   all
 };
 
-/// Room for numbers that are written before they are read. Of large room, the system gives what is
-/// written to, so that small parts take little of it.
+struct FreeRoom {
+  void operator()(void* room) const noexcept { std::free(room); }
+};
 template <class T>
-std::unique_ptr<T[]> unset_room(std::size_t count) {
-  return std::unique_ptr<T[]>(new T[count]);
+using Room = std::unique_ptr<T[], FreeRoom>;
+
+/// Room for numbers, 0 where none was written: vectors reach beyond the ends of rows. Of large
+/// room, the system gives what is written to, so that small parts take little of it.
+template <class T>
+Room<T> cleared_room(std::size_t count) {
+  static_assert(std::is_arithmetic_v<T>);
+  auto* const room = static_cast<T*>(std::calloc(count, sizeof(T)));
+  if (room == nullptr) throw std::bad_alloc();
+  return Room<T>(room);
 }
 
 template <class Sample>
@@ -48,7 +61,7 @@ class SampleGrid {
   static constexpr std::int64_t kPlane = kRow * (kBrickSide + 2 * kMargin);
 
   SampleGrid()
-      : samples_(unset_room<Sample>(
+      : samples_(cleared_room<Sample>(
             static_cast<std::size_t>(kPlane * (kBrickSide + 2 * kMargin) + 32))) {}
 
   const Size3& size() const { return size_; }
@@ -103,7 +116,7 @@ class SampleGrid {
   }
 
   Size3 size_;
-  std::unique_ptr<Sample[]> samples_;
+  Room<Sample> samples_;
 };
 
 /// Repeats a row of `coarse` along `axis` into samples first .. last - 1 of row (y, z) of `fine`,
