@@ -117,8 +117,8 @@ std::string plan_words(const PlanResult& plan, const std::string& path) {
   return text;
 }
 
-nlohmann::ordered_json plan_json(const PlanResult& plan, const std::string& path) {
-  return {{"output", path},
+nlohmann::ordered_json plan_json(const PlanResult& plan, const PlanScanOptions& options) {
+  return {{"output", options.scan.output.path},
           {"size", size_json(plan.volume.size)},
           {"type", voxel_type_name(plan.volume.type)},
           {"kind", word_of(plan.kind)},
@@ -127,8 +127,10 @@ nlohmann::ordered_json plan_json(const PlanResult& plan, const std::string& path
           {"planes_per_group", plan.planes_per_group},
           {"group_bytes", plan.group_bytes},
           {"parts", plan.part_count},
+          {"asked_parts", json_of(options.parts)},
           {"groups_per_part", plan.groups_per_part},
           {"bands", plan.bands},
+          {"asked_bands", json_of(options.bands)},
           {"part_memory_bytes", plan.part_memory_bytes},
           {"in_bands", plan.is_in_bands},
           {"thread_bytes", plan.thread_bytes},
@@ -139,7 +141,7 @@ nlohmann::ordered_json plan_json(const PlanResult& plan, const std::string& path
 int run_plan(const PlanArguments& arguments, Context& context) {
   const PlanResult plan = run_task(plan_scan, options_of(arguments, context), context);
   const std::string& path = arguments.options.scan.output.path;
-  print_result(context, plan_json(plan, path), plan_words(plan, path));
+  print_result(context, plan_json(plan, arguments.options), plan_words(plan, path));
   return kExitDone;
 }
 
@@ -151,8 +153,9 @@ void add_plan(CLI::App& app, Context& context) {
   arguments.is_scan_told =
       verb.add_together([verb, &options] { add_build_options(verb, options.scan); });
   verb.add_output(options.scan.output, "The plan to write, NAME.plan");
-  Option parts =
-      verb.add_option("--parts N", options.parts, "Into how many parts").check(whole_within(1));
+  Option parts = verb.add_option("--parts N", options.parts,
+                                 "Into how many parts, at most one for each group of slices")
+                     .check(whole_within(1));
   Option part_size = verb.add_parsed("--part-size BYTES", options.part_bytes, parse_bytes,
                                      "Parts of so many bytes of voxels at most (8G). Default: 4G")
                          .excludes(parts);

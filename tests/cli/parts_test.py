@@ -131,8 +131,21 @@ class Joined(InParts):
         self.assertFalse(made["parts"][0]["was_there"])
         self.assertEqual(self.bytes_of("scan.part-0001-of-0003"), first)
 
-    def test_more_parts_than_groups_are_as_many_as_groups(self):
-        self.plan("--parts", "50", "--json")
+    def test_more_parts_than_groups_are_as_many_as_groups_and_that_is_told(self):
+        for option, asked, made, words in (
+                ("--parts", 50, {"parts": 3}, "3 parts in place of 50"),
+                ("--bands", 900, {"bands": 64, "parts": 192},
+                 "64 parts share each group in place of 900"),
+                ("--parts", 3, {"parts": 3}, None), ("--part-size", "40M", {"parts": 3}, None)):
+            with self.subTest(option=option, asked=asked):
+                done = self.expect(0, "plan", *self.raw[:-1], option, asked, "-fo", "scan.plan",
+                                   "--json", "--progress", "none")
+                told = json.loads(done.stdout)
+                self.assertEqual(told, told | made)
+                self.assertEqual(told["asked_parts"], asked if option == "--parts" else None)
+                self.assertEqual(told["asked_bands"], asked if option == "--bands" else None)
+                self.assertIn(words or "", done.stderr)
+                self.assertEqual("in place of" in done.stderr, words is not None)
         self.part(0, "--parts", "0-2")
         self.assertIn("scan.part-0002-of-0003", self.files())
 

@@ -7,6 +7,7 @@
 #include "octavo/builder/build_memory.h"
 #include "octavo/builder/build_setup.h"
 #include "octavo/core/error.h"
+#include "octavo/core/text.h"
 #include "octavo/core/url_text.h"
 #include "octavo/dist/band_part.h"
 #include "octavo/dist/rank_build.h"
@@ -30,6 +31,23 @@ void require_part_names(const std::string& plan_path, std::int64_t count) {
                   std::to_string(longest.size()) + " bytes, and file systems allow " +
                   std::to_string(kMaxNameBytes),
               plan_path);
+}
+
+/// Whoever starts as many workers as parts were asked for has some without one.
+void note_fewer_parts(const PlanScanOptions& options, const PlanResult& result,
+                      const TaskContext& context) {
+  const std::string& path = options.scan.output.path;
+  if (options.parts.value_or(0) > result.part_count) {
+    context.note(path + ": " + counted_text(result.part_count, "part") + " in place of " +
+                     count_text(*options.parts) + ": there are no more groups of planes",
+                 "parts");
+  }
+  if (options.bands.value_or(0) > result.bands) {
+    context.note(path + ": " + counted_text(result.bands, "part shares", "parts share") +
+                     " each group in place of " + count_text(*options.bands) +
+                     ": there are no more bricks",
+                 "bands");
+  }
 }
 
 void require_plan_name(const Output& output) {
@@ -174,6 +192,7 @@ PlanResult plan_scan(const PlanScanOptions& options, const TaskContext& context)
   for (const SourceStamp& file : plan.files) files.push_back(file.path);
   require_no_input(output.path, files);
   write_plan(std::move(plan), output.path, options.source_root, output.overwrite);
+  note_fewer_parts(options, result, context);
   return result;
 }
 
