@@ -48,6 +48,13 @@ std::string word(const ZarrValue& object, const char* name) {
   return *text;
 }
 
+/// Of an extension of zarr 3: its member "name", or all of it where it is a text.
+/// Source  Zarr core specification 3.1, "Short-hand names"
+std::string extension_name(const ZarrValue& extension) {
+  const auto text = extension.text();
+  return text ? *text : word(extension, "name");
+}
+
 void put(double number, StoredType type, std::array<std::byte, 8>& fill) {
   const auto write = [&](auto value) { std::memcpy(fill.data(), &value, sizeof value); };
   const bool is_odd = !std::isfinite(number);
@@ -213,7 +220,7 @@ ZarrCodecs read_codecs(const ZarrValue& list, StoredType type, std::size_t dimen
                 std::to_string(kMostCodecs) + " at most");
   }
   for (const ZarrValue& codec : items) {
-    const std::string name = word(codec, "name");
+    const std::string name = extension_name(codec);
     const ZarrValue configuration = codec.at("configuration");
     if (!has_bytes && name == "transpose") {
       take_transpose(configuration, codecs);
@@ -276,7 +283,7 @@ void take_sharding(const ZarrValue& codec, ZarrLayout& layout) {
 }
 
 ZarrKeys keys_of_v3(const ZarrValue& encoding) {
-  const std::string name = encoding.is_there() ? word(encoding, "name") : "default";
+  const std::string name = encoding.is_there() ? extension_name(encoding) : "default";
   if (name != "default" && name != "v2") {
     encoding.reject("chunk_key_encoding \"" + escaped(name) + "\" is not read");
   }
@@ -311,7 +318,7 @@ ZarrLayout layout_of_v3(const ZarrValue& array) {
   layout.shape = read_sides(member(array, "shape"), "shape", 0);
   layout.type = type_of_v3(member(array, "data_type"));
   const ZarrValue grid = member(array, "chunk_grid");
-  if (const std::string name = word(grid, "name"); name != "regular") {
+  if (const std::string name = extension_name(grid); name != "regular") {
     grid.reject("chunk_grid \"" + escaped(name) + "\" is not read; regular is");
   }
   layout.chunk = read_sides(member(grid.at("configuration"), "chunk_shape"), "chunk_shape",
@@ -320,7 +327,7 @@ ZarrLayout layout_of_v3(const ZarrValue& array) {
   layout.fill = read_fill(array.at("fill_value"), layout.type);
   const ZarrValue codecs = member(array, "codecs");
   const std::vector<ZarrValue> items = codecs.items();
-  if (items.size() == 1 && word(items.front(), "name") == "sharding_indexed") {
+  if (items.size() == 1 && extension_name(items.front()) == "sharding_indexed") {
     take_sharding(items.front(), layout);
   } else {
     layout.codecs = read_codecs(codecs, layout.type, layout.dimensions());

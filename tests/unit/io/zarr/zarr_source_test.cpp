@@ -184,6 +184,23 @@ TEST_F(ZarrSources, MembersThatNeedNotBeUnderstoodAreLeftAlone) {
   }
 }
 
+TEST_F(ZarrSources, WhatNeedsNoConfigurationMayBeANameAlone) {
+  const std::string keys = R"({"name":"default","configuration":{"separator":"/"}})";
+  const std::string array = changed(kArray3, keys, "\"default\"");
+  expect_volume(write(image_of_v3(changed(array, "}}]}", "}},\"zstd\"]}"),
+                                  [](const std::string& chunk) {
+                                    return packed(chunk, ZarrCompression::zstd);
+                                  })),
+                bytes_of(kStoredValues));
+  const std::string bytes = R"({"name":"bytes","configuration":{"endian":"little"}})";
+  EXPECT_TRUE(contains(source_error({write(image_of_v3(changed(array, bytes, "\"bytes\""),
+                                                       as_it_is))}),
+                       "codec bytes does not say the byte order"));
+  EXPECT_TRUE(contains(source_error({write(image_of_v3(changed(array, bytes, "\"packbits\""),
+                                                       as_it_is))}),
+                       "codec \"packbits\" is not read"));
+}
+
 TEST_F(ZarrSources, AFolderInThePlaceOfAChunkIsRejected) {
   const std::string image = write(image_of_v3(kArray3, as_it_is));
   fs::remove(image + "/s0/c/0/0/0");
