@@ -4,6 +4,7 @@
 usage: long_lists.py OCTAVO [unittest arguments]
 """
 
+import gzip
 import json
 import os
 import struct
@@ -49,6 +50,14 @@ class LongLists(claims.InFolder):
             with self.subTest(lines[:60]):
                 self.write_nrrd(lines)
                 self.expect_cheap(0, [], "build", "a.nrrd", "-o", "o.8vo", "--force")
+
+    def test_of_names_of_one_file(self):
+        names = 3000
+        self.write("a.raw.gz", gzip.compress(bytes(64 << 20)))
+        self.write("a.nhdr", b"NRRD0004\ntype: uint8\ndimension: 3\nsizes: 8 8 %d\n"
+                   b"encoding: gzip\ndata file: LIST\n" % names + b"a.raw.gz\n" * names)
+        self.expect_cheap(0, [], "build", "a.nhdr", "-o", "o.8vo", "--force",
+                          "--spacing", "1,1,1")
 
     def test_of_fragments_of_dicom(self):
         frames = 10_000

@@ -32,9 +32,17 @@ VoxelStream& PiecedStream::stream() {
   return *stream_;
 }
 
+/// How many bytes stand behind a piece that was read, whose checksums are proven by that. A file
+/// that many pieces lie in is read to its end for one of them.
+std::uint64_t PiecedStream::rest() {
+  const auto known = rest_of_.find(path());
+  if (known != rest_of_.end()) return known->second;
+  return rest_of_[path()] = stream().finish();
+}
+
 /// Goes on to the next piece; of a deflated one the checksums are proven before.
 void PiecedStream::next() {
-  if (coding_ != StreamCoding::plain) behind_.add(path(), stream().finish());
+  if (coding_ != StreamCoding::plain) behind_.add(path(), rest());
   stream_.reset();
   at_ = 0;
   ++number_;
@@ -64,7 +72,7 @@ void PiecedStream::skip(std::uint64_t count) {
 
 BytesBehind PiecedStream::finish() {
   BytesBehind all = behind_;
-  all.add(path(), stream().finish());
+  all.add(path(), rest());
   return all;
 }
 

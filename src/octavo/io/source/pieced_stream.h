@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -32,7 +33,8 @@ struct BytesBehind {
   void add(const std::string& of, std::uint64_t bytes);
 };
 
-/// As VoxelStream, over pieces of equal length. One file is open at a time, from the first on.
+/// As VoxelStream, over pieces of equal length, which start alike where they lie in one deflated
+/// file. One file is open at a time, from the first on.
 class PiecedStream {
  public:
   /// piece_bytes   of each piece, behind decompression; of a single one nobody needs to know them
@@ -62,6 +64,7 @@ class PiecedStream {
   VoxelStream& stream();
   std::uint64_t left() const { return piece_bytes_ - at_; }
   bool has_next() const { return number_ + 1 < pieces_.size(); }
+  std::uint64_t rest();
   void next();
 
   std::vector<StreamPiece> pieces_;
@@ -72,6 +75,7 @@ class PiecedStream {
   std::uint64_t at_ = 0;               ///< in it
   std::optional<VoxelStream> stream_;  ///< of it, once it is opened
   BytesBehind behind_;                 ///< of earlier pieces
+  std::map<std::string, std::uint64_t> rest_of_;  ///< by the path of a file
 };
 
 }  // namespace octavo

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <functional>
+#include <set>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -195,7 +197,9 @@ void check_plain_lengths(SourceFacts& facts, const VoxelRun& run, std::uint64_t 
 void check_deflated_lengths(const SourceFacts& facts, const VoxelRun& run,
                             std::uint64_t voxel_bytes) {
   const std::uint64_t bytes = bytes_of_each_file(run, voxel_bytes);
+  std::set<std::string> proven;  // one may be named any number of times
   for (const StreamPiece& piece : run.files()) {
+    if (!proven.insert(piece.path).second) continue;
     const std::uint64_t stream_bytes = checked_add(piece.start.skip_bytes, bytes, "stream length");
     require_holdable(piece.path, SourceFile(piece.path).size(), stream_bytes, kDeflateRatio);
     if (piece.start.offset == 0 && is_gzip_file(piece.path)) {
