@@ -12,27 +12,19 @@
 #include "common/options.h"
 #include "octavo/core/error.h"
 #include "octavo/core/url_text.h"
+#include "octavo/core/utf8.h"
 #include "text/quantities.h"
 
 namespace octavo::cli {
 
 namespace {
 
-/// How many bytes at the start of `text` are one control character in UTF-8; 0: none are.
-std::size_t control_bytes(std::string_view text) {
-  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
-  if (byte(0) < 0x20 || byte(0) == 0x7f) return 1;
-  return byte(0) == 0xc2 && text.size() > 1 && byte(1) >= 0x80 && byte(1) < 0xa0 ? 2 : 0;
-}
-
 /// kept  control characters that stay
 std::string without_controls(std::string_view text, std::string_view kept) {
   std::string out;
   while (!text.empty()) {
-    const std::size_t bytes = control_bytes(text);
-    const bool is_shown = bytes == 0 || kept.find(text.front()) != std::string_view::npos;
-    const std::string_view piece = text.substr(0, std::max<std::size_t>(bytes, 1));
-    out += is_shown ? std::string(piece) : escaped(piece);
+    const std::string_view piece = text.substr(0, first_piece(text).bytes);
+    out += has_control(piece, kept) ? escaped(piece) : std::string(piece);
     text.remove_prefix(piece.size());
   }
   return out;

@@ -8,8 +8,6 @@ namespace octavo::cli {
 
 void add_render_options(Verb verb, RenderOptions& options);
 
-/// "cubes", as the command line says it.
-
 /// Whether a mode casts rays.
 bool is_of_rays(RenderMode mode);
 

@@ -13,8 +13,6 @@ namespace {
 constexpr double kSentShare = 1.0 / 16;
 constexpr double kHeldShare = 3.0 / 4;
 
-const char* plan_name(GatherPlan plan) { return plan == GatherPlan::tree ? "tree" : "mesh"; }
-
 std::string share_text(double part, double whole) {
   if (part <= 0 || whole <= 0) return "0";
   const double inverse = whole / part;
@@ -27,7 +25,7 @@ std::string report_text(const RankReport& report, const ReportUnits& units) {
   const auto codes = static_cast<double>(report.codes());
   const auto sent = static_cast<double>(report.codes_sent());
   std::string text = fmt::format("ranks     {}, gather by {}\n\n  {:>5}  {:>16}  {:>13}\n",
-                                 report.ranks.size(), plan_name(report.gather), "level", "codes",
+                                 report.ranks.size(), word_of(report.gather), "level", "codes",
                                  "sent");
   for (const LevelTraffic& row : report.levels) {
     text += fmt::format("  {:>5}  {:>16}  {:>13}\n", row.level,
@@ -73,7 +71,7 @@ nlohmann::ordered_json report_json(const RankReport& report, const ReportUnits& 
   };
   const auto count = static_cast<double>(report.ranks.size());
   return {{"ranks", report.ranks.size()},
-          {"gather", plan_name(report.gather)},
+          {"gather", word_of(report.gather)},
           {"levels", json_list(report.levels, level_json)},
           {"codes", report.codes()},
           {"codes_sent", report.codes_sent()},

@@ -83,7 +83,6 @@ int run_at_ranks(const RankArguments& arguments, Context& context, const RankWor
 
 void add_rank_options(Verb verb, RankArguments& arguments) {
   verb.add_word("--gather PLAN", arguments.gather,
-                {{"tree", GatherPlan::tree}, {"mesh", GatherPlan::mesh}},
                 "How top codes come to the first rank: tree, or mesh with pairwise exchange");
   verb.add_option("--report [FORMAT]", arguments.report,
                   "Print what ranks sent, held and did beside the model of the thesis: text "

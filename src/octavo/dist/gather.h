@@ -18,11 +18,14 @@
 #include <vector>
 
 #include "octavo/core/bytes.h"
+#include "octavo/core/option_words.h"
 #include "octavo/dist/communicator.h"
 
 namespace octavo {
 
 enum class GatherPlan { tree, mesh };
+
+constexpr auto option_words(GatherPlan) { return in_order<GatherPlan>("tree", "mesh"); }
 
 /// From whom a rank hears, in this order, and whom it tells then; -1: none, of the first rank.
 struct GatherSteps {

@@ -8,12 +8,12 @@
 #include <string>
 #include <vector>
 
+#include "octavo/core/option_words.h"
 #include "octavo/core/volume.h"
 #include "octavo/dist/communicator.h"
 #include "octavo/dist/gather.h"
 #include "octavo/dist/rank_report.h"
 #include "octavo/octree/neighbors.h"
-#include "octavo/core/option_words.h"
 #include "octavo/tasks/asked_labels.h"
 #include "octavo/tasks/task_context.h"
 #include "octavo/tasks/value_ranges.h"

@@ -6,13 +6,13 @@
 #include <string>
 #include <vector>
 
+#include "octavo/core/option_words.h"
 #include "octavo/core/volume.h"
 #include "octavo/dist/communicator.h"
 #include "octavo/render/picture.h"
 #include "octavo/render/transparency/transparency.h"
 #include "octavo/render/view.h"
 #include "octavo/render/window.h"
-#include "octavo/core/option_words.h"
 #include "octavo/tasks/asked_labels.h"
 #include "octavo/tasks/outputs.h"
 #include "octavo/tasks/pictures/picture_files.h"
