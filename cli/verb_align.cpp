@@ -7,6 +7,7 @@
 #include "common/failure.h"
 #include "common/options.h"
 #include "common/task_run.h"
+#include "octavo/core/url_text.h"
 #include "octavo/tasks/structure/align.h"
 #include "text/fact_json.h"
 #include "text/quantities.h"
@@ -44,17 +45,17 @@ constexpr VerbText kAlignText = {
     "  octavo transform a.8vo --affine pose.txt --grid-of b.8vo -o a-on-b.8vo"};
 
 nlohmann::ordered_json report_json(const AlignOptions& options, const AlignResult& result) {
-  nlohmann::ordered_json report = {{"moving", options.moving}, {"fixed", options.fixed}};
+  nlohmann::ordered_json report = {{"moving", public_name(options.moving)},
+                                   {"fixed", public_name(options.fixed)}};
   report.update(json_of(pose_facts(result)));
-  report.erase("has_lines");
   return report;
 }
 
 std::string report_text(const AlignOptions& options, const AlignResult& result) {
   const FoundPose& pose = result.pose;
   if (!result.is_found) {
-    return fmt::format("{} and {}: no pose; {}\n", escaped(options.moving),
-                       escaped(options.fixed), result.why_none);
+    return fmt::format("{} and {}: no pose; {}\n", shown_path(options.moving),
+                       shown_path(options.fixed), result.why_none);
   }
   std::string text;
   for (std::size_t row = 0; row < 3; ++row) {

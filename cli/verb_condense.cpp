@@ -8,6 +8,7 @@
 #include "common/failure.h"
 #include "common/options.h"
 #include "common/task_run.h"
+#include "octavo/core/url_text.h"
 #include "octavo/tasks/files/condense_volume.h"
 #include "octavo/tasks/structure/self_similarity.h"
 #include "text/built_words.h"
@@ -54,16 +55,11 @@ double parse_flat(const std::string& text, const std::string& option) {
 nlohmann::ordered_json similarity_json(const std::string& input,
                                        const SelfSimilarityOptions& options,
                                        const SelfSimilarityResult& result) {
-  const auto level_json = [](const SimilarityLevel& level) {
-    nlohmann::ordered_json object = json_of(similarity_facts(level));
-    object["saved_bytes"] = level.saved_bytes();
-    return object;
-  };
-  return {{"input", input},
+  return {{"input", public_name(input)},
           {"max_difference", options.max_difference},
           {"up_to_mean", options.is_up_to_mean},
           {"file_bytes", result.file_bytes},
-          {"levels", json_list(result.levels, level_json)},
+          {"levels", json_of(list_of_facts(result.levels, similarity_facts))},
           {"saved_bytes", result.saved_bytes()}};
 }
 

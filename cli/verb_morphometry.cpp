@@ -9,6 +9,7 @@
 #include "common/options.h"
 #include "common/task_run.h"
 #include "common/volume_options.h"
+#include "octavo/core/url_text.h"
 #include "octavo/tasks/structure/morphometry.h"
 #include "octavo/tasks/structure/morphometry_rows.h"
 #include "text/fact_json.h"
@@ -52,16 +53,10 @@ Rescale parse_calibration(const std::string& text, const std::string& option) {
 
 nlohmann::ordered_json report_json(const MorphometryArguments& arguments,
                                    const MorphometryResult& result) {
-  nlohmann::ordered_json report = {{"mask", arguments.options.input}};
+  nlohmann::ordered_json report = {{"mask", public_name(arguments.options.input)}};
   report.update(json_of(morphometry_facts(result, arguments.options.has_tortuosity)));
   if (!arguments.has_slices) return report;
-  const auto& spacing = result.volume.geometry.spacing_mm;
-  const auto slice_json = [&](const SliceMeasure& slice) -> nlohmann::ordered_json {
-    return {{"area_mm2", static_cast<double>(slice.voxels) * spacing[0] * spacing[1]},
-            {"total_mm2", static_cast<double>(slice.region_voxels) * spacing[0] * spacing[1]},
-            {"thickness_mm", slice.mean_thickness_mm}};
-  };
-  report["slices"] = json_list(result.slices, slice_json);
+  report["slices"] = json_of(slice_facts(result));
   return report;
 }
 

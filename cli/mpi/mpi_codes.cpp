@@ -6,6 +6,7 @@
 #include "common/options.h"
 #include "mpi/mpi_verbs.h"
 #include "mpi/report_words.h"
+#include "octavo/core/url_text.h"
 
 namespace octavo::cli {
 
@@ -30,7 +31,8 @@ void print_codes_of_ranks(const CodesResult& result, const RankReport& report,
                           const MpiCodesArguments& arguments, const Context& context) {
   const ReportUnits units{"codes", "planes", static_cast<double>(report.codes())};
   if (arguments.ranks.report == "json") {
-    print_json({{"input", arguments.codes.options.input}, {"report", report_json(report, units)}});
+    print_json({{"input", public_name(arguments.codes.options.input)},
+                {"report", report_json(report, units)}});
     return;
   }
   print_codes(result, arguments.codes, context);

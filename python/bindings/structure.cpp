@@ -40,12 +40,6 @@ nb::dict distance_file(const OpenFile& file, const std::string& name, const std:
   return dict_of({{"smallest_mm", result.smallest_mm}, {"largest_mm", result.largest_mm}});
 }
 
-Facts slice_facts(const SliceMeasure& slice, double pixel_mm2) {
-  return {{"area_mm2", static_cast<double>(slice.voxels) * pixel_mm2},
-          {"total_mm2", static_cast<double>(slice.region_voxels) * pixel_mm2},
-          {"thickness_mm", slice.mean_thickness_mm}};
-}
-
 /// files  of the mask, then of the region and of the scan where `asked` names them
 nb::dict morphometry_file(const std::vector<const OpenFile*>& files, const nb::dict& asked,
                           const nb::dict& given) {
@@ -68,11 +62,8 @@ nb::dict morphometry_file(const std::vector<const OpenFile*>& files, const nb::d
     if (!name.empty()) named.push_back({name, files[named.size()]});
   }
   const MorphometryResult result = run_task(morphometry, options, named, given);
-  const Point3& spacing = result.volume.geometry.spacing_mm;
   Facts facts = morphometry_facts(result, options.has_tortuosity);
-  facts.push_back({"slices", list_of_facts(result.slices, [&](const SliceMeasure& slice) {
-                     return slice_facts(slice, spacing[0] * spacing[1]);
-                   })});
+  facts.push_back({"slices", slice_facts(result)});
   return dict_of(facts);
 }
 

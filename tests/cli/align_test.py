@@ -15,7 +15,7 @@ import cli_test
 SIZE = (48, 40, 36)
 KEYS = ["moving", "fixed", "found", "why_none", "matrix_mm", "scale", "agreement",
         "agreement_around", "sharpness", "parting", "doubtful", "overlap", "mean_mm", "p95_mm",
-        "max_mm", "iterations", "condition", "points", "level", "warnings"]
+        "max_mm", "iterations", "condition", "points", "has_lines", "level", "warnings"]
 
 
 def is_in_bars(x, y, z):

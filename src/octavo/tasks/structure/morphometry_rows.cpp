@@ -206,4 +206,14 @@ Facts morphometry_facts(const MorphometryResult& result, bool has_tortuosity) {
   return facts;
 }
 
+FactValue slice_facts(const MorphometryResult& result) {
+  const Point3& spacing = result.volume.geometry.spacing_mm;
+  const double pixel_mm2 = spacing[0] * spacing[1];
+  return list_of_facts(result.slices, [&](const SliceMeasure& slice) -> Facts {
+    return {{"area_mm2", static_cast<double>(slice.voxels) * pixel_mm2},
+            {"total_mm2", static_cast<double>(slice.region_voxels) * pixel_mm2},
+            {"thickness_mm", slice.mean_thickness_mm}};
+  });
+}
+
 }  // namespace octavo

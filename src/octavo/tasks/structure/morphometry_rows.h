@@ -26,4 +26,7 @@ std::vector<MorphometryRow> morphometry_rows(const MorphometryResult& result,
 /// The same numbers, and what some of them are of: histograms, axes, boxes.
 Facts morphometry_facts(const MorphometryResult& result, bool has_tortuosity);
 
+/// What each plane has of the mask, as a list.
+FactValue slice_facts(const MorphometryResult& result);
+
 }  // namespace octavo

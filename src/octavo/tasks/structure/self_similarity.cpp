@@ -217,7 +217,8 @@ Facts similarity_facts(const SimilarityLevel& level) {
           {"turned", level.turned},
           {"cut_short", level.cut_short},
           {"coded_bytes", level.coded_bytes},
-          {"reference_bytes", level.reference_bytes}};
+          {"reference_bytes", level.reference_bytes},
+          {"saved_bytes", level.saved_bytes()}};
 }
 
 SelfSimilarityResult self_similarity(const SelfSimilarityOptions& options,

@@ -47,7 +47,7 @@ struct SelfSimilarityResult {
   double saved_bytes() const;
 };
 
-/// All numbers of a level but what it saves.
+/// The numbers of a level.
 Facts similarity_facts(const SimilarityLevel& level);
 
 /// Looks for cubes of side 16, 8 and 4 that equal another one: similar_cubes. The bytes of a cube
