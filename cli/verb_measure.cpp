@@ -112,7 +112,7 @@ std::string table_text(const MeasureResult& result, bool shows_percentiles) {
   if (has_grey) {
     columns.insert(columns.end(), {{"mean", 10}, {"sd", 9}, {"min", 9}, {"max", 9}});
     for (const double percent : result.percentiles) {
-      if (shows_percentiles) columns.push_back({"p" + number_text(percent), 9});
+      if (shows_percentiles) columns.push_back({"p" + exact_text(percent), 9});
     }
     // Behind the heads alone: rows have no cell there.
     columns.push_back({result.unit, 0, Align::left});

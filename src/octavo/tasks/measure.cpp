@@ -22,10 +22,12 @@ constexpr const char* kMeasureKind = "measure";
 
 /// The percentiles from low to high, each once.
 std::vector<double> sorted_percentiles(std::vector<double> percentiles) {
-  for (const double percent : percentiles) {
-    if (percent >= 0 && percent <= 100) continue;
-    throw Error(ErrorKind::invalid_argument,
-                "percentile " + number_text(percent) + ": must be 0 to 100");
+  for (double& percent : percentiles) {
+    if (!(percent >= 0 && percent <= 100)) {
+      throw Error(ErrorKind::invalid_argument,
+                  "percentile " + exact_text(percent) + ": must be 0 to 100");
+    }
+    if (percent == 0) percent = 0;  // -0 has another text
   }
   std::sort(percentiles.begin(), percentiles.end());
   percentiles.erase(std::unique(percentiles.begin(), percentiles.end()), percentiles.end());

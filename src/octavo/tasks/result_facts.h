@@ -20,8 +20,8 @@ using Facts = std::vector<Fact>;  ///< in the order in which they are shown
 class FactValue {
  public:
   using List = std::vector<FactValue>;
-  using Held =
-      std::variant<std::monostate, bool, std::int64_t, double, std::string, List, Facts>;
+  using Held = std::variant<std::monostate, bool, std::int64_t, std::uint64_t, double,
+                            std::string, List, Facts>;
 
   FactValue() = default;
   /// Of a bool, a number, a text, facts, a list of such, or an optional of any.
@@ -63,8 +63,10 @@ FactValue::FactValue(const T& value) {
     if (value) held_ = FactValue(*value).held_;
   } else if constexpr (std::same_as<T, bool>) {
     held_ = value;
-  } else if constexpr (std::integral<T>) {
+  } else if constexpr (std::signed_integral<T>) {
     held_ = static_cast<std::int64_t>(value);
+  } else if constexpr (std::unsigned_integral<T>) {
+    held_ = static_cast<std::uint64_t>(value);
   } else if constexpr (std::floating_point<T>) {
     held_ = static_cast<double>(value);
   } else if constexpr (std::convertible_to<const T&, std::string_view>) {

@@ -36,7 +36,7 @@ void append_grey(const GreyStatistics& grey, const std::optional<RegionInMm>& in
   Facts of_percent;
   std::string names;
   for (std::size_t i = 0; i < percents.size(); ++i) {
-    const std::string percent = number_text(percents[i]);
+    const std::string percent = exact_text(percents[i]);
     of_percent.push_back({percent, grey.percentiles[i]});
     names += (i == 0 ? "" : " ") + percent;
   }
