@@ -24,7 +24,6 @@
 #include "facts.h"
 #include "octavo/builder/builder.h"
 #include "octavo/file/storage/storage.h"
-#include "octavo/file/write/writer.h"
 #include "octavo/io/source/narrowing.h"
 #include "octavo/io/zarr/zarr_source.h"
 #include "octavo/planes/plane_cursor.h"
@@ -126,6 +125,13 @@ BuildOptions options_of(const nb::dict& given) {
   return options;
 }
 
+/// Proves words of a build that another program makes. Throws Error{invalid_argument}
+void require_words(const nb::dict& given) {
+  asked_word_if<VolumeKind>(given, "kind");
+  asked_word<Preset>(given, "preset");
+  asked_word_if<Access>(given, "access");
+}
+
 /// The texts of what a build warns of in passing.
 class BuildWarnings {
  public:
@@ -161,10 +167,8 @@ std::vector<std::string> build(const std::string& path, const Zyx& shape, const 
   options.on_clipped = warnings.listener(path);
   const std::optional<WideType> wide = given_type(facts).wide();
   call.run_apart([&] {
-    if (wide) {
-      check_target(local_storage(), path, options.overwrite);
-      planes.narrow_from(*wide);
-    }
+    require_free({path, options.overwrite});
+    if (wide) planes.narrow_from(*wide);
     build_file(planes, local_storage(), path, options, call);
   });
   warnings.add(planes.warnings());
@@ -191,6 +195,7 @@ nb::tuple build_zarr(const std::string& source, const std::string& path, const n
   options.on_clipped = of_build.listener(path);
   std::vector<Warning> warnings;
   call.run_apart([&] {
+    require_free({path, options.overwrite});
     const auto planes = open_zarr_source(source, how, level);
     options.kind = kind.value_or(planes->description().kind);
     const BuildResult built = build_file(*planes, local_storage(), path, options, call);
@@ -303,7 +308,7 @@ class PlaneWriter {
               const nb::dict& given)
       : planes_(description_of(shape, facts)), options_(options_of(given)), path_(path) {
     require_voxels(given_type(facts));
-    check_target(local_storage(), path, options_.overwrite);
+    require_free({path, options_.overwrite});
     options_.on_clipped = warnings_.listener(path);
     thread_ = std::thread([this] { work(); });
   }
@@ -468,6 +473,7 @@ void bind_building(nb::module_& module) {
              "on_progress"_a.none());
   module.def("build_zarr", &build_zarr, "source"_a, "path"_a, "asked"_a, "options"_a,
              "on_progress"_a.none());
+  module.def("require_words", &require_words, "options"_a);
   module.def("is_zarr", &is_zarr_source, "path"_a);
   nb::class_<OwnedWriter>(module, "PlaneWriter")
       .def(nb::init<const std::string&, const Zyx&, const nb::dict&, const nb::dict&>(), "path"_a,

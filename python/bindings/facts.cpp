@@ -12,11 +12,47 @@
 
 #include "asked.h"
 #include "octavo/core/error.h"
+#include "octavo/core/given_label.h"
+#include "octavo/tasks/files/named_labels.h"
 #include "octavo/tasks/volume_facts.h"
 
 namespace octavo::python {
 
 namespace nb = nanobind;
+
+namespace {
+
+LabelNames given_names(const std::map<std::int64_t, std::string>& given) {
+  LabelNames names;
+  for (const auto& [label, name] : given) {
+    if (!is_label(label)) {
+      throw Error(ErrorKind::invalid_argument,
+                  std::to_string(label) + " is no label: expected a whole number of at most 32 "
+                                          "bits");
+    }
+    const std::string fault = label_name_fault(name);
+    if (!fault.empty()) {
+      throw Error(ErrorKind::invalid_argument,
+                  "the name of label " + std::to_string(label) + " " + fault);
+    }
+    names.set(label, {name, {}});
+  }
+  return names;
+}
+
+/// Names that are given, else those of the labels that the planes were read from.
+LabelNames names_of(const nb::dict& facts, VolumeKind kind) {
+  using Given = std::optional<std::map<std::int64_t, std::string>>;
+  if (const auto given = asked_for<Given>(facts, "label_names")) {
+    if (!given->empty()) require_labels_to_name(kind, "");
+    return given_names(*given);
+  }
+  const auto source = asked_for<std::optional<nb::bytes>>(facts, "source_metadata");
+  if (!source || kind == VolumeKind::grey) return {};
+  return Metadata::read(std::string(source->c_str(), source->size())).facts().labels;
+}
+
+}  // namespace
 
 nb::object object_of(const FactValue& value) {
   return std::visit(
@@ -86,12 +122,11 @@ VolumeDescription description_of(const Zyx& shape, const nb::dict& facts) {
                 "the slope is 0, or real values are not finite").with_field("rescale");
   }
   noted.unit = asked_for<std::optional<std::string>>(facts, "unit");
-  for (const auto& [label, name] :
-       asked_for<std::map<std::int64_t, std::string>>(facts, "label_names")) {
-    noted.labels.set(label, {name, {}});
-  }
   noted.source.emplace().format = asked_for<std::string>(facts, "format");
   volume.metadata = Metadata::of(std::move(noted));
+  if (const LabelNames names = names_of(facts, volume.kind); !names.is_empty()) {
+    set_label_names(volume.metadata, names);
+  }
   return volume;
 }
 

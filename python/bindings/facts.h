@@ -49,9 +49,11 @@ StoredType given_type(const nanobind::dict& facts);
 /// become unless their values ask for another.
 /// shape  z, y, x
 /// facts  dtype, kind, spacing (z, y, x) or None, origin (z, y, x), direction (9 numbers,
-///        row-major, columns x, y, z), slope, intercept, unit or None, label_names (label: name),
-///        format
-/// Throws as given_type
+///        row-major, columns x, y, z), slope, intercept, unit or None, label_names (label: name) or
+///        None, source_metadata (of what the planes are read from, whose names of labels are kept
+///        where none are given) or None, format
+/// Throws as given_type, require_labels_to_name and set_label_names; Error{invalid_argument} for
+///        what is no label or no name
 VolumeDescription description_of(const Zyx& shape, const nanobind::dict& facts);
 
 }  // namespace octavo::python

@@ -13,7 +13,7 @@ from ._errors import ArgumentError, SourceError
 from ._program import build_by_program
 from ._sources import require_free, require_there, written_path
 from ._volume import RealView, View, Volume
-from ._work import MOST_THREADS, _reporter, if_given, number_of, one_of, warn_of, whole_number
+from ._work import MOST_THREADS, _reporter, if_given, number_of, warn_of, whole_number
 
 _BLOCK_BYTES = 64 << 20
 _OF_ARRAYS = ("slope", "intercept", "unit", "label_names", "direction", "origin")
@@ -53,6 +53,8 @@ def build(source, path, *, kind=None, spacing=None, origin=None, direction=None,
     slope, intercept : float, optional
         real value = slope * voxel + intercept; 1 and 0 where not given.
     label_names : dict of int to str, optional
+        Names of labels, of one line and at most 512 bytes. Labels that are built again keep their
+        names and colors where none are given.
     preset : {"small", "fast"}
         Fewest bytes, or several times faster.
     access : {"none", "slices", "boxes"}, optional
@@ -122,7 +124,7 @@ def build(source, path, *, kind=None, spacing=None, origin=None, direction=None,
         _require_not_own_source(source, path)
         shape, dtype = source.shape, source.dtype
         kept = {**_facts_of_view(source), "kind": None, "slope": None, "intercept": None,
-                "label_names": None}
+                "source_metadata": None}
         said = {**kept, **{k: v for k, v in said.items() if v is not None}}
     else:
         shape, dtype = _shape_and_type(source)
@@ -152,8 +154,6 @@ def build_zarr(source, path, said, given, progress, *, level=0, channel=None, ti
     for name in _OF_ARRAYS:
         if said.get(name) is not None:
             raise ArgumentError(f"{name} comes from the files of a scan; it is for arrays")
-    if said["kind"] not in (None, "grey", "labels"):
-        raise ArgumentError(f'kind is "grey" or "labels", not {said["kind"]!r}')
     asked = dict(level=whole_number(level, "level", 0, 63), kind=said["kind"],
                  channel="" if channel is None else str(channel),
                  time=if_given(whole_number, time, "time", 0),
@@ -382,30 +382,32 @@ def _stored_type(dtype):
     return dtype.name
 
 
-def _facts(dtype, kind, spacing, origin, direction, unit, slope, intercept, label_names):
-    """What the extension is told of a volume; None: by default."""
-    if kind not in (None, "grey", "labels"):
-        raise ArgumentError(f'kind is "grey" or "labels", not {kind!r}')
+def _facts(dtype, kind, spacing, origin, direction, unit, slope, intercept, label_names=None,
+           source_metadata=None):
+    """What the extension is told of a volume; None: by default. Labels without names are called
+    as `source_metadata` says."""
     direction = np.eye(3) if direction is None else direction
+    if kind is None:
+        kind = "labels" if dtype == np.bool_ else "grey"
     slope = 1 if slope is None else slope
     intercept = 0 if intercept is None else intercept
     if unit is not None:
         _require_text(unit)
-    if not isinstance(label_names or {}, dict):
+    if label_names is not None and not isinstance(label_names, dict):
         raise ArgumentError("label_names is a dictionary, label: name")
     for name in (label_names or {}).values():
         _require_text(name)
     return dict(dtype=_stored_type(dtype),
-                kind=kind or ("labels" if dtype == np.bool_ else "grey"),
-                spacing=None if spacing is None else _three(spacing, "spacing"),
+                kind=kind, spacing=None if spacing is None else _three(spacing, "spacing"),
                 origin=_three((0, 0, 0) if origin is None else origin, "origin"),
                 direction=_numbers(direction, 9, "direction has 3 x 3 numbers"),
                 slope=_numbers(slope, 1, "slope is a number")[0],
                 intercept=_numbers(intercept, 1, "intercept is a number")[0],
                 unit="[hnsf'U]" if unit == "HU" else unit,
-                label_names={whole_number(label, "a label", -(1 << 62)): name
-                             for label, name in (label_names or {}).items()},
-                format="array")
+                label_names=None if label_names is None else
+                {whole_number(label, "a label", -(1 << 62)): name
+                 for label, name in label_names.items()},
+                source_metadata=source_metadata, format="array")
 
 
 def _facts_of_view(view):
@@ -413,7 +415,7 @@ def _facts_of_view(view):
     return dict(kind=facts["kind"], spacing=view.spacing if facts["is_spacing_known"] else None,
                 origin=view.origin, direction=facts["direction"], slope=facts["slope"],
                 intercept=facts["intercept"], unit=facts["unit"],
-                label_names=facts["label_names"])
+                source_metadata=facts["metadata"])
 
 
 def _three(numbers, what):
@@ -445,10 +447,6 @@ BUILD_OPTIONS = dict(preset="small", access=None, max_error=0.0, keep_details=0,
 
 def _given(preset, access, max_error, keep_details, nan, inf, thumbnail, overwrite, resume,
            threads, max_memory):
-    if preset not in ("small", "fast"):
-        raise ArgumentError(f'preset is "small" or "fast", not {preset!r}')
-    if access not in (None, "none", "slices", "boxes"):
-        raise ArgumentError(f'access is "none", "slices" or "boxes", not {access!r}')
     max_error = number_of(max_error, "max_error")
     if max_error < 0:
         raise ArgumentError("max_error is 0 or more")
@@ -484,9 +482,9 @@ def _words_of(options, given):
     for name in _OF_ARRAYS:
         if options.get(name) is not None:
             raise ArgumentError(f"{name} comes from the files of a scan; it is for arrays")
+    _octavo.require_words({**given, "kind": options["kind"]})
     words = [] if given["preset"] == "small" else ["--preset", given["preset"]]
     if options["kind"] is not None:
-        one_of(options["kind"], "kind", ("grey", "labels"))
         words.append(f"--{options['kind']}")
     if options["spacing"] is not None:
         words += ["--spacing", ",".join(map(repr, _three(options["spacing"], "spacing")[::-1]))]

@@ -115,6 +115,7 @@ _CLASSES = {c.kind: c for c in (
 # (kind or None for any, field, value or None for any): what helps. The first row that fits counts.
 _ADVICE = (
     (None, "dtype", None, "convert it with .astype()"),
+    (None, "label_names", None, 'kind="labels" makes labels of them'),
     (None, "keep_details", None, "keep_details={}"),
     ("source_rejected", "max_error", None, "max_error={} would do"),
     (None, "max_error", "0", "leave out max_error"),

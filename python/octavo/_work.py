@@ -95,14 +95,6 @@ def three_of(given, name):
     return numbers_given
 
 
-def one_of(given, name, choices):
-    """`given`, which is one of `choices`. Raises ArgumentError for anything else."""
-    if given not in choices:
-        known = " or ".join(f'"{choice}"' for choice in choices)
-        raise ArgumentError(f"{name} is {known}, not {given!r}")
-    return given
-
-
 def if_given(check, given, *rest):
     """What `check` makes of an argument that may be left out."""
     return None if given is None else check(given, *rest)

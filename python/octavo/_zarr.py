@@ -483,6 +483,7 @@ def _own_facts(attributes, place):
     if metadata.get("unit"):
         facts["unit"] = metadata["unit"]
     if isinstance(metadata.get("labels"), dict):
-        facts["label_names"] = {int(label): text["name"] if isinstance(text, dict) else text
-                                for label, text in metadata["labels"].items()}
+        # A label may have a color alone.
+        facts["label_names"] = {int(label): said["name"]
+                                for label, said in metadata["labels"].items() if "name" in said}
     return facts

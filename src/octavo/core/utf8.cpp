@@ -71,6 +71,15 @@ bool has_control(std::string_view text, std::string_view allowed) noexcept {
   return false;
 }
 
+bool turns_text(std::string_view text) noexcept {
+  for (std::size_t at = text.find('\xe2'); at < text.size(); at = text.find('\xe2', at + 1)) {
+    const std::string_view next = text.substr(at + 1, 2);
+    if (next >= "\x80\xa8" && next <= "\x80\xae") return true;
+    if (next >= "\x81\xa6" && next <= "\x81\xa9") return true;
+  }
+  return false;
+}
+
 void append_utf8(std::string& text, std::uint32_t character) {
   const auto tail = [&](int shift) {
     return static_cast<char>(0x80 | (character >> shift & 0x3f));

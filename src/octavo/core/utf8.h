@@ -26,6 +26,10 @@ bool is_utf8(std::string_view text) noexcept;
 /// `allowed`, which are of one byte, do not count.
 bool has_control(std::string_view text, std::string_view allowed = {}) noexcept;
 
+/// Whether UTF-8 holds a character that changes the direction of what follows, or ends a line:
+/// U+2028 to U+202E, U+2066 to U+2069.
+bool turns_text(std::string_view text) noexcept;
+
 /// Appends the character with this number. Requires one of Unicode, no surrogate.
 void append_utf8(std::string& text, std::uint32_t character);
 

@@ -463,6 +463,14 @@ def test_a_writer_makes_the_file_of_the_array(tmp_path, voxels):
     assert (tmp_path / "a.8vo").read_bytes() == (tmp_path / "b.8vo").read_bytes()
 
 
+def test_an_output_without_a_folder_is_rejected_before_planes_are_read(tmp_path, voxels):
+    path = tmp_path / "none" / "a.8vo"
+    with pytest.raises(octavo.StorageError, match="its folder does not exist"):
+        octavo.Writer(path, voxels.shape, voxels.dtype)
+    with pytest.raises(octavo.StorageError, match="its folder does not exist"):
+        octavo.build(Sliced(voxels, None), path, progress=lambda *_: pytest.fail("has begun"))
+
+
 def test_a_writer_leaves_nothing_of_what_is_not_whole(tmp_path, voxels):
     with pytest.raises(octavo.ArgumentError, match="9 of 130 planes"):
         with octavo.Writer(tmp_path / "a.8vo", voxels.shape, voxels.dtype) as w:

@@ -289,6 +289,16 @@ def test_labels_go_there_and_back(zarr3, tmp_path):
     assert back.voxels_sha256 == volume.voxels_sha256
 
 
+def test_labels_may_have_a_color_alone(zarr3, run, tmp_path):
+    octavo.build(np.full((3, 4, 5), 3, np.uint8), tmp_path / "l.8vo", kind="labels").close()
+    (tmp_path / "names.txt").write_text('3 255 0 0 1 1 1 "liver"\n9 1 2 3 1 1 1 ""\n')
+    done = run("build", tmp_path / "l.8vo", "--label-names", tmp_path / "names.txt", "-o",
+               tmp_path / "named.8vo")
+    assert done.returncode == 0, done.stderr
+    group = zarr3.open_group(octavo.as_zarr(octavo.open(tmp_path / "named.8vo")), mode="r")
+    assert octavo.from_ome_zarr(group, tmp_path / "back.8vo").label_names == {3: "liver"}
+
+
 def test_channels_and_times_are_chosen(zarr3, tmp_path):
     group = zarr3.open_group(str(tmp_path / "five.zarr"), mode="w", zarr_format=3)
     voxels = np.random.default_rng(1).integers(0, 900, (2, 3, 8, 9, 10)).astype("u2")

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "octavo/core/error.h"
+#include "octavo/core/given_label.h"
 #include "octavo/core/utf8.h"
 #include "octavo/io/source/label_table_xml.h"
 #include "octavo/io/source/source_file.h"
@@ -108,9 +109,7 @@ bool is_finite_number(const Word& word) {
 /// A number that a voxel can hold.
 std::optional<std::int64_t> label_in_word(const Word& word) {
   const auto label = number_in_word<std::int64_t>(word);
-  const bool is_label = label && *label >= std::numeric_limits<std::int32_t>::min() &&
-                        *label <= std::numeric_limits<std::uint32_t>::max();
-  return is_label ? label : std::nullopt;
+  return label && is_label(*label) ? label : std::nullopt;
 }
 
 std::string joined(const Row& row, std::size_t begin, std::size_t end) {
@@ -132,17 +131,6 @@ bool is_itk_snap(const Row& row) {
 bool is_hex_color(std::string_view word) {
   return word.size() == 7 && word[0] == '#' &&
          word.find_first_not_of("0123456789abcdefABCDEF", 1) == std::string_view::npos;
-}
-
-/// Whether text holds a character that changes the direction of what follows, or ends a line:
-/// U+2028 to U+202E, U+2066 to U+2069.
-bool turns_text(std::string_view text) {
-  for (std::size_t at = text.find('\xe2'); at < text.size(); at = text.find('\xe2', at + 1)) {
-    const std::string_view next = text.substr(at + 1, 2);
-    if (next >= "\x80\xa8" && next <= "\x80\xae") return true;
-    if (next >= "\x81\xa6" && next <= "\x81\xa9") return true;
-  }
-  return false;
 }
 
 /// In UTF-8, without a byte order mark.
@@ -369,11 +357,9 @@ void LabelNamesFile::take_name(const Row& row) {
     reject_line(row.line, "ends in a color in hexadecimal; give its parts as three numbers, 0 to "
                           "255");
   }
-  const bool is_blank = entry.name.find_first_not_of(" \t") == std::string::npos;
-  if (is_blank && !(entry.name.empty() && entry.color)) reject_line(row.line, "the name is empty");
-  if (entry.name.size() > LabelNames::kMaxNameBytes) {
-    reject_line(row.line, "the name is longer than 512 bytes");
-  }
+  const bool is_color_alone = entry.name.empty() && entry.color;
+  const std::string fault = is_color_alone ? "" : label_name_fault(entry.name);
+  if (!fault.empty()) reject_line(row.line, "the name " + fault);
 
   const auto [first, is_new] = lines_.emplace(number, row.line);
   if (!is_new && names_.all().at(number) != entry) {

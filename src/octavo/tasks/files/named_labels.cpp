@@ -12,18 +12,7 @@ class NamedLabels final : public PlaneSource {
  public:
   NamedLabels(std::unique_ptr<PlaneSource> source, const LabelNames& names)
       : source_(std::move(source)), description_(source_->description()) {
-    Metadata& metadata = description_.metadata;
-    if (!metadata.is_readable()) {
-      throw Error(ErrorKind::corrupt,
-                  "the metadata cannot be read, so that no names can be put into them: " +
-                      metadata.defect());
-    }
-    if (names.is_empty()) metadata.drop_labels();
-    else metadata.set_labels(names);
-    if (metadata.facts().labels == names) return;
-    throw Error(ErrorKind::limit_exceeded,
-                "the metadata have no room for the names of " + std::to_string(names.size()) +
-                    " labels: " + metadata.defect());
+    set_label_names(description_.metadata, names);
   }
 
   const VolumeDescription& description() const override { return description_; }
@@ -40,6 +29,26 @@ class NamedLabels final : public PlaneSource {
 };
 
 }  // namespace
+
+void require_labels_to_name(VolumeKind kind, const std::string& path) {
+  if (kind == VolumeKind::labels) return;
+  throw Error(ErrorKind::invalid_argument, "holds grey values, no labels to be named", path)
+      .with_field("label_names");
+}
+
+void set_label_names(Metadata& metadata, const LabelNames& names) {
+  if (!metadata.is_readable()) {
+    throw Error(ErrorKind::corrupt,
+                "the metadata cannot be read, so that no names can be put into them: " +
+                    metadata.defect());
+  }
+  if (names.is_empty()) metadata.drop_labels();
+  else metadata.set_labels(names);
+  if (metadata.facts().labels == names) return;
+  throw Error(ErrorKind::limit_exceeded,
+              "the metadata have no room for the names of " + std::to_string(names.size()) +
+                  " labels: " + metadata.defect());
+}
 
 std::unique_ptr<PlaneSource> with_label_names(std::unique_ptr<PlaneSource> source,
                                               const LabelNames& names) {

@@ -30,11 +30,7 @@ VolumeKind choose_kind(const BuildScanOptions& options, const VolumeDescription&
 /// The source with the names that were asked for; grey values have none.
 std::unique_ptr<PlaneSource> with_names(std::unique_ptr<PlaneSource> source, VolumeKind kind,
                                         const BuildScanOptions& options, const LabelNames& names) {
-  if (kind == VolumeKind::grey && !options.label_names.empty()) {
-    throw Error(ErrorKind::invalid_argument, "holds grey values, no labels to be named",
-                options.inputs.front())
-        .with_field("label_names");
-  }
+  if (!options.label_names.empty()) require_labels_to_name(kind, options.inputs.front());
   const bool has_names = !source->description().metadata.facts().labels.is_empty();
   const bool drops_names = has_names && kind == VolumeKind::grey;
   if (options.label_names.empty() && !drops_names) return source;
