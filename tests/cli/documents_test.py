@@ -45,7 +45,7 @@ def tour():
 class Documents(cli_test.InFolder):
     def setUp(self):
         super().setUp()
-        self.expect(0, "phantom", "--size", "192,192,108", "--noise", "5", "-o", "cranium.mhd")
+        self.expect(0, "phantom", "--size", "192,192,82", "--noise", "5", "-o", "cranium.mhd")
         # A page of the viewer that is none, and a browser that shows nothing.
         page = self.folder / "page"
         page.mkdir()
