@@ -40,16 +40,19 @@ def pixels_of_png(held):
 
 
 def _predicted(kind, given, above):
-    out = np.zeros_like(given)
-    for x in range(len(given)):
-        for c in range(given.shape[1]):
-            a = int(out[x - 1, c]) if x else 0
-            b = int(above[x, c])
-            d = int(above[x - 1, c]) if x else 0
-            if kind == 3:
-                guess = (a + b) // 2
+    """A row of which each byte is given as what it adds to its neighbors left and above."""
+    channels = given.shape[1]
+    out = [0] * channels  # left of the first pixel
+    aboves = above.ravel().tolist()
+    for value, b, d in zip(given.ravel().tolist(), aboves, [0] * channels + aboves):
+        a = out[-channels]
+        if kind == 3:
+            guess = (a + b) // 2
+        else:
+            to_a, to_b, to_d = abs(b - d), abs(a - d), abs(a + b - 2 * d)
+            if to_a <= to_b and to_a <= to_d:
+                guess = a
             else:
-                p = a + b - d
-                guess = min((abs(p - a), 0, a), (abs(p - b), 1, b), (abs(p - d), 2, d))[2]
-            out[x, c] = (int(given[x, c]) + guess) & 255
-    return out
+                guess = b if to_b <= to_d else d
+        out.append((value + guess) & 255)
+    return np.array(out[channels:], np.uint8).reshape(given.shape)
