@@ -32,7 +32,7 @@ using testing::TextureSource;
 using OpenSource = std::function<std::unique_ptr<PlaneSource>()>;
 
 constexpr int kMostRanks = 8;
-constexpr Size3 kSevenGroups = {70, 40, 6 * TextureSource::kGroupPlanes + 16};
+constexpr Size3 kSevenGroups = {70, 20, 6 * TextureSource::kGroupPlanes + 16};
 
 VolumeDescription seven_groups(VoxelType type = VoxelType::int16,
                                VolumeKind kind = VolumeKind::grey) {
