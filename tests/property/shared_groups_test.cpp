@@ -31,7 +31,7 @@ std::vector<SmallVolume> wide_volumes() {
   }));
   all.push_back(flat(small_volume("labels", VoxelType::uint16, size, VolumeKind::labels)));
   all.push_back(flat(small_volume("float32", VoxelType::float32, {140, 200, 10})));
-  all.push_back(flat(small_volume("uniform groups", VoxelType::int16, {140, 330, 150},
+  all.push_back(flat(small_volume("uniform groups", VoxelType::int16, {140, 200, 150},
                                   VolumeKind::grey, 3, true)));
   // More than 32 bricks of a layer, so that training chooses
   all.push_back(flat(small_volume("many bricks", VoxelType::int16, {512, 448, 9})));
