@@ -79,6 +79,8 @@ class MeshKills(InFolder):
 
 
 class MeshDisks(program_faults.Disks):
+    SIZE = (32, 32, 20)
+
     def setUp(self):
         super().setUp()
         self.expect(0, "threshold", "good.8vo", "--range", "0:", "-o", "mask.8vo")

@@ -461,9 +461,11 @@ class Salvage(InFolder):
 
 
 class SmallFolder(InFolder):
+    SIZE = (64, 64, 40)
+
     def setUp(self):
         super().setUp()
-        self.source = self.noisy_raw("v.raw", 64, 64, 40)
+        self.source = self.noisy_raw("v.raw", *self.SIZE)
         self.expect(0, "build", *self.source, "-o", "good.8vo")
         (self.folder / "out").mkdir()
 
