@@ -47,7 +47,7 @@ std::size_t calls_of(MemoryStorage& storage, const std::function<void()>& work) 
 
 TEST(PartFaults, WhateverCallFailsAPartIsWholeOrNotThere) {
   const SmallGroups groups(kPartGroupBytes);
-  const SmallVolume volume = small_volume("faults", VoxelType::int16, {33, 20, 300});
+  const SmallVolume volume = small_volume("faults", VoxelType::int16, {13, 10, 300});
   const BuildPlan plan = planned(volume);
   const GroupRun run = {1, 3};
   MemoryStorage storage;
@@ -101,7 +101,7 @@ TEST(PartFaults, WhateverCallFailsAPartInBandsIsThatOfWholeGroupsOrNotThere) {
 
 TEST(PartFaults, WhateverCallFailsAJoinedFileIsWholeOrNotThere) {
   const SmallGroups groups(kPartGroupBytes);
-  SmallVolume volume = small_volume("faults", VoxelType::int16, {33, 20, 300});
+  SmallVolume volume = small_volume("faults", VoxelType::int16, {13, 10, 300});
   volume.options.has_thumbnail = true;
   const BuildPlan plan = planned(volume);
   const std::vector<GroupRun> runs = {{0, 2}, {2, 3}, {3, plan.group_count}};
