@@ -428,7 +428,7 @@ class Secrets(Reading):
         self.assertEqual(error["path"], self.server.url("silent"))
 
     def test_no_journal_holds_a_secret(self):
-        self.expect(0, "phantom", "--size", "256,256,1024", "--noise", "3",
+        self.expect(0, "phantom", "--size", "256,256,512", "--noise", "3",
                     "-o", "long.8vo", "-q")
         long = Behaviors((self.folder / "long.8vo").read_bytes())
         middle = len(long.data) * 5 // 8  # behind the first group, far before the end

@@ -6,6 +6,7 @@ usage: serve_test.py OCTAVO [unittest arguments]
 The page of the viewer is a made-up one here: OCTAVO_WEB names its folder.
 """
 
+import functools
 import http.client
 import json
 import os
@@ -17,6 +18,7 @@ import socket
 import stat
 import subprocess
 import sys
+import tempfile
 import unittest
 import urllib.parse
 import urllib.request
@@ -30,18 +32,27 @@ PAGE = {"index.html": "<p>page", "style.css": "p {}", "viewer.js": "1", "worker.
 ORIGIN = "https://viewer.example"
 
 
+@functools.cache
+def phantom():
+    """The bytes of a file that all tests give out."""
+    with tempfile.TemporaryDirectory() as folder:
+        subprocess.run([cli_test.OCTAVO, "phantom", "--size", "40", "-q", "-o", "p.8vo"],
+                       cwd=folder, check=True)
+        return pathlib.Path(folder, "p.8vo").read_bytes()
+
+
 class Serving(cli_test.InFolder):
     """A folder with a volume, a page, and a server that ends with the test."""
 
     def setUp(self):
         super().setUp()
-        self.expect(0, "phantom", "--size", "40", "-o", "a b.8vo")
+        self.bytes = phantom()
+        (self.folder / "a b.8vo").write_bytes(self.bytes)
         self.page = self.folder / "page"
         self.page.mkdir()
         for name, text in PAGE.items():
             (self.page / name).write_text(text)
         self.environment = {**os.environ, "OCTAVO_WEB": str(self.page)}
-        self.bytes = (self.folder / "a b.8vo").read_bytes()
 
     def serve(self, *arguments, before=(), page=True):
         environment = self.environment if page else {**self.environment,
