@@ -39,14 +39,12 @@ void note_fewer_parts(const PlanScanOptions& options, const PlanResult& result,
   const std::string& path = options.scan.output.path;
   if (options.parts.value_or(0) > result.part_count) {
     context.note(path + ": " + counted_text(result.part_count, "part") + " in place of " +
-                     count_text(*options.parts) + ": there are no more groups of planes",
-                 "parts");
+                 count_text(*options.parts) + ": there are no more groups of planes");
   }
   if (options.bands.value_or(0) > result.bands) {
     context.note(path + ": " + counted_text(result.bands, "part shares", "parts share") +
-                     " each group in place of " + count_text(*options.bands) +
-                     ": there are no more bricks",
-                 "bands");
+                 " each group in place of " + count_text(*options.bands) +
+                 ": there are no more bricks");
   }
 }
 
