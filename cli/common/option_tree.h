@@ -45,8 +45,8 @@ ProgramEntry option_tree(const CLI::App& app);
 
 std::vector<std::string> verb_names(const ProgramEntry& program);
 
-/// The name of the program, and those of its verbs so far. The tree has them, too, but takes longer
-/// than all else that the program does at its start.
+/// The name of the program, and those of its verbs so far: for every start, which has no time for
+/// the tree.
 std::string program_name(const CLI::App& app);
 std::vector<std::string> verb_names(const CLI::App& app);
 

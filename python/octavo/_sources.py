@@ -11,8 +11,7 @@ import time
 import urllib.parse
 
 from . import _octavo
-from ._errors import (ArgumentError, ExistsError, MissingError, StorageError,
-                      package_error)
+from ._errors import ArgumentError, ExistsError, MissingError, StorageError, package_error
 
 
 def source_of(place, options=None):

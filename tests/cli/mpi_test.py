@@ -16,11 +16,11 @@ import re
 import signal
 import subprocess
 import sys
-import tempfile
 import time
 
 import cli_test
 import render_test
+from shared_folder import folder_of
 
 OCTAVO_MPI = ""
 SIZE = (512, 512, 268)  # of uint16: four groups of 64 planes and one of 12
@@ -96,9 +96,7 @@ class ByRanks(cli_test.InFolder):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        holder = tempfile.TemporaryDirectory()
-        cls.addClassCleanup(holder.cleanup)
-        cls.shared = pathlib.Path(holder.name)
+        cls.shared = folder_of(cls)
         (cls.shared / "scan.raw").write_bytes(VOXELS)
 
     def setUp(self):

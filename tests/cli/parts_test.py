@@ -9,16 +9,15 @@ The volume has three groups of planes; everything is generated.
 import array
 import json
 import os
-import pathlib
 import random
 import shlex
 import shutil
 import signal
 import subprocess
 import sys
-import tempfile
 
 import cli_test
+from shared_folder import folder_of
 
 SIZE = (512, 512, 140)  # of uint16: groups of 64, 64 and 12 planes
 PLANE = SIZE[0] * SIZE[1]
@@ -56,9 +55,7 @@ def without_schedulers(**variables):
 class InParts(cli_test.InFolder):
     @classmethod
     def setUpClass(cls):
-        holder = tempfile.TemporaryDirectory()
-        cls.addClassCleanup(holder.cleanup)
-        cls.scan = pathlib.Path(holder.name) / "scan.raw"
+        cls.scan = folder_of(cls) / "scan.raw"
         cls.scan.write_bytes(VOXELS)
 
     def setUp(self):

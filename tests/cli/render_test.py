@@ -13,6 +13,7 @@ import sys
 import zlib
 
 import cli_test
+from png_rows import unfiltered
 
 SIZE = (40, 36, 20)
 BLOCK = ((4, 24), (4, 20), (2, 18))
@@ -49,35 +50,9 @@ def read_png(path):
     rows, above = [], bytes(stride)
     for y in range(height):
         begin = y * (stride + 1)
-        above = unfiltered(raw[begin], raw[begin + 1 : begin + 1 + stride], above)
+        above = unfiltered(raw[begin], raw[begin + 1 : begin + 1 + stride], above, 3)
         rows.append(list(zip(above[::3], above[1::3], above[2::3])))
     return rows
-
-
-def unfiltered(kind, line, above):
-    """The bytes of a row of a PNG file of 3 bytes a pixel, of which the row above is known."""
-    if kind == 0:
-        return line
-    if kind == 2:
-        return bytes((a + b) & 255 for a, b in zip(line, above))
-    out = bytearray(3)  # left of the first pixel
-    if kind == 1:
-        for value in line:
-            out.append((value + out[-3]) & 255)
-    elif kind == 3:
-        for value, up in zip(line, above):
-            out.append((value + (out[-3] + up) // 2) & 255)
-    else:
-        for value, up, corner in zip(line, above, bytes(3) + above):
-            left = out[-3]
-            to_left, to_up = abs(up - corner), abs(left - corner)
-            to_corner = abs(left + up - 2 * corner)
-            if to_left <= to_up and to_left <= to_corner:
-                guess = left
-            else:
-                guess = up if to_up <= to_corner else corner
-            out.append((value + guess) & 255)
-    return bytes(out[3:])
 
 
 class Pictures(cli_test.InFolder):

@@ -16,7 +16,6 @@ import signal
 import struct
 import subprocess
 import sys
-import tempfile
 import unittest
 import zlib
 
@@ -26,6 +25,7 @@ import dicom_bytes  # pylint: disable=wrong-import-position
 import processor_time  # pylint: disable=wrong-import-position
 # pylint: disable-next=wrong-import-position
 from file_bytes import TRAILER_LENGTH, ClaimedVolume, crc32c
+from shared_folder import folder_of  # pylint: disable=wrong-import-position
 
 OCTAVO = "octavo"
 IS_FULL_FORM = "OCTAVO_NIGHTLY_SHARE" in os.environ
@@ -45,9 +45,7 @@ class InFolder(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls):
-        holder = tempfile.TemporaryDirectory()
-        cls.addClassCleanup(holder.cleanup)
-        cls.folder = pathlib.Path(holder.name)
+        cls.folder = folder_of(cls)
 
     def start(self, *arguments):
         return subprocess.Popen([OCTAVO, *arguments, "--progress", "none"], cwd=self.folder,

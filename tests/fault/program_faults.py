@@ -23,6 +23,7 @@ import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "support"))
 import processor_time  # pylint: disable=wrong-import-position
+from shared_folder import folder_of  # pylint: disable=wrong-import-position
 
 OCTAVO = "octavo"
 MOMENTS = max(16, int(1000 * float(os.environ.get("OCTAVO_NIGHTLY_SHARE", "0"))))
@@ -142,9 +143,7 @@ class Resume(InFolder):
     def setUpClass(cls):
         """The scan and its file, which each test begins with, and how long the file takes."""
         super().setUpClass()
-        holder = tempfile.TemporaryDirectory()
-        cls.addClassCleanup(holder.cleanup)
-        cls.made = pathlib.Path(holder.name)
+        cls.made = folder_of(cls)
         x, y, z = cls.SIZE
         numbers = random.Random(7)
         with open(cls.made / "v.raw", "wb") as raw:

@@ -1,9 +1,14 @@
 """Reads the PNG pictures of the program, with nothing but NumPy."""
 
+import pathlib
 import struct
+import sys
 import zlib
 
 import numpy as np
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "support"))
+from png_rows import unfiltered  # noqa: E402  pylint: disable=wrong-import-position
 
 
 def pixels_of(path):
@@ -35,24 +40,6 @@ def pixels_of_png(held):
         elif row[0] == 2:
             pixels[y] = given + above
         else:
-            pixels[y] = _predicted(row[0], given, above)
+            line = unfiltered(row[0], row[1:].tobytes(), above.tobytes(), channels)
+            pixels[y] = np.frombuffer(line, np.uint8).reshape(width, channels)
     return np.broadcast_to(pixels, (height, width, 3)) if channels == 1 else pixels
-
-
-def _predicted(kind, given, above):
-    """A row of which each byte is given as what it adds to its neighbors left and above."""
-    channels = given.shape[1]
-    out = [0] * channels  # left of the first pixel
-    aboves = above.ravel().tolist()
-    for value, b, d in zip(given.ravel().tolist(), aboves, [0] * channels + aboves):
-        a = out[-channels]
-        if kind == 3:
-            guess = (a + b) // 2
-        else:
-            to_a, to_b, to_d = abs(b - d), abs(a - d), abs(a + b - 2 * d)
-            if to_a <= to_b and to_a <= to_d:
-                guess = a
-            else:
-                guess = b if to_b <= to_d else d
-        out.append((value + guess) & 255)
-    return np.array(out[channels:], np.uint8).reshape(given.shape)
