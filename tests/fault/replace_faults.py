@@ -271,8 +271,7 @@ class FullDisk(SmallFolder):
         yield ["build", *self.source, "--parts", "1", "-o", f"{folder}/x.8vo"], f"{folder}/x.8vo"
         yield (["slice", "good.8vo", "--montage", "8x5", "--every", "1", "-o",
                 f"{folder}/x.png"], f"{folder}/x.png")
-        yield (["surface", "mask.8vo", "--max-deviation", "0", "-o", f"{folder}/x.stl"],
-               f"{folder}/x.stl")
+        yield ["surface", "mask.8vo", "-o", f"{folder}/x.stl"], f"{folder}/x.stl"
         yield (["hexahedra", "mask.8vo", "--uniform", "-o", f"{folder}/x.vtu"],
                f"{folder}/x.vtu")
 

@@ -43,7 +43,7 @@ TEST(Partition, AnyPartsInAnyOrderMakeTheFileOfABuild) {
     volumes.emplace_back(std::move(volume), kMostBandBytes);
     EXPECT_GE(volumes.back().plan().group_count, 3) << name;
   }
-  const std::uint64_t count = case_count(128, 10'000);
+  const std::uint64_t count = case_count(300, 10'000);
   GoalCases cases("E4", "random partitions", count);
   for (std::uint64_t i = 0; cases.next(); ++i) {
     std::mt19937 random(static_cast<std::uint32_t>(i));

@@ -112,7 +112,7 @@ Volume any_volume() {
                                        std::begin(kGreyTypes), std::end(kGreyTypes)))
                                  : *rc::gen::elementOf(std::vector<VoxelType>(
                                        std::begin(kLabelTypes), std::end(kLabelTypes)));
-  const auto axis = rc::gen::inRange<std::int64_t>(1, 80);
+  const auto axis = rc::gen::inRange<std::int64_t>(1, 90);
   const Size3 size{*axis, *axis, *axis};
   const auto texture = static_cast<Texture>(*rc::gen::inRange(0, static_cast<int>(Texture::count)));
   const auto seed = *rc::gen::arbitrary<std::uint64_t>();
